@@ -1,0 +1,1 @@
+"""The mapping core: occupancy grids from range scans. NumPy in, NumPy out; knows no web and no asyncio."""

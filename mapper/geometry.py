@@ -1,0 +1,56 @@
+"""Planar rigid motions, SE(2): compose, inverse, transform points, wrap angles.
+
+A pose is ``(x, y, theta)``: metres, metres, radians counter-clockwise (REP 103). ``T_a_b`` takes
+coordinates in frame b to coordinates in frame a, so ``compose(T_map_base, T_base_laser)`` is ``T_map_laser``.
+Source: Barfoot, State Estimation for Robotics, chapter 7; Siciliano & Khatib, Handbook of Robotics, 2.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Float64Array = NDArray[np.float64]
+
+
+def wrap_angle(angle: ArrayLike) -> Float64Array:
+    """Return the same direction in [−π, π). Shape is kept; radians."""
+    a = np.asarray(angle, dtype=np.float64)
+    return np.asarray(np.mod(a + np.pi, 2.0 * np.pi) - np.pi, dtype=np.float64)
+
+
+def compose(t_a_b: ArrayLike, t_b_c: ArrayLike) -> Float64Array:
+    """Return ``T_a_c``. Both are (..., 3) and broadcast against each other; the angle comes back wrapped."""
+    a = np.asarray(t_a_b, dtype=np.float64)
+    b = np.asarray(t_b_c, dtype=np.float64)
+    cos, sin = np.cos(a[..., 2]), np.sin(a[..., 2])
+    return np.stack(
+        [
+            a[..., 0] + cos * b[..., 0] - sin * b[..., 1],
+            a[..., 1] + sin * b[..., 0] + cos * b[..., 1],
+            wrap_angle(a[..., 2] + b[..., 2]),
+        ],
+        axis=-1,
+    )
+
+
+def inverse(t_a_b: ArrayLike) -> Float64Array:
+    """Return ``T_b_a`` for ``T_a_b`` of shape (..., 3)."""
+    t = np.asarray(t_a_b, dtype=np.float64)
+    cos, sin = np.cos(t[..., 2]), np.sin(t[..., 2])
+    return np.stack(
+        [
+            -(cos * t[..., 0] + sin * t[..., 1]),
+            sin * t[..., 0] - cos * t[..., 1],
+            wrap_angle(-t[..., 2]),
+        ],
+        axis=-1,
+    )
+
+
+def transform_points(t_a_b: ArrayLike, points_xy: ArrayLike) -> Float64Array:
+    """Return points (..., 2), given in frame b, in frame a, for one pose ``T_a_b`` of shape (3,)."""
+    x, y, theta = np.asarray(t_a_b, dtype=np.float64)
+    p = np.asarray(points_xy, dtype=np.float64)
+    cos, sin = np.cos(theta), np.sin(theta)
+    return np.stack([x + cos * p[..., 0] - sin * p[..., 1], y + sin * p[..., 0] + cos * p[..., 1]], axis=-1)

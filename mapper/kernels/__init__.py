@@ -1,0 +1,1 @@
+"""The numba twins: bare arrays in, ``out`` arrays written; no classes, no I/O, never raise."""

@@ -1,0 +1,1 @@
+"""Readers of robot logs, one per format, behind one ``open_log``."""

@@ -1,0 +1,1 @@
+"""Map files: map_server's image and yaml, and plain pictures."""

@@ -1,0 +1,180 @@
+"""What a range sensor reports: one scan, and a whole log of scans packed into arrays.
+
+Readings follow REP 117: +Inf is "no return", −Inf "too close to measure", NaN an invalid reading; a reading r is a
+measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserScan, REP 117.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import ConfigError, LimitError
+from mapper.geometry import compose
+from mapper.limits import DEFAULT_LIMITS, Limits
+
+
+def _check_beams(angle_min: float, angle_increment: float, range_min: float, range_max: float) -> None:
+    if not (np.isfinite(angle_min) and np.isfinite(angle_increment)):
+        raise ConfigError(
+            "scan.angles",
+            f"angle_min and angle_increment must be finite, not {angle_min!r} and {angle_increment!r}.",
+        )
+    if not (0.0 <= range_min < range_max) or np.isnan(range_max):
+        raise ConfigError(
+            "scan.range_limits",
+            f"Range limits must satisfy 0 ≤ range_min < range_max, not {range_min!r}, {range_max!r}.",
+        )
+
+
+def _check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+    if poses.shape != shape:
+        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
+    bad = ~np.isfinite(poses).all(axis=-1)
+    if np.any(bad):
+        raise ConfigError(
+            "scan.pose",
+            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
+        )
+    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
+        raise ConfigError("scan.pose_far", f"A pose lies more than {limits.max_pose:g} m from the origin.")
+
+
+@dataclass(frozen=True, slots=True)
+class LaserScan:
+    """One revolution or sweep of a range finder.
+
+    ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in
+    the laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside
+    [``range_min``, ``range_max``] metres are not measurements.
+    """
+
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamp_ns: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        if self.ranges.ndim != 1:
+            raise ConfigError("scan.shape", f"A scan's ranges are one row, not an array of shape {self.ranges.shape}.")
+        _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) in the laser frame, radians."""
+        return np.asarray(self.angle_min + self.angle_increment * np.arange(len(self.ranges)), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_map_base``, metres and radians.
+
+    ``description`` is one sentence on where the poses come from.
+    """
+
+    poses: NDArray[np.float64]
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
+        _check_poses(self.poses, (len(self.poses), 3))
+
+
+@dataclass(frozen=True, slots=True)
+class ScanLog:
+    """A whole log of one sensor, packed once, so that it can be mapped again and again in milliseconds.
+
+    ``ranges`` (n_scans, n_beams) float32; ``stamps_ns`` (n_scans,) int64, as recorded (they may jump backwards);
+    ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``;
+    ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
+    """
+
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamps_ns: NDArray[np.int64]
+    trajectories: Mapping[str, Trajectory]
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    upside_down: bool = False
+    name: str = ""
+    format: str = ""
+    notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
+    limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        object.__setattr__(self, "stamps_ns", np.ascontiguousarray(self.stamps_ns, dtype=np.int64))
+        if self.ranges.ndim != 2:
+            raise ConfigError(
+                "log.shape", f"A log's ranges are scans × beams, not an array of shape {self.ranges.shape}."
+            )
+        if len(self.ranges) > self.limits.max_scans or self.ranges.shape[1] > self.limits.max_beams:
+            raise LimitError(
+                "log.too_large",
+                f"The log has {self.ranges.shape[0]} scans × {self.ranges.shape[1]} beams; the limits are "
+                f"{self.limits.max_scans} and {self.limits.max_beams}.",
+            )
+        if self.stamps_ns.shape != (len(self.ranges),):
+            raise ConfigError(
+                "log.stamps", f"{len(self.ranges)} scans need as many stamps, not {self.stamps_ns.shape}."
+            )
+        if not self.trajectories:
+            raise ConfigError("log.no_trajectory", "A log needs at least one trajectory.")
+        for trajectory in self.trajectories.values():
+            _check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
+        _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
+            raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
+
+    @property
+    def n_scans(self) -> int:
+        """Number of scans."""
+        return int(self.ranges.shape[0])
+
+    @property
+    def n_beams(self) -> int:
+        """Beams in each scan."""
+        return int(self.ranges.shape[1])
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) in the laser frame, radians."""
+        return np.asarray(self.angle_min + self.angle_increment * np.arange(self.n_beams), dtype=np.float64)
+
+    @property
+    def default_trajectory(self) -> str:
+        """Name of the trajectory that is used where none is named."""
+        return next(iter(self.trajectories))
+
+    def trajectory(self, name: str | None = None) -> Trajectory:
+        """Return the trajectory ``name`` (None: the default). Raises :class:`ConfigError` for a name the log lacks."""
+        key = self.default_trajectory if name is None else name
+        if key not in self.trajectories:
+            raise ConfigError(
+                "log.trajectory",
+                f"The log has no trajectory {key!r}; it has {', '.join(map(repr, self.trajectories))}.",
+            )
+        return self.trajectories[key]
+
+    def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
+        """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""
+        return compose(self.trajectory(trajectory).poses, np.array(self.mount))
+
+    def scan(self, index: int) -> LaserScan:
+        """Return scan ``index``, negative from the end."""
+        return LaserScan(
+            self.ranges[index],
+            self.angle_min,
+            self.angle_increment,
+            self.range_min,
+            self.range_max,
+            int(self.stamps_ns[index]),
+        )

@@ -1,0 +1,1 @@
+"""The simulator: worlds, lidar, and a robot that walks by itself."""

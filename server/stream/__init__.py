@@ -1,0 +1,1 @@
+"""The tile stream: the wire format, what changed, and who still needs it."""

@@ -1,0 +1,164 @@
+"""The wire: what the stream's frames look like, encoded and decoded once (its twin: ``static/src/protocol.ts``).
+
+One WebSocket, ``/api/sessions/{id}/stream``, subprotocol ``gridbloom.v1``, permessage-deflate off.
+
+**Binary frames (server → browser)** carry tiles, little-endian::
+
+    header  kind u8 (1 = tiles) · flags u8 (bit 0: the last frame of a complete picture) · reserved u16 · epoch u32
+            · seq u32 · count u32
+    tile    tx i16 · ty i16 · revision u32 · nbytes u32 · nbytes of zstd data          (count times)
+
+A tile is 64 × 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A cell's
+value q is its log-odds over the range [log_odds_min, log_odds_max] that the ``geometry`` message states, spread over
+−127 … +127: ``ℓ = log_odds_min + (q + 127) / 254 · (log_odds_max − log_odds_min)``; −128 is "never observed".
+``epoch`` changes when the geometry does: tiles of an older epoch are void, and tiles that are not sent are unobserved.
+
+**Flow control.** Every binary frame has a ``seq`` (a frame with count 0 carries only a seq); the browser answers each
+with ``{"type": "ack", "seq": n}``. At most two are unacknowledged (one, when acknowledgements are slow). What changes
+meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: nothing queues, so nothing grows stale.
+
+**Text frames** are JSON objects with a ``type``. Server → browser:
+
+``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
+                 sensor: {table, values}|null, log: {id, trajectory, trajectories: [...], n_beams, duration_s}|null}
+                first message; ``table`` is rows of mapper.parameters.Parameter as objects; ``epoch_id`` changes when
+                the server restarts or the session is made anew
+``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
+``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
+                 ranges: [m|null, ...], angle_min, angle_increment, range_max, remade_ms?, auto}
+                the newest state, sent right before the binary frame of the same instant; ``t`` is the server's clock in
+                seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
+                those of the newest scan, ``null`` for no return or no reading
+``trajectory``  {poses: [[x, y], ...]}   log sessions only: the base at every scan, sent at the start and after a change
+``parameters``  {values, sensor: values|null}    after a change by anyone, or as the answer to a refused one
+``world``       {name, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
+``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log
+``error``       {code, message, detail}   the last command was refused; everything goes on
+``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}
+                answers ``inspect``
+``pong``        {id, t}
+
+Browser → server:
+
+``ack``         {seq}
+``resume``      {epoch_id, epoch, revision}   first message after a reconnect: "I have all tiles up to this revision";
+                 the server then sends only newer ones when epoch_id and epoch still hold
+``play`` ``pause`` ``step`` {scans?: ±n} ``speed`` {value} ``seek`` {index} ``restart``
+``parameters``  {values: {name: value, ...}}
+``teleport``    {x, y, yaw?}      ``drive`` {linear, angular}  (m/s, rad/s; held for 0.5 s)   ``auto`` {value: bool}
+``world``       {name}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
+``inspect``     {row, col, epoch}
+``ping``        {id}
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+SUBPROTOCOL = "gridbloom.v1"
+KIND_TILES = 1
+FLAG_COMPLETE = 1
+HEADER = struct.Struct("<BBHIII")
+TILE_HEADER = struct.Struct("<hhII")
+MAX_COMMAND_BYTES = 64 * 1024
+
+
+class ProtocolError(Exception):
+    """A frame that breaks the protocol; ``code`` is stable, the message is one sentence."""
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+
+
+@dataclass(frozen=True, slots=True)
+class TilePayload:
+    """One compressed tile as it goes over the wire: shared by all who watch."""
+
+    tx: int
+    ty: int
+    revision: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class TilesFrame:
+    """A decoded binary frame."""
+
+    epoch: int
+    seq: int
+    complete: bool
+    tiles: tuple[TilePayload, ...]
+
+
+def encode_tiles(epoch: int, seq: int, tiles: Sequence[TilePayload], *, complete: bool = False) -> bytes:
+    """Return the binary frame that carries ``tiles``."""
+    parts = [HEADER.pack(KIND_TILES, FLAG_COMPLETE if complete else 0, 0, epoch, seq, len(tiles))]
+    for tile in tiles:
+        parts.append(TILE_HEADER.pack(tile.tx, tile.ty, tile.revision, len(tile.data)))
+        parts.append(tile.data)
+    return b"".join(parts)
+
+
+def decode_tiles(frame: bytes) -> TilesFrame:
+    """Return what a binary frame says. Raises :class:`ProtocolError` for a frame that is cut or of another kind."""
+    if len(frame) < HEADER.size:
+        raise ProtocolError("frame.cut", f"A binary frame has at least {HEADER.size} bytes, this one {len(frame)}.")
+    kind, flags, _, epoch, seq, count = HEADER.unpack_from(frame)
+    if kind != KIND_TILES:
+        raise ProtocolError("frame.kind", f"Binary frames are of kind {KIND_TILES}, this one is {kind}.")
+    at = HEADER.size
+    tiles: list[TilePayload] = []
+    for _ in range(count):
+        if at + TILE_HEADER.size > len(frame):
+            raise ProtocolError("frame.cut", f"The frame promises {count} tiles and ends after {len(tiles)}.")
+        tx, ty, revision, nbytes = TILE_HEADER.unpack_from(frame, at)
+        at += TILE_HEADER.size
+        if at + nbytes > len(frame):
+            raise ProtocolError("frame.cut", f"Tile ({tx}, {ty}) promises {nbytes} bytes; {len(frame) - at} are left.")
+        tiles.append(TilePayload(tx, ty, revision, frame[at : at + nbytes]))
+        at += nbytes
+    if at != len(frame):
+        raise ProtocolError("frame.rest", f"{len(frame) - at} bytes follow the last tile.")
+    return TilesFrame(epoch, seq, bool(flags & FLAG_COMPLETE), tuple(tiles))
+
+
+def encode_text(message: dict[str, Any]) -> str:
+    """Return a text frame. Numbers that JSON cannot say (NaN, infinities) are a defect of the caller and raise."""
+    return json.dumps(message, separators=(",", ":"), allow_nan=False)
+
+
+def _refuse_constant(name: str) -> float:
+    raise ProtocolError("command.number", f"{name} is not a JSON number.")
+
+
+def decode_command(text: str | bytes) -> dict[str, Any]:
+    """Return a command from the browser, an object with a ``type`` string.
+
+    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, no ``type``.
+    """
+    if isinstance(text, bytes):
+        raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
+    if len(text) > MAX_COMMAND_BYTES:
+        raise ProtocolError("command.too_long", f"A command has at most {MAX_COMMAND_BYTES} characters.")
+    try:
+        command = json.loads(text, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
+    if not isinstance(command, dict) or not isinstance(command.get("type"), str):
+        raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
+    return command
+
+
+def number(command: dict[str, Any], key: str, default: float | None = None) -> float:
+    """Return a finite number of a command; raise :class:`ProtocolError` naming the key where there is none."""
+    value = command.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ProtocolError(f"command.{key}", f'"{key}" must be a finite number, not {value!r:.80}.')
+    return float(value)
