@@ -1,0 +1,45 @@
+"""The logs in memory: the least recently used leave when there are too many bytes of them."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+from mapper.scan import ScanLog
+from server.library.packed import nbytes
+
+
+class LogCache:
+    """Keeps up to ``max_bytes`` of logs. A log larger than that is not kept; whoever asked for it has it all the same.
+
+    Used from the event loop only.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        self._max_bytes = max_bytes
+        self._logs: OrderedDict[str, ScanLog] = OrderedDict()
+        self.bytes = 0
+
+    def get(self, log_id: str) -> ScanLog | None:
+        """Return the log and count it as just used; None where it is not kept."""
+        log = self._logs.get(log_id)
+        if log is not None:
+            self._logs.move_to_end(log_id)
+        return log
+
+    def put(self, log_id: str, log: ScanLog) -> None:
+        """Keep ``log``, letting go of the least recently used ones until it fits."""
+        self.drop(log_id)
+        size = nbytes(log)
+        if size > self._max_bytes:
+            return
+        self._logs[log_id] = log
+        self.bytes += size
+        while self.bytes > self._max_bytes:
+            oldest = next(iter(self._logs))
+            self.drop(oldest)
+
+    def drop(self, log_id: str) -> None:
+        """Let go of a log, if it is kept."""
+        log = self._logs.pop(log_id, None)
+        if log is not None:
+            self.bytes -= nbytes(log)

@@ -1,0 +1,358 @@
+"""The library: which logs there are for whom, what state each is in, and the log itself when it is asked for.
+
+Three sources: uploads (private to the visitor who made them), a folder that the operator names (for everybody,
+read-only) and one built-in sample. All methods run on the event loop; files and readers work elsewhere.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+import time
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import structlog
+
+from mapper.errors import LimitError, MapperError, ReadError
+from mapper.scan import ScanLog
+from server.library.cache import LogCache
+from server.library.folder import FolderLog, list_folder
+from server.library.intake import Received, receive, too_large
+from server.library.names import display_name
+from server.library.packed import StalePackError, read_pack
+from server.library.reading import Reader, summarise
+from server.library.records import Failure, JsonRecords, Record, Records
+
+SAMPLE_ID = "sample-office"
+SAMPLE_NAME = "A simulated office (sample)"
+DAY_S = 86_400.0
+
+_log = structlog.get_logger(__name__)
+
+
+class LogNotFoundError(MapperError):
+    """There is no such log for this visitor: never was, is gone, or belongs to somebody else."""
+
+
+class LogReadOnlyError(MapperError):
+    """The log is not the visitor's to delete."""
+
+
+class LibrarySettings(Protocol):
+    """What the library reads of :class:`server.settings.Settings`."""
+
+    data_dir: Path
+    logs_dir: Path | None
+    max_upload_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryLimits:
+    """Caps on what the library takes in, keeps and spends on reading."""
+
+    max_logs_per_owner: int = 50
+    max_total_bytes: int = 20 << 30  #: bytes of all uploads together
+    max_uploads_at_once: int = 8
+    keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
+    idle_s: float = 30.0  #: seconds without a byte after which an upload is given up
+    read_timeout_s: float = 120.0
+    read_memory_bytes: int = 6 << 30  #: address space of the reading process
+    cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+
+class Library:
+    """The logs of one server. Call :meth:`start` before and :meth:`close` after use."""
+
+    def __init__(
+        self, settings: LibrarySettings, limits: LibraryLimits | None = None, records: Records | None = None
+    ) -> None:
+        self._limits = limits or LibraryLimits()
+        self._max_upload_bytes = settings.max_upload_bytes
+        self._folder = settings.logs_dir
+        root = settings.data_dir / "library"
+        self._blobs, self._packs, self._incoming = root / "blobs", root / "packs", root / "incoming"
+        for folder in (self._blobs, self._packs, self._incoming):
+            folder.mkdir(parents=True, exist_ok=True)
+        self._store: Records = records or JsonRecords(root / "records")
+        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were opened
+        self._folder_logs: dict[str, FolderLog] = {}
+        self._jobs: dict[str, asyncio.Task[None]] = {}
+        self._uploads = 0
+        self._reader = Reader(timeout_s=self._limits.read_timeout_s, memory_bytes=self._limits.read_memory_bytes)
+        self._cache = LogCache(self._limits.cache_bytes)
+        self._sample = Record(SAMPLE_ID, "", SAMPLE_NAME, "sample", "ready", 0)
+        self._sample_job: asyncio.Task[ScanLog] | None = None
+
+    async def start(self) -> None:
+        """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end."""
+        for record in await asyncio.to_thread(lambda: list(self._store.load())):
+            kept = record
+            if not self._blob(record.id).is_file():
+                self._store.delete(record.id)
+                continue
+            if record.state in ("queued", "reading"):
+                failure = Failure("log.interrupted", "Reading was interrupted; upload the log again to retry.")
+                kept = replace(record, state="failed", progress=0.0, error=failure)
+                self._store.put(kept)
+            self._records[kept.id] = kept
+        self._expire()
+        await self._refresh_folder()
+        await asyncio.to_thread(self._sweep)
+
+    def _expire(self) -> None:
+        """Delete the uploads that nobody has used for a long time."""
+        oldest = time.time() - self._limits.keep_s
+        for record in self._uploaded():
+            if record.used_s < oldest and record.id not in self._jobs:
+                self._forget(record.id)
+
+    def _sweep(self) -> None:
+        """Remove half uploads, half packs, and blobs and packs that belong to no record."""
+        for path in self._incoming.iterdir():
+            path.unlink(missing_ok=True)
+        for path in self._blobs.iterdir():
+            if path.name not in self._records:
+                path.unlink(missing_ok=True)
+        for path in self._packs.iterdir():
+            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self._folder_logs):
+                path.unlink(missing_ok=True)
+
+    async def close(self) -> None:
+        """End the jobs and the reading process."""
+        jobs: set[asyncio.Task[Any]] = {*self._jobs.values()}
+        if self._sample_job is not None:
+            jobs.add(self._sample_job)
+        for job in jobs:
+            job.cancel()
+        await asyncio.gather(*jobs, return_exceptions=True)
+        await self._reader.close()
+
+    # -- uploads ------------------------------------------------------------------------------------------------
+
+    async def put(self, owner: str, name: str, chunks: AsyncIterator[bytes], size: int | None = None) -> Record:
+        """Store an upload of ``owner``, queue it for reading and return its record.
+
+        ``size`` is what the sender says the upload has, so that one that is too large is refused at once. Bytes that
+        the owner has uploaded before give the record that is there; one that failed is read again. Raises
+        :class:`LimitError` for an upload over a cap and :class:`ReadError` for an empty one; nothing is left of it.
+        """
+        limits = self._limits
+        self._expire()
+        if size is not None and size > self._max_upload_bytes:
+            raise too_large(self._max_upload_bytes)
+        if self._uploads >= limits.max_uploads_at_once:
+            raise LimitError("library.busy", "Too many uploads are under way; try again in a moment.")
+        if sum(record.owner == owner for record in self._uploaded()) >= limits.max_logs_per_owner:
+            raise LimitError(
+                "library.too_many",
+                f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
+            )
+        if sum(record.bytes for record in self._uploaded()) + (size or 0) > limits.max_total_bytes:
+            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+        self._uploads += 1
+        try:
+            async with receive(
+                chunks, self._incoming, max_bytes=self._max_upload_bytes, idle_s=limits.idle_s
+            ) as received:
+                return self._take(owner, display_name(name), received)
+        finally:
+            self._uploads -= 1
+
+    def _take(self, owner: str, name: str, received: Received) -> Record:
+        """Give the received bytes their place, unless the owner has them. No ``await``: two uploads cannot mix here."""
+        for record in self._uploaded():
+            if record.owner == owner and record.sha256 == received.sha256:
+                return self._queue(record) if record.state == "failed" else record
+        record = Record(
+            id=secrets.token_hex(10),
+            owner=owner,
+            name=name,
+            source="upload",
+            state="queued",
+            bytes=received.bytes,
+            sha256=received.sha256,
+            created_s=time.time(),
+            used_s=time.time(),
+        )
+        try:
+            received.path.rename(self._blob(record.id))
+            self._store.put(record)
+        except OSError as error:
+            self._forget(record.id)
+            raise LimitError("log.storage", "The server could not store the log; its disk may be full.") from error
+        return self._queue(record)
+
+    def _uploaded(self) -> Sequence[Record]:
+        return [record for record in self._records.values() if record.source == "upload"]
+
+    async def delete(self, owner: str, log_id: str) -> None:
+        """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
+
+        Raises :class:`LogNotFoundError`, and :class:`LogReadOnlyError` for a log that is not an upload.
+        """
+        record = self.get(owner, log_id)
+        if record.source != "upload":
+            raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
+        self._forget(record.id)
+        job = self._jobs.pop(record.id, None)
+        if job is not None:
+            job.cancel()
+            await asyncio.gather(job, return_exceptions=True)
+            self._pack(record.id).unlink(missing_ok=True)
+
+    def _forget(self, log_id: str) -> None:
+        self._records.pop(log_id, None)
+        self._cache.drop(log_id)
+        self._store.delete(log_id)
+        self._blob(log_id).unlink(missing_ok=True)
+        self._pack(log_id).unlink(missing_ok=True)
+
+    # -- looking ------------------------------------------------------------------------------------------------
+
+    async def list(self, owner: str) -> Sequence[Record]:
+        """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
+        await self._refresh_folder()
+        uploads = sorted((r for r in self._uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True)
+        folder = [self._folder_record(log) for log in self._folder_logs.values()]
+        return [*(self._with_progress(record) for record in [*uploads, *folder]), self._sample]
+
+    def get(self, owner: str, log_id: str) -> Record:
+        """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
+        if log_id == SAMPLE_ID:
+            return self._sample
+        record = self._records.get(log_id)
+        if record is None and log_id in self._folder_logs:
+            record = self._folder_record(self._folder_logs[log_id])
+        if record is None or (record.source == "upload" and record.owner != owner):
+            raise LogNotFoundError("log.not_found", "There is no such log.")
+        return self._with_progress(record)
+
+    def _with_progress(self, record: Record) -> Record:
+        return replace(record, progress=self._reader.progress) if record.state == "reading" else record
+
+    async def _refresh_folder(self) -> None:
+        if self._folder is None:
+            return
+        found = await asyncio.to_thread(list_folder, self._folder)
+        self._folder_logs = {log.id: log for log in found}
+        for record in [r for r in self._records.values() if r.source == "folder" and r.id not in self._folder_logs]:
+            if record.id not in self._jobs:
+                del self._records[record.id]
+                self._cache.drop(record.id)
+                self._pack(record.id).unlink(missing_ok=True)
+
+    def _folder_record(self, log: FolderLog) -> Record:
+        known = self._records.get(log.id)
+        if known is not None:
+            return known
+        name = display_name(log.path.name)
+        return Record(log.id, "", name, "folder", "ready", log.bytes, created_s=log.modified_s)
+
+    # -- the log itself -----------------------------------------------------------------------------------------
+
+    async def load(self, owner: str, log_id: str) -> ScanLog:
+        """Return a log, from memory, from its pack, or after it has been read; waits for a job that is under way.
+
+        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
+        """
+        record = self.get(owner, log_id)
+        if record.source == "upload" and time.time() - record.used_s > DAY_S:
+            record = replace(self._records[log_id], used_s=time.time())
+            self._save(record)
+        kept = self._cache.get(log_id)
+        if kept is not None:
+            return kept
+        if record.source == "sample":
+            return await self._load_sample()
+        if record.state == "ready":
+            try:
+                return await self._unpack(record)
+            except StalePackError:
+                record = self._queue(record)
+        job = self._jobs.get(log_id)
+        if job is not None:
+            await asyncio.wait([job])  # not the job itself: it may be cancelled, and that is not ours to be
+        record = self.get(owner, log_id)
+        if record.error is not None:
+            raise ReadError(record.error.code, record.error.message)
+        try:
+            return await self._unpack(record)
+        except StalePackError as error:
+            raise ReadError("log.storage", "What was read of the log could not be stored; try again.") from error
+
+    async def _unpack(self, record: Record) -> ScanLog:
+        log = await asyncio.to_thread(read_pack, self._pack(record.id))
+        log = replace(log, name=record.name)
+        self._cache.put(record.id, log)
+        if record.summary is None:
+            self._records[record.id] = replace(record, summary=summarise(log))
+        return log
+
+    async def _load_sample(self) -> ScanLog:
+        if self._sample_job is None:
+            self._sample_job = asyncio.create_task(self._make_sample())
+        return await asyncio.shield(self._sample_job)
+
+    async def _make_sample(self) -> ScanLog:
+        from mapper.world import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
+
+        try:
+            log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)
+        finally:
+            self._sample_job = None
+        self._cache.put(SAMPLE_ID, log)
+        self._sample = replace(self._sample, summary=summarise(log), bytes=int(log.ranges.nbytes))
+        return log
+
+    # -- jobs ---------------------------------------------------------------------------------------------------
+
+    def _queue(self, record: Record) -> Record:
+        """Queue a log for reading, once, and return its record in that state."""
+        if record.id in self._jobs:
+            return self._records[record.id]
+        queued = replace(record, state="queued", progress=0.0, error=None)
+        self._save(queued)
+        source = self._folder_logs[record.id].path if record.source == "folder" else self._blob(record.id)
+        self._jobs[record.id] = asyncio.create_task(self._read(queued, source))
+        return queued
+
+    async def _read(self, record: Record, source: Path) -> None:
+        """The job: wait for the reader, read, and say how it went."""
+        started = time.monotonic()
+        try:
+            async with self._reader.turn():
+                self._save(replace(record, state="reading"))
+                started = time.monotonic()
+                summary = await self._reader.read(source, self._pack(record.id))
+            done = replace(record, state="ready", progress=1.0, summary=summary)
+            _log.info("log read", log=record.id, scans=summary.scans, seconds=round(time.monotonic() - started, 3))
+        except MapperError as error:
+            message = error.message.replace(str(source), record.name).replace(source.name, record.name)
+            done = replace(record, state="failed", error=Failure(error.code, message))
+            _log.info("log refused", log=record.id, code=error.code, message=message)
+        except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this log alone
+            # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
+            done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
+            _log.exception("log reader failed", log=record.id)
+        finally:
+            self._jobs.pop(record.id, None)
+            for half in self._packs.glob(f"{record.id}.npz.*.new"):
+                half.unlink(missing_ok=True)
+        if record.id in self._records:  # not deleted meanwhile
+            self._save(done)
+
+    def _save(self, record: Record) -> None:
+        self._records[record.id] = record
+        if record.source == "upload":
+            with contextlib.suppress(OSError):  # a full disk must not stop a log that is in memory
+                self._store.put(record)
+
+    def _blob(self, log_id: str) -> Path:
+        return self._blobs / log_id
+
+    def _pack(self, log_id: str) -> Path:
+        return self._packs / f"{log_id}.npz"

@@ -1,0 +1,87 @@
+"""A log as it was read, in one .npz file of plain arrays, so that opening it again takes no reading.
+
+No pickle on either side: everything that is not an array of numbers is JSON in an array of bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import uuid
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from mapper.errors import MapperError
+from mapper.scan import ScanLog, Trajectory
+
+VERSION = 1
+
+
+class StalePackError(Exception):
+    """The file is no pack of this version: read the log again."""
+
+
+def write_pack(log: ScanLog, path: Path) -> None:
+    """Write ``log`` to ``path`` atomically: it is there whole, or as it was before."""
+    about = {
+        "version": VERSION,
+        "angle_min": float(log.angle_min),
+        "angle_increment": float(log.angle_increment),
+        "range_min": float(log.range_min),
+        "range_max": float(log.range_max) if np.isfinite(log.range_max) else None,
+        "mount": [float(v) for v in log.mount],
+        "upside_down": bool(log.upside_down),
+        "name": log.name,
+        "format": log.format,
+        "notes": list(log.notes),
+        "trajectories": [[name, trajectory.description] for name, trajectory in log.trajectories.items()],
+    }
+    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
+    try:
+        with fresh.open("wb") as file:
+            np.savez(
+                file,
+                about=np.frombuffer(json.dumps(about, allow_nan=False).encode(), dtype=np.uint8),
+                ranges=log.ranges,
+                stamps_ns=log.stamps_ns,
+                poses=np.stack([trajectory.poses for trajectory in log.trajectories.values()]),
+            )
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def read_pack(path: Path) -> ScanLog:
+    """Return the log that :func:`write_pack` wrote; raise :class:`StalePackError` for any other file or none."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            about = json.loads(arrays["about"].tobytes())
+            if about["version"] != VERSION:
+                raise StalePackError(f"The pack is of version {about['version']}, this is {VERSION}.")
+            range_max = about["range_max"]
+            return ScanLog(
+                ranges=arrays["ranges"],
+                angle_min=about["angle_min"],
+                angle_increment=about["angle_increment"],
+                range_min=about["range_min"],
+                range_max=float("inf") if range_max is None else range_max,
+                stamps_ns=arrays["stamps_ns"],
+                trajectories={
+                    name: Trajectory(poses, description)
+                    for (name, description), poses in zip(about["trajectories"], arrays["poses"], strict=True)
+                },
+                mount=tuple(about["mount"]),
+                upside_down=about["upside_down"],
+                name=about["name"],
+                format=about["format"],
+                notes=tuple(about["notes"]),
+            )
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+        raise StalePackError(f"{type(error).__name__}: {error}") from error
+
+
+def nbytes(log: ScanLog) -> int:
+    """Return how much memory the log's arrays take."""
+    poses = {id(trajectory.poses): trajectory.poses.nbytes for trajectory in log.trajectories.values()}
+    return int(log.ranges.nbytes + log.stamps_ns.nbytes + sum(poses.values()))

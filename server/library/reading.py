@@ -1,0 +1,174 @@
+"""Reading a log in a process of its own: what a file can do there, it can do to nobody else.
+
+The worker has a limit of memory and of time; one that dies fails its own job and no other, because only one job is
+in its hands at a time and the others wait here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ctypes
+import multiprocessing
+import os
+import resource
+import signal
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+
+from mapper.errors import LimitError, ReadError
+from mapper.scan import ScanLog
+from server.library.packed import write_pack
+from server.library.records import Summary
+
+GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
+LONGEST_NOTE = 300
+
+_progress: Synchronized[float] | None = None  #: the worker's end of the shared number
+
+
+def _start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_bytes: int) -> None:
+    """Run once in the new process: its limit of address space, and where it says how far it is."""
+    global _progress  # noqa: PLW0603 - a worker process has no other place that outlives a job
+    _progress = progress
+    pid.value = os.getpid()
+    # A person who presses Ctrl-C speaks to the server, which ends its workers itself.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(ValueError, OSError):  # not every system can limit it
+        resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+
+
+def _note_progress(fraction: float) -> None:
+    if _progress is not None:
+        _progress.value = min(max(float(fraction), 0.0), 1.0)
+
+
+class _OutOfTime(BaseException):
+    """The job's time is over: no ``Exception``, so that no reader catches it."""
+
+
+def _out_of_time(*_: object) -> None:
+    raise _OutOfTime
+
+
+def read_job(source: str, pack: str, timeout_s: float) -> Summary:
+    """Read the log file ``source``, pack it into ``pack`` and return what it holds. Runs in the worker.
+
+    Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
+    """
+    from mapper.logs import open_log  # noqa: PLC0415 - the readers are only needed in the worker
+
+    _note_progress(0.0)
+    signal.signal(signal.SIGALRM, _out_of_time)
+    signal.setitimer(signal.ITIMER_REAL, timeout_s)
+    try:
+        log = open_log(Path(source), progress=_note_progress)
+        write_pack(log, Path(pack))
+    except _OutOfTime:
+        raise _time_error(timeout_s) from None
+    except MemoryError:
+        raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    return summarise(log)
+
+
+def summarise(log: ScanLog) -> Summary:
+    """Return what the list of logs shows of ``log``."""
+    stamps = log.stamps_ns
+    duration_s = float(stamps.max() - stamps.min()) * 1e-9 if len(stamps) else 0.0
+    return Summary(
+        scans=log.n_scans,
+        beams=log.n_beams,
+        duration_s=duration_s,
+        format=log.format,
+        trajectories=tuple((name, t.description) for name, t in log.trajectories.items()),
+        notes=tuple(note[:LONGEST_NOTE] for note in log.notes),
+    )
+
+
+def _time_error(timeout_s: float) -> LimitError:
+    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:g} s that the server allows.")
+
+
+class Reader:
+    """One worker process, made when the first log is to be read. Used from the event loop only."""
+
+    def __init__(self, *, timeout_s: float, memory_bytes: int) -> None:
+        self._timeout_s = timeout_s
+        self._memory_bytes = memory_bytes
+        self._turn = asyncio.Lock()
+        self._pool: ProcessPoolExecutor | None = None
+        context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the server's sockets
+        self._context = context
+        self._progress: Synchronized[float] = context.Value(ctypes.c_double, 0.0)
+        self._pid: Synchronized[int] = context.Value(ctypes.c_int64, 0)
+
+    @property
+    def progress(self) -> float:
+        """How far the log that is being read is, from 0 to 1."""
+        return float(self._progress.value)
+
+    @property
+    def worker_pid(self) -> int:
+        """The worker's process, 0 before there is one."""
+        return int(self._pid.value)
+
+    def turn(self) -> asyncio.Lock:
+        """Return the lock whose holder may call :meth:`read`."""
+        return self._turn
+
+    async def read(self, source: Path, pack: Path) -> Summary:
+        """Have ``source`` read into ``pack``; the caller holds :meth:`turn`.
+
+        Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
+        """
+        self._progress.value = 0.0
+        try:
+            job = self._submit(source, pack)
+        except BrokenProcessPool:  # the worker died while it had nothing to do: no fault of this log
+            self._end_worker()
+            job = self._submit(source, pack)
+        try:
+            return await asyncio.wait_for(job, self._timeout_s + GRACE_S)
+        except TimeoutError:
+            self._end_worker()
+            raise _time_error(self._timeout_s) from None
+        except BrokenProcessPool:
+            self._end_worker()
+            raise ReadError(
+                "log.reader_died",
+                "The process that read this log was ended, most likely because the log needs too much memory.",
+            ) from None
+        except asyncio.CancelledError:
+            self._end_worker()
+            raise
+
+    def _submit(self, source: Path, pack: Path) -> asyncio.Future[Summary]:
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                1,
+                mp_context=self._context,
+                initializer=_start_worker,
+                initargs=(self._progress, self._pid, self._memory_bytes),
+            )
+        return asyncio.get_running_loop().run_in_executor(self._pool, read_job, str(source), str(pack), self._timeout_s)
+
+    def _end_worker(self) -> ProcessPoolExecutor | None:
+        """End the worker at once; the next job gets a new one."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            if self.worker_pid:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(self.worker_pid, signal.SIGKILL)
+                self._pid.value = 0
+            pool.shutdown(wait=False, cancel_futures=True)
+        return pool
+
+    async def close(self) -> None:
+        """End the worker and wait until it is gone."""
+        pool = self._end_worker()
+        if pool is not None:
+            await asyncio.to_thread(pool.shutdown, wait=True)
