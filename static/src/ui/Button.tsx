@@ -1,0 +1,48 @@
+import type { ComponentChildren } from "preact";
+import { Icon, type IconName } from "./Icon";
+
+interface ButtonProps {
+  readonly onClick?: (event: MouseEvent) => void;
+  readonly icon?: IconName;
+  /** What it does, for a button that shows only an icon. */
+  readonly label?: string;
+  readonly kind?: "primary" | "quiet" | "danger" | undefined;
+  readonly size?: "large";
+  readonly pressed?: boolean;
+  readonly disabled?: boolean;
+  /** With an address it is a link that looks like a button. */
+  readonly href?: string;
+  readonly download?: boolean | string;
+  readonly children?: ComponentChildren;
+}
+
+export function Button({ onClick, icon, label, kind, size, pressed, disabled, href, download, children }: ButtonProps) {
+  const iconOnly = icon !== undefined && children === undefined;
+  const className = ["button", kind, size, iconOnly && "icon-only"].filter(Boolean).join(" ");
+  const inside = (
+    <>
+      {icon && <Icon name={icon} />}
+      {children}
+    </>
+  );
+  const name = label === undefined ? {} : { "aria-label": label, title: label };
+  if (href !== undefined) {
+    return (
+      <a class={className} href={href} {...name} {...(download === undefined ? {} : { download })}>
+        {inside}
+      </a>
+    );
+  }
+  return (
+    <button
+      type="button"
+      class={className}
+      {...name}
+      {...(onClick ? { onClick } : {})}
+      {...(pressed === undefined ? {} : { "aria-pressed": pressed })}
+      disabled={disabled ?? false}
+    >
+      {inside}
+    </button>
+  );
+}

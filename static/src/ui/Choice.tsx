@@ -1,0 +1,63 @@
+import { useId } from "preact/hooks";
+import { Tooltip } from "./Tooltip";
+
+export interface Option {
+  readonly value: string;
+  readonly label: string;
+}
+
+interface ChoiceProps {
+  readonly label: string;
+  readonly options: readonly Option[];
+  readonly value: string;
+  readonly sentence?: string;
+  readonly disabled?: boolean;
+  /** Hide the label from sight where the place already says it. */
+  readonly bare?: boolean;
+  readonly onChange: (value: string) => void;
+}
+
+/** One of a few: side by side while they are few and short, a select otherwise. */
+export function Choice({ label, options, value, sentence, disabled = false, bare = false, onChange }: ChoiceProps) {
+  const id = useId();
+  const segmented = options.length <= 4 && options.reduce((n, option) => n + option.label.length, 0) <= 44;
+  return (
+    <div class="field" {...(segmented ? { role: "radiogroup", "aria-labelledby": `${id}-label` } : {})}>
+      <span class={bare ? "visually-hidden" : "field-label"}>
+        {segmented ? <span id={`${id}-label`}>{label}</span> : <label for={id}>{label}</label>}
+        {sentence && <Tooltip text={sentence} about={label} />}
+      </span>
+      {segmented ? (
+        <span class="choice">
+          {options.map((option) => (
+            <label class="choice-option" key={option.value}>
+              <input
+                type="radio"
+                name={id}
+                value={option.value}
+                checked={option.value === value}
+                disabled={disabled}
+                onChange={() => onChange(option.value)}
+              />
+              {option.label}
+            </label>
+          ))}
+        </span>
+      ) : (
+        <select
+          id={id}
+          class="select"
+          value={value}
+          disabled={disabled}
+          onChange={(event) => onChange(event.currentTarget.value)}
+        >
+          {options.map((option) => (
+            <option value={option.value} key={option.value} selected={option.value === value}>
+              {option.label}
+            </option>
+          ))}
+        </select>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,56 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useRef } from "preact/hooks";
+import { Icon } from "./Icon";
+
+interface DropzoneProps {
+  readonly onFiles: (files: readonly File[]) => void;
+  readonly button: string;
+  readonly children: ComponentChildren;
+}
+
+/** Takes files by drop or by picker. */
+export function Dropzone({ onFiles, button, children }: DropzoneProps) {
+  const depth = useSignal(0);
+  const input = useRef<HTMLInputElement>(null);
+  const take = (list: FileList | null | undefined): void => {
+    const files = [...(list ?? [])];
+    if (files.length > 0) onFiles(files);
+  };
+  return (
+    <section
+      class={`dropzone${depth.value > 0 ? " over" : ""}`}
+      aria-label="Upload"
+      onDragEnter={(event) => {
+        event.preventDefault();
+        depth.value++;
+      }}
+      onDragOver={(event) => event.preventDefault()}
+      onDragLeave={() => {
+        depth.value--;
+      }}
+      onDrop={(event) => {
+        event.preventDefault();
+        depth.value = 0;
+        take(event.dataTransfer?.files);
+      }}
+    >
+      <Icon name="upload" />
+      {children}
+      <input
+        ref={input}
+        class="visually-hidden dropzone-input"
+        type="file"
+        multiple
+        aria-label={button}
+        onChange={(event) => {
+          take(event.currentTarget.files);
+          event.currentTarget.value = "";
+        }}
+      />
+      <button type="button" class="button primary" tabIndex={-1} onClick={() => input.current?.click()}>
+        {button}
+      </button>
+    </section>
+  );
+}

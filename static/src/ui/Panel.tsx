@@ -1,0 +1,33 @@
+import type { ComponentChildren } from "preact";
+
+interface PanelProps {
+  readonly title: string;
+  /** A few quiet words beside the title. */
+  readonly note?: ComponentChildren;
+  readonly open?: boolean;
+  readonly children: ComponentChildren;
+}
+
+/** A titled box that folds. */
+export function Disclosure({ title, note, open = false, children }: PanelProps) {
+  return (
+    <details class="panel" open={open}>
+      <summary>
+        {title} <span class="panel-note">{note}</span>
+      </summary>
+      <div class="panel-body">{children}</div>
+    </details>
+  );
+}
+
+/** A titled box. */
+export function Panel({ title, note, children }: Omit<PanelProps, "open">) {
+  return (
+    <section class="panel" aria-label={title}>
+      <h3 class="panel-title">
+        {title} <span class="panel-note">{note}</span>
+      </h3>
+      <div class="panel-body">{children}</div>
+    </section>
+  );
+}

@@ -1,0 +1,27 @@
+import { Icon } from "./Icon";
+import { ThemeToggle } from "./ThemeToggle";
+
+const PAGES = [
+  { href: "/lab.html", label: "Lab", id: "lab" },
+  { href: "/logs.html", label: "Logs", id: "logs" },
+] as const;
+
+/** The head of every page. */
+export function SiteHeader({ current }: { current: "home" | "lab" | "logs" }) {
+  return (
+    <header class="site-header">
+      <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>
+        <Icon name="bloom" />
+        Gridbloom
+      </a>
+      <nav aria-label="Pages">
+        {PAGES.map((page) => (
+          <a key={page.id} href={page.href} {...(page.id === current ? { "aria-current": "page" } : {})}>
+            {page.label}
+          </a>
+        ))}
+      </nav>
+      <ThemeToggle />
+    </header>
+  );
+}

@@ -1,0 +1,105 @@
+import { useSignal } from "@preact/signals";
+import { useId, useRef } from "preact/hooks";
+import { decimals, fromFraction, keyed, type Range, snap, toFraction, written } from "./numbers";
+import { Tooltip } from "./Tooltip";
+
+export type Tone = "accent" | "hit" | "miss" | "beam" | "prior";
+
+interface SliderProps extends Range {
+  readonly label: string;
+  readonly value: number;
+  /** Where a double-click goes back to; a value away from it is marked. */
+  readonly initial: number;
+  readonly unit?: string;
+  /** One sentence on what it does. */
+  readonly sentence?: string;
+  readonly tone?: Tone;
+  readonly disabled?: boolean;
+  readonly onInput: (value: number) => void;
+}
+
+const POSITIONS = 1000;
+
+/**
+ * A native range with a number field beside it. While it is held it shows the hand's value and not what comes back
+ * from the server, so that it never jumps under the finger.
+ */
+export function Slider(props: SliderProps) {
+  const { label, initial, unit = "", sentence, tone = "accent", disabled = false, onInput } = props;
+  const id = useId();
+  const field = useRef<HTMLInputElement>(null);
+  const held = useSignal<number | null>(null);
+  const value = held.value ?? props.value;
+  const places = decimals(props.step);
+  const fraction = toFraction(value, props);
+  const text = `${written(value, places)}${unit ? ` ${unit}` : ""}`;
+
+  const change = (next: number): void => {
+    if (next !== value) onInput(next);
+  };
+  const commitField = (): void => {
+    const typed = field.current?.valueAsNumber ?? Number.NaN;
+    if (Number.isFinite(typed)) change(Math.min(props.high, Math.max(props.low, typed)));
+    if (field.current) field.current.value = value.toFixed(places);
+  };
+
+  return (
+    <div class={`field slider tone-${tone}${value === initial ? "" : " changed"}`}>
+      <span class="field-label">
+        <label for={`${id}-range`}>{label}</label>
+        {sentence && <Tooltip text={sentence} about={label} />}
+      </span>
+      <span class="slider-value">
+        <input
+          ref={field}
+          type="number"
+          aria-label={`${label}, as a number`}
+          value={value.toFixed(places)}
+          min={props.low}
+          max={props.high}
+          step="any"
+          disabled={disabled}
+          onChange={commitField}
+        />
+        <span class="slider-unit">{unit}</span>
+      </span>
+      <input
+        id={`${id}-range`}
+        class="slider-range"
+        type="range"
+        min={0}
+        max={POSITIONS}
+        step={1}
+        value={Math.round(fraction * POSITIONS)}
+        disabled={disabled}
+        aria-valuetext={text}
+        title={`${text} (double-click: back to ${written(initial, places)})`}
+        style={{ "--filled": `${fraction * 100}%` }}
+        onPointerDown={() => {
+          held.value = value;
+        }}
+        onPointerUp={() => {
+          held.value = null;
+        }}
+        onPointerCancel={() => {
+          held.value = null;
+        }}
+        onInput={(event) => {
+          const next = fromFraction(event.currentTarget.valueAsNumber / POSITIONS, props);
+          if (held.value !== null) held.value = next;
+          change(next);
+        }}
+        onKeyDown={(event) => {
+          const next = keyed(event.key, event.shiftKey, value, props);
+          if (next === null) return;
+          event.preventDefault();
+          change(next);
+        }}
+        onDblClick={() => {
+          held.value = null;
+          change(snap(initial, props));
+        }}
+      />
+    </div>
+  );
+}

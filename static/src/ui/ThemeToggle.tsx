@@ -1,0 +1,19 @@
+import { Button } from "./Button";
+import { isDark, theme } from "./theme";
+
+/** Light or dark; a choice that agrees with the device goes back to following it. */
+export function ThemeToggle() {
+  const dark = isDark.value;
+  return (
+    <Button
+      kind="quiet"
+      icon={dark ? "sun" : "moon"}
+      label={dark ? "Light colours" : "Dark colours"}
+      onClick={() => {
+        const wanted = dark ? "light" : "dark";
+        const device = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+        theme.value = wanted === device ? "system" : wanted;
+      }}
+    />
+  );
+}

@@ -1,0 +1,32 @@
+import { Tooltip } from "./Tooltip";
+
+interface ToggleProps {
+  readonly label: string;
+  readonly checked: boolean;
+  readonly sentence?: string;
+  readonly disabled?: boolean;
+  readonly onChange: (checked: boolean) => void;
+}
+
+/** A switch: on or off, at once. */
+export function Toggle({ label, checked, sentence, disabled = false, onChange }: ToggleProps) {
+  return (
+    <div class="field">
+      <span class="field-label">
+        <span>{label}</span>
+        {sentence && <Tooltip text={sentence} about={label} />}
+      </span>
+      <span class="toggle">
+        <input
+          type="checkbox"
+          role="switch"
+          aria-label={label}
+          checked={checked}
+          disabled={disabled}
+          onChange={(event) => onChange(event.currentTarget.checked)}
+        />
+        <span class="toggle-track" />
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,104 @@
+/** The arithmetic of sliders: where a value sits on its track, what a key does to it, how it is written. */
+
+export interface Range {
+  readonly low: number;
+  readonly high: number;
+  readonly step: number;
+}
+
+/** How many decimals a value of this step has: 0.05 → 2, 1 → 0. */
+export function decimals(step: number): number {
+  if (!(step > 0)) return 3;
+  for (let places = 0; places < 6; places++) {
+    const scaled = step * 10 ** places;
+    if (Math.abs(scaled - Math.round(scaled)) < 1e-6) return places;
+  }
+  return 6;
+}
+
+/** Bring a value into its range and onto its steps (counted from zero, so that 0 and round values stay reachable). */
+export function snap(value: number, range: Range): number {
+  const stepped = range.step > 0 ? Math.round(value / range.step) * range.step : value;
+  const clean = Number(stepped.toFixed(decimals(range.step)));
+  return Math.min(range.high, Math.max(range.low, clean)) + 0;
+}
+
+/** Ranges that span a factor of 50 or more have a logarithmic track: 0.5 … 100 m needs room for both ends. */
+export function isLogarithmic(range: Range): boolean {
+  return range.low > 0 && range.high / range.low >= 50;
+}
+
+/** Where a value sits on its track, 0 … 1. */
+export function toFraction(value: number, range: Range): number {
+  const inside = Math.min(range.high, Math.max(range.low, value));
+  if (range.high <= range.low) return 0;
+  if (isLogarithmic(range)) return Math.log(inside / range.low) / Math.log(range.high / range.low);
+  return (inside - range.low) / (range.high - range.low);
+}
+
+/** The value, on its steps, at a place 0 … 1 of the track. */
+export function fromFraction(fraction: number, range: Range): number {
+  const f = Math.min(1, Math.max(0, fraction));
+  if (isLogarithmic(range)) return snap(range.low * (range.high / range.low) ** f, range);
+  return snap(range.low + f * (range.high - range.low), range);
+}
+
+/**
+ * What a key press makes of a value: arrows one step, with Shift a finer one where `fine` is given (else one step),
+ * Page keys ten, Home and End the ends; null for a key that is not ours.
+ */
+export function keyed(key: string, shift: boolean, value: number, range: Range, fine = range.step): number | null {
+  const step = shift ? fine : range.step;
+  const by = (amount: number): number => snap(value + amount, { ...range, step });
+  switch (key) {
+    case "ArrowRight":
+    case "ArrowUp":
+      return by(step);
+    case "ArrowLeft":
+    case "ArrowDown":
+      return by(-step);
+    case "PageUp":
+      return by(10 * range.step);
+    case "PageDown":
+      return by(-10 * range.step);
+    case "Home":
+      return range.low;
+    case "End":
+      return range.high;
+    default:
+      return null;
+  }
+}
+
+/** A value as people read it: fixed decimals, a true minus sign. */
+export function written(value: number, places: number): string {
+  return (Object.is(value, -0) ? 0 : value).toFixed(places).replace(/^-(?=0\.?0*$)/, "").replace("-", "−");
+}
+
+/** The same with its sign always shown: +0.85, −0.40. */
+export function signed(value: number, places = 2): string {
+  const text = written(value, places);
+  return value > 0 && Number(value.toFixed(places)) !== 0 ? `+${text}` : text;
+}
+
+/** Seconds as a clock: 4:05, 1:02:30. */
+export function clock(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  const s = String(whole % 60).padStart(2, "0");
+  const m = Math.floor(whole / 60) % 60;
+  const h = Math.floor(whole / 3600);
+  return h > 0 ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
+}
+
+/** Bytes as people read them. */
+export function bytes(count: number): string {
+  if (count < 1000) return `${count} B`;
+  const units = ["kB", "MB", "GB"];
+  let value = count / 1000;
+  let unit = 0;
+  while (value >= 1000 && unit < units.length - 1) {
+    value /= 1000;
+    unit++;
+  }
+  return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[unit]}`;
+}
