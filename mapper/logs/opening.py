@@ -1,0 +1,90 @@
+"""Open a log of any format that is known: the kind is read from the bytes, never from the name."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from pathlib import Path
+
+from mapper.errors import MapperError, ReadError
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.logs import carmen, dpslam
+from mapper.logs.lines import GZIP_MAGIC, Progress, opened
+from mapper.scan import ScanLog
+
+HEAD = 1 << 16  #: bytes of text that the kind is read from
+
+#: First bytes of files that are no text log, and what they are.
+FOREIGN: tuple[tuple[bytes, str], ...] = (
+    (b"#ROSBAG V", "a ROS 1 bag"),
+    (b"\x89MCAP0\r\n", "an MCAP file"),
+    (b"SQLite format 3\0", "an SQLite file, perhaps a ROS 2 bag"),
+    (b"\x28\xb5\x2f\xfd", "Zstandard data"),
+    (b"BZh", "bzip2 data"),
+    (b"\xfd7zXZ\0", "xz data"),
+    (b"PK\x03\x04", "a zip archive"),
+    (b"\x89PNG\r\n", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"BM", "a BMP picture"),
+    (b"P5", "a PGM picture"),
+    (b"%PDF", "a PDF document"),
+)
+
+
+def open_log(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> ScanLog:
+    """Return the log at ``path``, plain or gzip: CARMEN or DP-SLAM.
+
+    ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`, which names
+    the line, for a file that is missing, no log, damaged or without scans, and :class:`LimitError` for one that is
+    larger than ``limits`` allow.
+    """
+    file = Path(path)
+    head = _head(file)
+    words = _first_words(head)
+    if words & carmen.WORDS:
+        return carmen.read_carmen(file, limits, progress)
+    if words & dpslam.WORDS:
+        return dpslam.read_dpslam(file, limits, progress)
+    raise _not_a_log(file, head)
+
+
+def _head(file: Path) -> bytes:
+    """Return the first bytes of the text in the file."""
+    with opened(file) as stream:
+        try:
+            head = stream.read(HEAD)
+        except OSError as error:
+            raise ReadError("log.unreadable", f"The file {file.name!r} cannot be read: {error.strerror}.") from error
+    if not head.startswith(GZIP_MAGIC):
+        return head
+    try:
+        return zlib.decompressobj(zlib.MAX_WBITS | 16).decompress(head, HEAD)
+    except zlib.error as error:
+        raise ReadError("log.gzip", f"The gzip data is damaged at its beginning: {error}.") from error
+
+
+def _first_words(head: bytes) -> set[str]:
+    return {line.split(None, 1)[0].decode("latin-1") for line in head.split(b"\n") if line.strip()}
+
+
+def _not_a_log(file: Path, head: bytes) -> MapperError:
+    if not head:
+        with opened(file) as stream:
+            if stream.read(1):
+                return ReadError("log.truncated", "The gzip data ends early, before the first line of a log.")
+        return ReadError("log.empty", "The file is empty.")
+    foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
+    if foreign is not None:
+        return ReadError("log.unknown_format", f"The file is {foreign}; only CARMEN and DP-SLAM logs can be read.")
+    if b"\0" in head:
+        return ReadError("log.binary", "The file is binary data, not a text log.")
+    comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())
+    if comments:
+        return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")
+    line = next(line for line in head.split(b"\n") if line.strip())
+    return ReadError(
+        "log.unknown_format",
+        f"The file is no log of a known kind (CARMEN, DP-SLAM): it starts with {line[:40].decode('latin-1')!r}.",
+    )
