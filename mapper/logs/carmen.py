@@ -180,7 +180,9 @@ class CarmenReader:
                 "log.truncated_line", f"Line {line}: this ODOM line ends early: {len(tokens)} fields of 10."
             )
         pose = fields.pose(tokens[1:4], line, "ODOM", "the robot's", self.limits)
-        self.odometry.add(pose, fields.stamp(tokens[7], line, "ODOM"))
+        (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
+        # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
+        self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
 
     def _take_truth(self, tokens: list[str], line: int) -> None:
         if len(tokens) < 8:
@@ -268,7 +270,7 @@ class CarmenReader:
             found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line")
         if len(self.odometry):
             poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
-            restart = restarts(poses, stamps, before, sensor.laser_poses)
+            restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
             text = "the ODOM messages at the time of each scan"
             if restart.any():
                 poses = without_restarts(poses, restart)

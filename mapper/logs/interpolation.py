@@ -40,20 +40,18 @@ def poses_at_scans(
 
 
 def restarts(
-    poses: Float64Array, stamps: Float64Array, before: Int64Array, scan_poses: Float64Array
+    poses: Float64Array, stamps: Float64Array, before: Int64Array, scan_poses: Float64Array, scan_stamps: Float64Array
 ) -> NDArray[np.bool_]:
     """Return which of m messages (m,) only restart the odometry from the scan that stands before them.
 
     A mapper that writes a corrected log (gmapping does) sends, after each scan, an odometry message with the corrected
-    pose and stamp 0, and counts on from there.
+    pose, and counts on from there. Its stamp is whatever was in memory, so it is not the scan's.
     """
     found = np.zeros(len(poses), dtype=np.bool_)
-    if not np.any(stamps):
-        return found
-    follows = before < len(poses)
+    follows = (before > 0) & (before < len(poses))
     index = before[follows]
-    same = (stamps[index] == 0.0) & np.all(np.abs(poses[index] - scan_poses[follows]) < 1e-5, axis=-1)
-    found[index[same & (index > 0)]] = True
+    same_pose = np.all(np.abs(poses[index] - scan_poses[follows]) < 1e-5, axis=-1)
+    found[index[same_pose & (np.abs(stamps[index] - scan_stamps[follows]) > 1.0)]] = True
     return found
 
 
