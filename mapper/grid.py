@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.errors import ConfigError, LimitError
 from mapper.geometry import transform_points
+from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.limits import DEFAULT_LIMITS, Limits
 
 TILE = 64  #: cells along the side of a tile: growth keeps tile borders where they are
@@ -99,11 +100,14 @@ class GridGeometry:
 
         The centre of cell (row, col) has lattice coordinates (col + 0.5, row + 0.5).
         """
-        p = np.asarray(points_xy, dtype=np.float64) - np.array(self.origin[:2])
-        yaw = self.origin[2]
-        if yaw != 0.0:
-            p = transform_points((0.0, 0.0, -yaw), p)
-        return np.asarray(p / self.resolution, dtype=np.float64)
+        p = np.asarray(points_xy, dtype=np.float64)
+        return np.stack(to_lattice(p[..., 0], p[..., 1], *self.frame), axis=-1)
+
+    @property
+    def frame(self) -> tuple[float, float, float, float, float]:
+        """Origin x, y, cosine and sine of its yaw, resolution: as :func:`mapper.kernels.lattice.to_lattice` takes."""
+        x, y, yaw = self.origin
+        return (x, y, float(np.cos(yaw)), float(np.sin(yaw)), self.resolution)
 
     def world_to_cell(self, points_xy: ArrayLike) -> NDArray[np.int64]:
         """Return the cells (..., 2), (row, col), that hold map points (..., 2); they may lie outside the grid.
@@ -113,7 +117,7 @@ class GridGeometry:
         lattice = self.to_lattice(points_xy)
         if not np.isfinite(lattice).all():
             raise ConfigError("grid.point", "A point that is not finite lies in no cell.")
-        return np.floor(lattice[..., ::-1]).astype(np.int64)
+        return np.asarray(cell_of(lattice[..., ::-1]), dtype=np.int64)
 
     def cell_to_world(self, cells_rc: ArrayLike) -> NDArray[np.float64]:
         """Return the centres (..., 2) in map metres of cells (..., 2), given as (row, col)."""

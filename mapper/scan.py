@@ -30,7 +30,8 @@ def _check_beams(angle_min: float, angle_increment: float, range_min: float, ran
         )
 
 
-def _check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and lies within ``max_pose``."""
     if poses.shape != shape:
         raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
     bad = ~np.isfinite(poses).all(axis=-1)
@@ -41,6 +42,26 @@ def _check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Lim
         )
     if np.any(np.abs(poses[..., :2]) > limits.max_pose):
         raise ConfigError("scan.pose_far", f"A pose lies more than {limits.max_pose:g} m from the origin.")
+
+
+def beam_fields(angle_min: float, angle_increment: float, n_beams: int) -> NDArray[np.float64]:
+    """Return each beam's perceptual field (n_beams, 4): cosine and sine of its right edge, then of its left edge.
+
+    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most π/4, the
+    right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
+    beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
+    (β, the opening angle).
+    """
+    half = min(abs(angle_increment) / 2.0, np.pi / 4.0)
+    angles = angle_min + angle_increment * np.arange(n_beams)
+    ends = np.stack([angles - half, angles + half])
+    if half < np.pi / 4.0:
+        edges = angle_min + angle_increment * (np.arange(n_beams + 1) - 0.5)
+        whole_turn = np.arange(n_beams + 1) * abs(angle_increment) > 2.0 * np.pi - 1e-6 * abs(angle_increment)
+        edges[whole_turn] = edges[0]
+        ends = np.stack([edges[:-1], edges[1:]] if angle_increment > 0.0 else [edges[1:], edges[:-1]])
+    right, left = ends
+    return np.stack([np.cos(right), np.sin(right), np.cos(left), np.sin(left)], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +104,7 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
-        _check_poses(self.poses, (len(self.poses), 3))
+        check_poses(self.poses, (len(self.poses), 3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +150,7 @@ class ScanLog:
         if not self.trajectories:
             raise ConfigError("log.no_trajectory", "A log needs at least one trajectory.")
         for trajectory in self.trajectories.values():
-            _check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
+            check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
         if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
@@ -146,8 +167,9 @@ class ScanLog:
 
     @property
     def angles(self) -> NDArray[np.float64]:
-        """Bearing of each beam (n_beams,) in the laser frame, radians."""
-        return np.asarray(self.angle_min + self.angle_increment * np.arange(self.n_beams), dtype=np.float64)
+        """Bearing of each beam (n_beams,) around the sensor's heading, radians, counter-clockwise seen from above."""
+        sweep = np.asarray(self.angle_min + self.angle_increment * np.arange(self.n_beams), dtype=np.float64)
+        return -sweep if self.upside_down else sweep
 
     @property
     def default_trajectory(self) -> str:
@@ -169,11 +191,12 @@ class ScanLog:
         return compose(self.trajectory(trajectory).poses, np.array(self.mount))
 
     def scan(self, index: int) -> LaserScan:
-        """Return scan ``index``, negative from the end."""
+        """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""
+        turn = -1.0 if self.upside_down else 1.0
         return LaserScan(
             self.ranges[index],
-            self.angle_min,
-            self.angle_increment,
+            turn * self.angle_min,
+            turn * self.angle_increment,
             self.range_min,
             self.range_max,
             int(self.stamps_ns[index]),

@@ -1,0 +1,20 @@
+"""What the kernels take: array types, and the tuples that keep arguments that belong together together."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+BoolArray = NDArray[np.bool_]
+Int8Array = NDArray[np.int8]
+UInt8Array = NDArray[np.uint8]
+Int64Array = NDArray[np.int64]
+Float32Array = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+
+#: Where the lattice lies: origin x, y (m), cosine and sine of its yaw, resolution (m): ``GridGeometry.frame``.
+Frame = tuple[float, float, float, float, float]
+#: Which readings count and how: range_min, range_max, width of the hit window (m), whether no return says "free".
+Sight = tuple[float, float, float, bool]
+#: What they say, log-odds: miss, hit, lower and upper clamp.
+Rule = tuple[np.float32, np.float32, np.float32, np.float32]

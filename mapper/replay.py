@@ -1,0 +1,83 @@
+"""A log's map at any moment, with any parameters."""
+
+from __future__ import annotations
+
+from mapper.errors import ConfigError
+from mapper.grid import OccupancyGrid
+from mapper.integrate import CellBox, Change, geometry_for, integrate_scans
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog
+
+
+class Replay:
+    """The map of the first :attr:`index` scans of a log.
+
+    The grid holds from the start all that the whole log will see, so it keeps its geometry while it is played. Not
+    for several threads at once. Raises as :func:`mapper.integrate.geometry_for` does; after an error the replay is as
+    it was before.
+    """
+
+    def __init__(
+        self,
+        log: ScanLog,
+        config: MappingConfig | None = None,
+        trajectory: str | None = None,
+        limits: Limits = DEFAULT_LIMITS,
+    ) -> None:
+        self._limits = limits
+        self.log = log
+        self.config = MappingConfig() if config is None else config
+        self.trajectory = trajectory or log.default_trajectory
+        self.grid = self._new_grid(log, self.config)
+        self.index = 0  #: scans in the map
+
+    def _new_grid(self, log: ScanLog, config: MappingConfig) -> OccupancyGrid:
+        return OccupancyGrid(geometry_for(log, config, self.trajectory, self._limits), config.log_odds_prior)
+
+    def advance_to(self, index: int) -> Change:
+        """Bring the map to ``index`` scans: forwards by adding those between, backwards by making it anew.
+
+        Raises :class:`ConfigError` for an index that the log does not have.
+        """
+        if not 0 <= index <= self.log.n_scans:
+            raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
+        if index < self.index:
+            # The whole grid is emptied, so all of it is what changed.
+            emptied = OccupancyGrid(self.grid.geometry, self.config.log_odds_prior)
+            change = integrate_scans(emptied, self.log, self.config, self.trajectory, 0, index)
+            rows, cols = emptied.geometry.shape
+            self.grid, self.index = emptied, index
+            return Change(CellBox(0, rows, 0, cols), geometry_changed=False, cells_updated=change.cells_updated)
+        change = integrate_scans(self.grid, self.log, self.config, self.trajectory, self.index, index)
+        self.index = index
+        return change
+
+    def reconfigure(self, config: MappingConfig) -> Change:
+        """Make the whole map anew with other parameters, at the same index."""
+        grid = self._new_grid(self.log, config)
+        change = integrate_scans(grid, self.log, config, self.trajectory, 0, self.index)
+        geometry_changed = grid.geometry != self.grid.geometry
+        self.grid, self.config = grid, config
+        rows, cols = grid.geometry.shape
+        return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
+
+    def set_log(self, log: ScanLog) -> Change:
+        """Go on with ``log``, which is the same log grown at its end; the map and the index stay.
+
+        The grid grows to hold what the new scans see. Raises :class:`ConfigError` where the log is shorter than
+        the map, has other beams or lacks the trajectory.
+        """
+        if log.n_scans < self.index or log.n_beams != self.log.n_beams:
+            raise ConfigError(
+                "replay.log",
+                f"A log of {log.n_scans} scans × {log.n_beams} beams does not continue one of which {self.index} scans "
+                f"× {self.log.n_beams} beams are in the map.",
+            )
+        needed = geometry_for(log, self.config, self.trajectory, self._limits)
+        x, y, _ = needed.origin
+        inside = 0.5 * needed.resolution
+        high = (x + needed.cols * needed.resolution - inside, y + needed.rows * needed.resolution - inside)
+        grown = self.grid.grow_to_include((x + inside, y + inside), high)
+        self.log = log
+        return Change(None, grown, 0)
