@@ -1,0 +1,29 @@
+import { resolve } from "node:path";
+import { defineConfig } from "vitest/config";
+
+/** Where `npm run dev` finds the running service; `gridbloom serve` prints its address. */
+const service = process.env.GRIDBLOOM_DEV_SERVER ?? "http://127.0.0.1:8000";
+
+const page = (name: string): string => resolve(import.meta.dirname, name);
+
+export default defineConfig({
+  base: "/",
+  build: {
+    outDir: "dist",
+    emptyOutDir: true,
+    target: "es2022",
+    // The pages' content policy allows scripts and styles from files only.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    rolldownOptions: { input: { index: page("index.html"), lab: page("lab.html"), logs: page("logs.html") } },
+  },
+  // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.
+  server: {
+    proxy: {
+      "/api": { target: service, ws: true },
+      "/scenes": { target: service, ws: true },
+      "/3d": { target: service },
+    },
+  },
+  test: { environment: "happy-dom", include: ["src/**/*.test.{ts,tsx}"] },
+});
