@@ -1,1 +1,6 @@
-"""Map files: map_server's image and yaml, and plain pictures."""
+"""Map files, as ROS map servers write and read them: a yaml that describes an image."""
+
+from mapper.maps.reading import LoadedMap, load_map
+from mapper.maps.writing import Mode, occupancy_values, pgm_bytes, png_bytes, save_map, yaml_text
+
+__all__ = ["LoadedMap", "Mode", "load_map", "occupancy_values", "pgm_bytes", "png_bytes", "save_map", "yaml_text"]
