@@ -4,7 +4,6 @@ from server.library.library import (
     SAMPLE_ID,
     Library,
     LibraryLimits,
-    LibrarySettings,
     LogNotFoundError,
     LogReadOnlyError,
 )
@@ -14,7 +13,6 @@ __all__ = [
     "SAMPLE_ID",
     "Library",
     "LibraryLimits",
-    "LibrarySettings",
     "LogNotFoundError",
     "LogReadOnlyError",
     "Record",

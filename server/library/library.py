@@ -13,7 +13,7 @@ import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import structlog
 
@@ -26,6 +26,7 @@ from server.library.names import display_name
 from server.library.packed import StalePackError, read_pack
 from server.library.reading import Reader, summarise
 from server.library.records import Failure, JsonRecords, Record, Records
+from server.settings import Settings
 
 SAMPLE_ID = "sample-office"
 SAMPLE_NAME = "A simulated office (sample)"
@@ -40,14 +41,6 @@ class LogNotFoundError(MapperError):
 
 class LogReadOnlyError(MapperError):
     """The log is not the visitor's to delete."""
-
-
-class LibrarySettings(Protocol):
-    """What the library reads of :class:`server.settings.Settings`."""
-
-    data_dir: Path
-    logs_dir: Path | None
-    max_upload_bytes: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +60,7 @@ class LibraryLimits:
 class Library:
     """The logs of one server. Call :meth:`start` before and :meth:`close` after use."""
 
-    def __init__(
-        self, settings: LibrarySettings, limits: LibraryLimits | None = None, records: Records | None = None
-    ) -> None:
+    def __init__(self, settings: Settings, limits: LibraryLimits | None = None, records: Records | None = None) -> None:
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
         self._folder = settings.logs_dir

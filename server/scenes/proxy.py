@@ -1,0 +1,173 @@
+"""Between the browser and a scene's viser server: the page, and the WebSocket in both directions.
+
+viser's client is one page without further files, so it is served from the installed package, compressed once, and
+only the socket is passed on: viser's own HTTP side, which reads files, is never reached from outside. What the
+browser sends is held to the three kinds of message that the scene needs; viser would also open a public tunnel,
+take in files and set any property of its objects when a client asks it to.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gzip
+import hashlib
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import viser
+from starlette.websockets import WebSocket, WebSocketDisconnect
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, WebSocketException
+from websockets.typing import Subprotocol
+
+SUBPROTOCOL = f"viser-v{viser.__version__}"
+MAX_FROM_BROWSER = 16 * 1024  #: bytes of one message of the browser's; a camera has some 300
+MAX_FROM_SCENE = 64 << 20  #: bytes of one message of viser's: a whole map's columns when a browser connects
+CONNECT_S = 5.0
+
+_PASSED = frozenset({"ViewerCameraMessage", "ScenePointerMessage", "GuiUpdateMessage"})
+_TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</title>")
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """viser's client as it is sent: plain and compressed, with a tag for caches."""
+
+    plain: bytes
+    compressed: bytes
+    etag: str
+
+
+@lru_cache(maxsize=1)
+def client_page() -> Page:
+    """Return the installed viser's client page under our title."""
+    path = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    plain = path.read_bytes().replace(*_TITLE, 1)
+    return Page(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:32]}"')
+
+
+def page_headers(host: str) -> dict[str, str]:
+    """Return the headers of the 3D page: its content security policy for a service reached as ``host``.
+
+    viser's client brings its script and styles inline, unpacks them with WebAssembly, whose glue code makes functions
+    from strings, and runs its socket in a worker made of a blob. It may connect back here and nowhere else, whatever
+    its address's query says.
+    """
+    policy = {
+        "default-src": "'none'",
+        "script-src": "'unsafe-inline' 'unsafe-eval' blob:",
+        "style-src": "'unsafe-inline'",
+        "img-src": "'self' data: blob:",
+        "font-src": "data:",
+        "worker-src": "blob:",
+        "connect-src": f"'self' ws://{host} wss://{host} data: blob:",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+        "frame-ancestors": "'self'",
+    }
+    return {
+        "Content-Security-Policy": "; ".join(f"{name} {value}" for name, value in policy.items()),
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cache-Control": "private, no-cache",
+        "Vary": "Accept-Encoding",
+    }
+
+
+def passes(message: bytes) -> bool:
+    """Return whether a message of the browser's may reach viser."""
+    try:
+        content = msgspec.msgpack.decode(message)
+    except (msgspec.DecodeError, RecursionError):
+        return False
+    if not isinstance(content, dict) or content.get("type") not in _PASSED:
+        return False
+    if content["type"] == "GuiUpdateMessage":
+        updates = content.get("updates")
+        return isinstance(updates, dict) and updates.keys() == {"value"} and _is_plain(updates["value"])
+    return True
+
+
+def _is_plain(value: Any) -> bool:  # noqa: ANN401 - whatever msgpack can hold
+    """Return whether ``value`` is what a slider, a switch or a choice can have."""
+    if isinstance(value, str):
+        return len(value) <= 100
+    return isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))
+
+
+async def pass_on(browser: WebSocket, port: int) -> None:
+    """Pass the browser's socket on to viser's on the loopback ``port`` until one of them closes; close the other.
+
+    The caller has not accepted the socket yet. One that does not speak viser's subprotocol is refused, as viser
+    itself refuses clients of another version.
+    """
+    if SUBPROTOCOL not in browser.scope.get("subprotocols", ()):
+        await browser.close(1002, f"This scene speaks {SUBPROTOCOL}.")
+        return
+    try:
+        async with asyncio.timeout(CONNECT_S):
+            scene = await connect(
+                f"ws://127.0.0.1:{port}",
+                subprotocols=[Subprotocol(SUBPROTOCOL)],
+                max_size=MAX_FROM_SCENE,
+                compression=None,
+                proxy=None,
+                ping_interval=None,  # both ends are in one process
+            )
+    except (OSError, TimeoutError, WebSocketException):
+        await browser.close(1011, "The scene does not answer.")
+        return
+    async with scene:
+        await browser.accept(SUBPROTOCOL)
+        pumps = [asyncio.create_task(_to_scene(browser, scene)), asyncio.create_task(_to_browser(scene, browser))]
+        try:
+            await asyncio.wait(pumps, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for pump in pumps:
+                pump.cancel()
+            results = await asyncio.gather(*pumps, return_exceptions=True)
+    codes = [result for result in results if isinstance(result, int)]
+    if codes and codes[0] != 0:
+        await _close(browser, codes[0])
+    for result in results:
+        if isinstance(result, Exception):
+            raise result
+
+
+async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
+    """Pump one way; return the code to close the browser's socket with, 0 where it is closed already."""
+    while True:
+        message = await browser.receive()
+        if message["type"] == "websocket.disconnect":
+            return 0
+        data = message.get("bytes")
+        if data is None or len(data) > MAX_FROM_BROWSER:
+            return 1003 if data is None else 1009
+        if passes(data):
+            try:
+                await scene.send(data)
+            except ConnectionClosed:
+                return 1001
+
+
+async def _to_browser(scene: ClientConnection, browser: WebSocket) -> int:
+    """Pump the other way; return the code to close the browser's socket with, 0 where it is closed already."""
+    try:
+        async for data in scene:
+            await browser.send_bytes(data if isinstance(data, bytes) else data.encode())
+    except ConnectionClosed as closed:
+        return 1002 if closed.rcvd is not None and closed.rcvd.code == 1002 else 1001
+    except (WebSocketDisconnect, RuntimeError):  # the browser went while we sent
+        return 0
+    return 1001
+
+
+async def _close(browser: WebSocket, code: int) -> None:
+    try:
+        await browser.close(code)
+    except RuntimeError:
+        return

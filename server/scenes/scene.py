@@ -1,0 +1,230 @@
+"""One session's 3D view: a viser server that only this machine reaches, kept in step with the session.
+
+Nothing is computed while nobody looks. While somebody does, the robot moves at most :data:`POSE_HZ` times a second
+and the map is drawn at most :data:`MAP_HZ` times, and never for more than a tenth of the time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from dataclasses import asdict
+from typing import Any
+
+import rich
+import structlog
+import viser
+
+from mapper.parameters import PARAMETERS
+from mapper.world import SENSOR_PARAMETERS
+from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
+from server.scenes.panel import Clock, ParameterControls, add_layers
+from server.sessions import Session, SessionView
+
+POSE_HZ = 15.0
+MAP_HZ = 4.0
+MAP_SHARE = 0.1  #: most of the time that drawing the map may take
+SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
+
+_log = structlog.get_logger(__name__)
+
+
+class Scene:
+    """The viser server of one session. Make it with :meth:`open`; :meth:`close` ends its threads and frees its port."""
+
+    def __init__(self, session: Session, server: viser.ViserServer) -> None:
+        self._session = session
+        self._server = server
+        self._loop = asyncio.get_running_loop()
+        self._changed = asyncio.Event()
+        self._map_due = 0.0
+        self.idle_since = time.monotonic()  #: when the last browser left, or the scene was made
+        self._watching = 0
+        self._task: asyncio.Task[None] | None = None
+        self._world: WorldDrawing | None = None
+
+    @classmethod
+    async def open(cls, session: Session) -> Scene:
+        """Make the scene of ``session`` and start to follow it."""
+        server = await asyncio.to_thread(_make_server, session.id)
+        scene = cls(session, server)
+        try:
+            await asyncio.to_thread(scene._build, session.view())
+        except BaseException:
+            await asyncio.to_thread(_stop_server, server)
+            raise
+        scene._task = asyncio.create_task(scene._follow(), name=f"scene {session.id}")
+        return scene
+
+    @property
+    def port(self) -> int:
+        """The loopback port of the viser server."""
+        return int(self._server.get_port())
+
+    @property
+    def watched(self) -> bool:
+        """Whether a browser shows the scene."""
+        return self._watching > 0
+
+    async def close(self) -> None:
+        """Stop following the session, end viser's threads and free the port."""
+        self._ignore()
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+        await asyncio.to_thread(_stop_server, self._server)
+
+    def enter(self) -> None:
+        """Count a browser that opened its socket, and draw what it missed."""
+        self._watching += 1
+        if self._watching == 1:
+            self._session.listen(self._changed.set)  # the session's clock runs while somebody listens
+        self._map_due = 0.0
+        self._changed.set()
+
+    def leave(self) -> None:
+        """Count a browser that is gone."""
+        self._watching -= 1
+        self.idle_since = time.monotonic()
+        if not self._watching:
+            self._ignore()
+
+    def _ignore(self) -> None:
+        self._session.ignore(self._changed.set)
+
+    # -- building -----------------------------------------------------------------------------------------------
+
+    def _build(self, view: SessionView) -> None:
+        server, scene, gui = self._server, self._server.scene, self._server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
+        gui.set_panel_label("Gridbloom")
+        gui.main_panel.dock_right()  # beside the scene, not over it
+        # Two lights of our own: the environment map is a photograph that takes long to light up on a slow machine.
+        scene.configure_environment_map(None)
+        scene.configure_default_lights(cast_shadow=False)
+        scene.add_light_hemisphere("/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
+        scene.world_axes.visible = False
+        self._map = MapDrawing(scene)
+        self._robot = RobotDrawing(scene)
+        layers: dict[str, viser.SceneNodeHandle] = {"Map": self._map.node}
+        if view.world is not None:
+            self._world = WorldDrawing(scene)
+            self._world.show(view.world)
+            layers["True world"] = self._world.node
+        layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
+        if view.trajectory is not None:
+            layers["Trajectory"] = scene.add_line_segments(
+                "/trajectory", path_segments(view.trajectory), PATH, thickness=1.5, thickness_units="screen"
+            )
+        self._aim(view)
+
+        is_log = view.world is None
+        hint = "Click near the path to go to that moment." if is_log else "Click the floor to put the robot there."
+        gui.add_markdown(hint)
+        self._clock = Clock(
+            gui, self._post, count=view.count if is_log else None, playing=view.playing, index=view.index
+        )
+        add_layers(gui, layers)
+        self._controls = [
+            ParameterControls(gui, PARAMETERS, asdict(view.config), self._post, "parameters", open_groups=("model",))
+        ]
+        if view.sensor is not None:
+            self._controls.append(ParameterControls(gui, SENSOR_PARAMETERS, asdict(view.sensor), self._post, "sensor"))
+        self._robot.show(view)
+        self._map.show(view)
+        server.scene.on_click()(self._clicked)
+        server.on_client_connect(self._welcome)
+
+    def _aim(self, view: SessionView) -> None:
+        """Point new cameras from the south, high up, at the middle of the world (of the map, for a log)."""
+        if view.world is not None:
+            x0, y0, x1, y1 = view.world.bounds
+        else:
+            geometry = view.geometry
+            low, high = geometry.cell_to_world([(0, 0), (geometry.rows - 1, geometry.cols - 1)])
+            (x0, y0), (x1, y1) = low, high
+        x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
+        camera = self._server.initial_camera
+        camera.up = (0.0, 0.0, 1.0)
+        camera.fov = 0.8
+        camera.look_at = (x, y, 0.0)
+        camera.position = (x, y - 0.7 * size, 0.85 * size)
+        camera.far = max(1000.0, 10.0 * size)
+
+    async def _welcome(self, client: viser.ClientHandle) -> None:
+        """Give a new browser a switch of its own for dark and light."""
+        dark = client.gui.add_checkbox("Dark", False)
+
+        async def switched(_: viser.GuiEvent[Any]) -> None:
+            client.gui.configure_theme(
+                dark_mode=dark.value, show_logo=False, show_share_button=False, brand_color=(47, 150, 130)
+            )
+
+        dark.on_update(switched)
+
+    # -- from the browser ---------------------------------------------------------------------------------------
+
+    def _post(self, command: dict[str, Any]) -> None:
+        """Hand a command to the session, and look again soon whether it was taken."""
+        self._session.post(command)
+        self._loop.call_soon_threadsafe(self._changed.set)
+
+    async def _clicked(self, event: viser.SceneClickEvent) -> None:
+        """Put the robot where the click's ray meets the floor; in a log, go to the moment nearest to that place."""
+        (ox, oy, oz), (dx, dy, dz) = event.ray_origin, event.ray_direction
+        if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor
+            return
+        x, y = ox - dx * oz / dz, oy - dy * oz / dz
+        view = self._session.view()
+        if view.world is not None:
+            self._post({"type": "teleport", "x": x, "y": y})
+        elif view.trajectory is not None and len(view.trajectory):
+            gaps = (view.trajectory[:, 0] - x) ** 2 + (view.trajectory[:, 1] - y) ** 2
+            self._post({"type": "seek", "index": int(gaps.argmin()) + 1})
+
+    # -- from the session ---------------------------------------------------------------------------------------
+
+    async def _follow(self) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            if self._watching:
+                try:
+                    await asyncio.to_thread(self._draw, self._session.view())
+                except Exception:  # noqa: BLE001 - a scene that cannot be drawn must not end the session's view for good
+                    _log.exception("scene not drawn", session=self._session.id)
+            await asyncio.sleep(1.0 / POSE_HZ)
+
+    def _draw(self, view: SessionView) -> None:
+        now = time.monotonic()
+        with self._server.atomic():
+            self._robot.show(view)
+            self._clock.show(playing=view.playing, index=view.index)
+            if self._world is not None and self._world.show(view.world):
+                self._aim(view)
+        self._controls[0].show(asdict(view.config))
+        if view.sensor is not None:
+            self._controls[1].show(asdict(view.sensor))
+        wait = self._map_due - now
+        if wait <= 0.0:
+            with self._server.atomic():
+                self._map.show(view)
+            took = time.monotonic() - now
+            self._map_due = now + max(1.0 / MAP_HZ, took / MAP_SHARE)
+        if wait > 0.0 or any(controls.unsettled for controls in self._controls):
+            self._loop.call_soon_threadsafe(self._loop.call_later, max(wait, SETTLE_S), self._changed.set)
+
+
+def _make_server(session_id: str) -> viser.ViserServer:
+    # viser prints a banner at every start and "Server stopped" at every end through rich's global console.
+    rich.get_console().quiet = True
+    return viser.ViserServer(host="127.0.0.1", port=0, label=f"Gridbloom {session_id}", verbose=False)
+
+
+def _stop_server(server: viser.ViserServer) -> None:
+    server.stop()
+    # Each viser server adds its own filter to the websockets logger and leaves it there.
+    logger = logging.getLogger("websockets.server")
+    for added in [f for f in logger.filters if type(f).__name__ == "NoHttpErrors"][1:]:
+        logger.removeFilter(added)
