@@ -72,7 +72,10 @@ export function keyed(key: string, shift: boolean, value: number, range: Range, 
 
 /** A value as people read it: fixed decimals, a true minus sign. */
 export function written(value: number, places: number): string {
-  return (Object.is(value, -0) ? 0 : value).toFixed(places).replace(/^-(?=0\.?0*$)/, "").replace("-", "−");
+  return (Object.is(value, -0) ? 0 : value)
+    .toFixed(places)
+    .replace(/^-(?=0\.?0*$)/, "")
+    .replace("-", "−");
 }
 
 /** The same with its sign always shown: +0.85, −0.40. */

@@ -1,0 +1,254 @@
+import { signed, written } from "../../ui/numbers";
+import type { Controls } from "./controls";
+import { Handle } from "./Handle";
+import { level } from "./handles";
+import { ticks, toPixel } from "./layout";
+import { beamModel, cellAt, probability } from "./model";
+import type { ProfileView } from "./view";
+
+const PROBABILITIES = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99];
+
+/** The two vertical axes: evidence in log-odds, and the probability of a cell that stood at the prior before. */
+function Axes({ view }: { view: ProfileView }) {
+  const { curve } = view.layout.value;
+  const scale = view.yScale.value;
+  const prior = view.values.value.log_odds_prior;
+  const y = (evidence: number): number => toPixel(evidence, scale);
+  let last = Number.POSITIVE_INFINITY;
+  const shown = PROBABILITIES.map((p) => ({ p, at: y(Math.log(p / (1 - p)) - prior) })).filter(({ at }) => {
+    if (at < curve.top + 4 || at > curve.bottom - 2 || Math.abs(last - at) < 19) return false;
+    last = at;
+    return true;
+  });
+  return (
+    <g>
+      {ticks(scale.low, scale.high, 6).map((tick) => (
+        <g key={tick} class="tick">
+          <line class={tick === 0 ? "zero" : "grid"} x1={curve.left} x2={curve.right} y1={y(tick)} y2={y(tick)} />
+          <text x={curve.left - 7} y={y(tick) + 4} text-anchor="end">
+            {tick === 0 ? "0" : signed(tick, tick % 1 === 0 ? 0 : 1)}
+          </text>
+        </g>
+      ))}
+      {shown.map(({ p, at }) => (
+        <g key={p} class="tick">
+          <line x1={curve.right} x2={curve.right + 4} y1={at} y2={at} />
+          <text x={curve.right + 7} y={at + 4} text-anchor="start">
+            {written(p, 2)}
+          </text>
+        </g>
+      ))}
+      <text class="axis-title" x={curve.left - 7} y={curve.top - 16} text-anchor="end">
+        Δℓ
+      </text>
+      <text class="axis-title" x={curve.right + 7} y={curve.top - 16} text-anchor="start">
+        p
+      </text>
+    </g>
+  );
+}
+
+/** The profile around the reading, as a curve whose every part can be grabbed. */
+export function Curve({ view, controls }: { view: ProfileView; controls: Controls }) {
+  const { curve, strip } = view.layout.value;
+  const values = view.values.value;
+  const xs = view.xScale.value;
+  const ys = view.yScale.value;
+  const z = view.z.value;
+  const noReturn = view.noReturn.value;
+  const model = beamModel(values);
+  const prior = values.log_odds_prior;
+  const half = values.window / 2;
+  const clamp = (pixel: number): number => Math.min(curve.right, Math.max(curve.left, pixel));
+  const x = (s: number): number => clamp(toPixel(s, xs));
+  const y = (evidence: number): number => toPixel(evidence, ys);
+  const y0 = y(0);
+
+  const frees = !noReturn || values.no_return === "free";
+  const freeEnd = noReturn ? values.range_max : Math.max(0, z - half);
+  const freeTo = frees ? x(freeEnd) : curve.left;
+  const hitFrom = noReturn ? freeTo : x(Math.max(0, z - half));
+  const hitTo = noReturn ? freeTo : x(z + half);
+  const zx = x(z);
+  const narrow = view.width.value < 560;
+  // With r = 0 the profile is a needle at z; the grid gives its evidence to the whole cell that holds the endpoint.
+  const cell = cellAt(z, values.resolution) * values.resolution;
+  const hit = level("hit", values, controls.bounds);
+  const miss = level("miss", values, controls.bounds);
+  const labelLeft = hitTo > curve.right - (narrow ? 128 : 170);
+  const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}`;
+  const missText = `${narrow ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
+  const edgeTop = y(model.hit) + 12;
+  const edgeHeight = Math.max(44, y0 - edgeTop);
+  const edgeAt = edgeTop + edgeHeight / 2;
+  const line = noReturn
+    ? `M${curve.left} ${frees ? y(model.miss) : y0}H${freeTo}V${y0}H${curve.right}`
+    : `M${curve.left} ${freeTo > curve.left ? y(model.miss) : y(model.hit)}H${freeTo}V${y(model.hit)}H${hitTo}V${y0}H${curve.right}`;
+  const rangeX = toPixel(values.range_max, xs);
+  const rangeShown = rangeX >= curve.left && rangeX <= curve.right;
+
+  return (
+    <g>
+      <rect
+        class="zone-miss"
+        x={curve.left}
+        y={curve.top}
+        width={freeTo - curve.left}
+        height={curve.bottom - curve.top}
+      />
+      <rect class="zone-hit" x={hitFrom} y={curve.top} width={hitTo - hitFrom} height={curve.bottom - curve.top} />
+      <rect class="zone-prior" x={hitTo} y={curve.top} width={curve.right - hitTo} height={curve.bottom - curve.top} />
+      <Axes view={view} />
+      {freeTo > curve.left && (
+        <rect
+          class="area-miss"
+          x={curve.left}
+          y={Math.min(y0, y(model.miss))}
+          width={freeTo - curve.left}
+          height={Math.abs(y(model.miss) - y0)}
+        />
+      )}
+      {!noReturn && (
+        <>
+          {values.window < values.resolution && (
+            <rect
+              class="endpoint-cell"
+              x={x(cell)}
+              y={y(model.hit)}
+              width={x(cell + values.resolution) - x(cell)}
+              height={y0 - y(model.hit)}
+            />
+          )}
+          <rect class="area-hit" x={hitFrom} y={y(model.hit)} width={hitTo - hitFrom} height={y0 - y(model.hit)} />
+        </>
+      )}
+      {rangeShown && <line class="range-line" x1={rangeX} x2={rangeX} y1={curve.top} y2={curve.bottom} />}
+      {!noReturn && <line class="reading-line" x1={zx} x2={zx} y1={curve.top} y2={strip.top} />}
+      <path class="profile-line" d={line} />
+      {freeTo > curve.left && (
+        <line class="profile-miss" x1={curve.left} x2={freeTo} y1={y(model.miss)} y2={y(model.miss)} />
+      )}
+      {!noReturn && (
+        <line class="profile-hit" x1={hitFrom - 1.5} x2={hitTo + 1.5} y1={y(model.hit)} y2={y(model.hit)} />
+      )}
+      {curve.right - hitTo > 190 && (
+        <text class="label-prior" x={curve.right - 10} y={y0 - 9} text-anchor="end">
+          {noReturn && !frees ? "no return: nothing is learnt" : "beyond: nothing is learnt"}
+        </text>
+      )}
+
+      {freeTo > curve.left + 30 && (
+        <Handle
+          label={values.model === "step_window" ? "Probability of a cell passed" : "Miss increment"}
+          axis="y"
+          tone="tone-miss"
+          now={miss.value}
+          low={miss.range.low}
+          high={miss.range.high}
+          text={missText}
+          grab={{ x: curve.left, y: y(model.miss) - 20, width: Math.max(30, freeTo - curve.left - 46), height: 44 }}
+          {...controls.level("miss")}
+        >
+          <rect class="knob" x={(curve.left + freeTo) / 2 - 15} y={y(model.miss) - 5} width={30} height={10} rx={5} />
+          <text
+            class="label-miss"
+            x={(curve.left + freeTo) / 2}
+            y={Math.min(y(model.miss) + 24, curve.bottom - 6)}
+            text-anchor="middle"
+          >
+            {missText}
+          </text>
+        </Handle>
+      )}
+      {!noReturn && (
+        <>
+          <Handle
+            label={values.model === "step_window" ? "Probability of a cell hit" : "Hit increment"}
+            axis="y"
+            tone="tone-hit"
+            now={hit.value}
+            low={hit.range.low}
+            high={hit.range.high}
+            text={hitText}
+            grab={{
+              x: Math.min(hitFrom, zx - 24),
+              y: y(model.hit) - 32,
+              width: Math.max(48, hitTo - hitFrom),
+              height: 44,
+            }}
+            {...controls.level("hit")}
+          >
+            <rect class="knob" x={(hitFrom + hitTo) / 2 - 15} y={y(model.hit) - 5} width={30} height={10} rx={5} />
+            <text
+              class="label-hit"
+              x={labelLeft ? Math.min(hitFrom, zx - 15) - 8 : Math.max(hitTo, zx + 15) + 8}
+              y={y(model.hit) + 5}
+              text-anchor={labelLeft ? "end" : "start"}
+            >
+              {hitText}
+            </text>
+          </Handle>
+          {(["near", "far"] as const).map((side) => {
+            const at = side === "near" ? hitFrom : hitTo;
+            const out = side === "near" ? -1 : 1;
+            return (
+              <Handle
+                key={side}
+                label={`${side === "near" ? "Near" : "Far"} edge of the hit window`}
+                axis="x"
+                tone="tone-hit"
+                now={z + (side === "near" ? -half : half)}
+                low={side === "near" ? z - controls.bounds("window").high / 2 : z}
+                high={side === "near" ? z : z + controls.bounds("window").high / 2}
+                text={`window ${written(values.window, 2)} metres wide`}
+                grab={{ x: side === "near" ? at - 40 : at - 4, y: edgeTop, width: 44, height: edgeHeight }}
+                {...controls.edge(side)}
+              >
+                <path class="knob" d={`M${at + out * 4} ${edgeAt - 11}l${out * 11} 11l${-out * 11} 11z`} />
+              </Handle>
+            );
+          })}
+          <text
+            class="label-window"
+            x={(hitFrom + hitTo) / 2}
+            y={Math.max(y(model.hit) - 13, curve.top + 12)}
+            text-anchor="middle"
+          >
+            {values.window === 0 ? "r 0: one cell" : `r ${written(values.window, 2)} m`}
+          </text>
+          <Handle
+            label="Measured range z"
+            axis="x"
+            tone="tone-beam"
+            now={z}
+            low={0}
+            high={view.total.value}
+            text={`${written(z, 2)} metres`}
+            grab={{ x: zx - 26, y: curve.bottom - 26, width: 52, height: 54 }}
+            {...controls.reading("curve")}
+          >
+            <rect class="pill" x={zx - 38} y={curve.bottom + 3} width={76} height={22} rx={11} />
+            <text class="label-pill" x={zx} y={curve.bottom + 18} text-anchor="middle">
+              {`z ${written(z, 2)} m`}
+            </text>
+          </Handle>
+        </>
+      )}
+      {rangeShown && (
+        <Handle
+          label="Max range, on the curve"
+          axis="x"
+          tone="tone-range"
+          now={values.range_max}
+          low={controls.bounds("range_max").low}
+          high={controls.bounds("range_max").high}
+          text={`${written(values.range_max, 1)} metres`}
+          grab={{ x: rangeX - 20, y: curve.top - 10, width: 40, height: 40 }}
+          {...controls.rangeMax("curve")}
+        >
+          <path class="knob" d={`M${rangeX - 7} ${curve.top}h14v8l-7 7l-7 -7z`} />
+        </Handle>
+      )}
+    </g>
+  );
+}

@@ -1,0 +1,64 @@
+import type { ComponentChildren } from "preact";
+import { useRef } from "preact/hooks";
+
+interface HandleProps {
+  readonly label: string;
+  readonly now: number;
+  readonly low: number;
+  readonly high: number;
+  readonly text: string;
+  readonly axis: "x" | "y";
+  readonly tone: string;
+  /** Where it can be grabbed: at least 40 × 40 px. */
+  readonly grab: { readonly x: number; readonly y: number; readonly width: number; readonly height: number };
+  readonly onStart: () => void;
+  /** Pixels from where it was grabbed; `fine` while Shift is held. */
+  readonly onDrag: (dx: number, dy: number, fine: boolean) => void;
+  readonly onEnd: () => void;
+  readonly onKey: (key: string, shift: boolean) => boolean;
+  readonly children: ComponentChildren;
+}
+
+/** A thing in an SVG figure that a mouse, a finger or a key can move. */
+export function Handle(props: HandleProps) {
+  const start = useRef<{ x: number; y: number } | null>(null);
+  const end = (): void => {
+    if (start.current) props.onEnd();
+    start.current = null;
+  };
+  return (
+    <g
+      class={`handle ${props.tone}`}
+      role="slider"
+      tabIndex={0}
+      aria-label={props.label}
+      aria-valuenow={Number(props.now.toFixed(4))}
+      aria-valuemin={props.low}
+      aria-valuemax={props.high}
+      aria-valuetext={props.text}
+      aria-orientation={props.axis === "x" ? "horizontal" : "vertical"}
+      data-axis={props.axis}
+      onPointerDown={(event) => {
+        if (event.button !== 0) return;
+        event.preventDefault();
+        event.currentTarget.focus({ preventScroll: true });
+        event.currentTarget.setPointerCapture(event.pointerId);
+        start.current = { x: event.clientX, y: event.clientY };
+        props.onStart();
+      }}
+      onPointerMove={(event) => {
+        if (start.current)
+          props.onDrag(event.clientX - start.current.x, event.clientY - start.current.y, event.shiftKey);
+      }}
+      onPointerUp={end}
+      onPointerCancel={end}
+      onLostPointerCapture={end}
+      onKeyDown={(event) => {
+        if (props.onKey(event.key, event.shiftKey)) event.preventDefault();
+      }}
+    >
+      <rect class="handle-grab" {...props.grab} />
+      {props.children}
+    </g>
+  );
+}

@@ -1,0 +1,127 @@
+import type { ReadonlySignal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import type { Range } from "../../ui/numbers";
+import { Beam } from "./Beam";
+import { Curve } from "./Curve";
+import { controlsFor } from "./controls";
+import { Formula, InWords } from "./Formula";
+import type { Bounds } from "./handles";
+import { toValue } from "./layout";
+import { cellAt, type ProfileParameters } from "./model";
+import "./profile.css";
+import { cellText, Strip } from "./Strip";
+import { ProfileView } from "./view";
+
+/** Bounds and steps as the mapper's table has them; a session's own table replaces them. */
+const TABLE: Partial<Record<keyof ProfileParameters, Range>> = {
+  range_max: { low: 0.5, high: 100, step: 0.1 },
+  window: { low: 0, high: 2, step: 0.05 },
+  log_odds_hit: { low: 0, high: 3, step: 0.05 },
+  log_odds_miss: { low: -3, high: 0, step: 0.05 },
+  p_free: { low: 0.01, high: 0.99, step: 0.01 },
+  p_occ: { low: 0.01, high: 0.99, step: 0.01 },
+};
+const ANY: Range = { low: -100, high: 100, step: 0.01 };
+
+interface ProfileProps {
+  /** The values of the moment, by the names of the mapper's table. */
+  readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
+  readonly setParameter: (name: string, value: number) => void;
+  /** Range of the beam that is looked at, metres; null for no return, undefined where there is no beam. */
+  readonly reading: ReadonlySignal<number | null | undefined>;
+  /** What the beam is, for the legend: "the beam straight ahead". */
+  readonly beamName?: string;
+}
+
+/**
+ * The inverse sensor model along one beam: a curve to grab, the cells under it, its formula with live numbers.
+ * It answers in the browser at once; the map follows from the server.
+ */
+export function Profile({ parameters, setParameter, reading, beamName = "the beam" }: ProfileProps) {
+  const view = useMemo(() => new ProfileView(parameters, reading), [parameters, reading]);
+  useEffect(() => () => view.dispose(), [view]);
+  const controls = useMemo(() => {
+    const bounds: Bounds = (name) => TABLE[name] ?? ANY;
+    return controlsFor(view, bounds, setParameter);
+  }, [view, setParameter]);
+  const frame = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const box = frame.current;
+    if (!box) return;
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry && entry.contentRect.width > 0) view.width.value = Math.max(280, Math.round(entry.contentRect.width));
+    });
+    observer.observe(box);
+    return () => observer.disconnect();
+  }, [view]);
+
+  const { width, height, curve, strip } = view.layout.value;
+  const hover = (event: PointerEvent): void => {
+    const box = frame.current?.getBoundingClientRect();
+    if (!box || view.held.peek() !== null) return;
+    const px = event.clientX - box.left;
+    const py = event.clientY - box.top;
+    const inside = px >= curve.left && px <= curve.right && py >= curve.top && py <= strip.bottom + 10;
+    view.hovered.value = inside ? cellAt(toValue(px, view.xScale.peek()), view.values.peek().resolution) : null;
+  };
+  const hovered = view.hovered.value;
+  const following = view.grabbed.value === null;
+
+  return (
+    <figure class="profile">
+      <div class="profile-bar">
+        <span class="profile-source">
+          {following ? (
+            reading.value === undefined ? (
+              "An example reading: drag it"
+            ) : (
+              <>
+                <span class="live-dot" /> following {beamName}
+              </>
+            )
+          ) : (
+            "reading held by you"
+          )}
+        </span>
+        {!following && reading.value !== undefined && (
+          <Button
+            kind="quiet"
+            icon="target"
+            onClick={() => {
+              view.grabbed.value = null;
+            }}
+          >
+            Follow the beam
+          </Button>
+        )}
+        <output class="profile-readout" aria-live="off">
+          {hovered === null ? "" : cellText(hovered, view)}
+        </output>
+      </div>
+      <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>
+        <svg
+          class="profile-svg"
+          width={width}
+          height={height}
+          viewBox={`0 0 ${width} ${height}`}
+          role="group"
+          aria-label="Inverse sensor model along one beam"
+          onPointerMove={hover}
+          onPointerDown={hover}
+          onPointerLeave={() => {
+            view.hovered.value = null;
+          }}
+        >
+          <Beam view={view} controls={controls} />
+          <Strip view={view} />
+          <Curve view={view} controls={controls} />
+        </svg>
+      </div>
+      <figcaption class="profile-caption">
+        <Formula view={view} />
+        <InWords view={view} />
+      </figcaption>
+    </figure>
+  );
+}

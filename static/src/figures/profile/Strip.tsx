@@ -1,0 +1,137 @@
+import { keyed, signed, written } from "../../ui/numbers";
+import { ticks, toPixel } from "./layout";
+import { beamModel, cellAt, cellZone, evidence, hitCells, type Zone } from "./model";
+import type { ProfileView } from "./view";
+
+const ZONES: readonly Zone[] = ["free", "hit", "beyond"];
+const CLASS: Record<Zone, string> = { free: "cells-miss", hit: "cells-hit", beyond: "cells-prior" };
+
+/** The same beam on a row of real cells, each in the colour of the evidence that it gets. */
+export function Strip({ view }: { view: ProfileView }) {
+  const { strip, curve } = view.layout.value;
+  const values = view.values.value;
+  const z = view.z.value;
+  const scale = view.xScale.value;
+  const { resolution } = values;
+  const model = beamModel(values);
+  const x = (s: number): number => toPixel(s, scale);
+  const size = x(resolution) - x(0);
+  const gap = size > 6 ? 1 : 0;
+  const first = Math.max(0, cellAt(scale.low, resolution));
+  const last = cellAt(scale.high - 1e-9, resolution);
+  const paths: Record<Zone, string> = { free: "", hit: "", beyond: "" };
+  for (let index = first; index <= last; index++) {
+    const left = Math.max(strip.left, x(index * resolution));
+    const right = Math.min(strip.right, x((index + 1) * resolution));
+    paths[cellZone(index, z, values)] +=
+      `M${left.toFixed(1)} ${strip.top}H${(right - gap).toFixed(1)}V${strip.bottom}H${left.toFixed(1)}Z`;
+  }
+  const hovered = view.hovered.value;
+  const marked = hovered !== null && hovered >= first && hovered <= last ? hovered : null;
+  const inWindow = hitCells(z, values);
+  const passed = inWindow
+    ? inWindow[0]
+    : values.no_return === "free" && view.noReturn.value
+      ? cellAt(values.range_max, resolution) + 1
+      : 0;
+  const hitCount = inWindow ? inWindow[1] - inWindow[0] + 1 : 0;
+  const hitMiddle = inWindow ? x(((inWindow[0] + inWindow[1] + 1) * resolution) / 2) : x(values.range_max);
+  const room = inWindow ? Math.max(((inWindow[1] - inWindow[0] + 1) * size) / 2, 46) + 10 : 12;
+  const narrow = view.width.value < 560;
+  const places = ticks(scale.low, scale.high, narrow ? 4 : 8);
+
+  return (
+    <g>
+      {ZONES.map((zone) => (
+        <path key={zone} class={CLASS[zone]} d={paths[zone]} />
+      ))}
+      {marked !== null && (
+        <g class="cell-marked">
+          <rect
+            class="cell-beam"
+            x={x(marked * resolution)}
+            y={curve.top}
+            width={size}
+            height={curve.bottom - curve.top}
+          />
+          <rect
+            x={x(marked * resolution) - 0.5}
+            y={strip.top - 1.5}
+            width={size}
+            height={strip.bottom - strip.top + 3}
+          />
+        </g>
+      )}
+      {passed > 0 && hitMiddle - room - strip.left > 60 && (
+        <text
+          class="label-miss small"
+          x={Math.min(hitMiddle - room, strip.right)}
+          y={strip.bottom + 16}
+          text-anchor="end"
+        >
+          {narrow ? `${passed} × ${signed(model.miss)}` : `${passed} cells passed, each ${signed(model.miss)}`}
+        </text>
+      )}
+      {hitCount > 0 && (
+        <text class="label-hit small" x={hitMiddle} y={strip.bottom + 16} text-anchor="middle">
+          {narrow || hitCount * size < 80
+            ? `${hitCount} × ${signed(model.hit)}`
+            : `${hitCount} cells hit, each ${signed(model.hit)}`}
+        </text>
+      )}
+      {strip.right - hitMiddle - room > 70 && (
+        <text class="label-prior small" x={hitMiddle + room} y={strip.bottom + 16} text-anchor="start">
+          untouched
+        </text>
+      )}
+      {places.map((tick) => (
+        <text key={tick} class="tick" x={x(tick)} y={strip.bottom + 36} text-anchor="middle">
+          {`${written(tick, decimalsOf(places))}${tick === places[places.length - 1] ? " m" : ""}`}
+        </text>
+      ))}
+      <rect
+        class="strip-cursor"
+        role="slider"
+        tabIndex={0}
+        aria-label="Cell along the beam"
+        aria-valuemin={first}
+        aria-valuemax={last}
+        aria-valuenow={marked ?? cellAt(z, resolution)}
+        aria-valuetext={cellText(marked ?? cellAt(Number.isFinite(z) ? z : values.range_max, resolution), view)}
+        x={strip.left}
+        y={strip.top - 4}
+        width={strip.right - strip.left}
+        height={strip.bottom - strip.top + 14}
+        onKeyDown={(event) => {
+          const now = marked ?? Math.min(last, cellAt(Number.isFinite(z) ? z : values.range_max, resolution));
+          const next = keyed(event.key, false, now, { low: first, high: last, step: 1 });
+          if (next === null) return;
+          event.preventDefault();
+          view.hovered.value = next;
+        }}
+        onBlur={() => {
+          view.hovered.value = null;
+        }}
+      />
+    </g>
+  );
+}
+
+function decimalsOf(places: readonly number[]): number {
+  return places.some((place) => Math.abs(place * 10 - Math.round(place * 10)) > 1e-6)
+    ? 2
+    : places.some((p) => p % 1 !== 0)
+      ? 1
+      : 0;
+}
+
+const WHERE: Record<Zone, string> = { free: "passed", hit: "hit", beyond: "beyond, untouched" };
+
+/** A cell in words: where it lies and what it gets. */
+export function cellText(index: number, view: ProfileView): string {
+  const values = view.values.value;
+  const zone = cellZone(index, view.z.value, values);
+  const from = index * values.resolution;
+  const gained = evidence(zone, beamModel(values));
+  return `cell ${index}, ${written(from, 2)}–${written(from + values.resolution, 2)} m: ${WHERE[zone]}, ${zone === "beyond" ? "±0" : signed(gained)}`;
+}

@@ -1,0 +1,101 @@
+/** What dragging a handle by so much evidence or so many metres does to the parameters: bounds, snapping, coupling. */
+
+import { keyed, type Range, snap } from "../../ui/numbers";
+import { logOdds, type ProfileParameters, probability } from "./model";
+
+/** A parameter and the value that a handle gives it. */
+export interface Setting {
+  readonly name: keyof ProfileParameters;
+  readonly value: number;
+}
+
+/** The bounds of the mapper's parameter table that the handles keep to, until the table of the session says others. */
+export type Bounds = (name: keyof ProfileParameters) => Range;
+
+/** Bounds of a level, where the step window demands p_free ≤ prior ≤ p_occ. */
+function coupled(name: "p_free" | "p_occ", values: ProfileParameters, bounds: Bounds): Range {
+  const prior = probability(values.log_odds_prior);
+  const range = bounds(name);
+  return name === "p_free"
+    ? { ...range, high: Math.min(range.high, prior) }
+    : { ...range, low: Math.max(range.low, prior) };
+}
+
+/** The parameter behind the plateau "hit" or "miss" in the model of the moment, its bounds, and its present value. */
+export function level(
+  which: "hit" | "miss",
+  values: ProfileParameters,
+  bounds: Bounds,
+): {
+  readonly name: "log_odds_hit" | "log_odds_miss" | "p_free" | "p_occ";
+  readonly range: Range;
+  readonly value: number;
+} {
+  if (values.model === "step_window") {
+    const name = which === "hit" ? "p_occ" : "p_free";
+    return { name, range: coupled(name, values, bounds), value: values[name] };
+  }
+  const name = which === "hit" ? "log_odds_hit" : "log_odds_miss";
+  return { name, range: bounds(name), value: values[name] };
+}
+
+function finer(range: Range, fine: boolean): Range {
+  return fine ? { ...range, step: range.step / 5 } : range;
+}
+
+/** Put a plateau at `evidence` log-odds above the prior. */
+export function dragLevel(
+  which: "hit" | "miss",
+  evidence: number,
+  values: ProfileParameters,
+  bounds: Bounds,
+  fine = false,
+): Setting {
+  const { name, range } = level(which, values, bounds);
+  const wanted =
+    values.model === "step_window" ? probability(evidence + logOdds(probability(values.log_odds_prior))) : evidence;
+  return { name, value: snap(wanted, finer(range, fine)) };
+}
+
+/** Put an edge of the window at distance `s` from the sensor: the other edge follows, the reading stays. */
+export function dragEdge(side: "near" | "far", s: number, z: number, bounds: Bounds, fine = false): Setting {
+  const half = side === "near" ? z - s : s - z;
+  return { name: "window", value: snap(2 * Math.max(0, half), finer(bounds("window"), fine)) };
+}
+
+/** Put the max range at distance `s`. */
+export function dragRangeMax(s: number, bounds: Bounds, fine = false): Setting {
+  return { name: "range_max", value: snap(s, finer(bounds("range_max"), fine)) };
+}
+
+/** A level's answer to a key, or null for a key that is not its own. */
+export function keyLevel(
+  which: "hit" | "miss",
+  key: string,
+  shift: boolean,
+  values: ProfileParameters,
+  bounds: Bounds,
+): Setting | null {
+  const { name, range, value } = level(which, values, bounds);
+  const next = keyed(key, shift, value, range, range.step / 5);
+  return next === null ? null : { name, value: next };
+}
+
+const MIRRORED: Record<string, string> = {
+  ArrowLeft: "ArrowRight",
+  ArrowRight: "ArrowLeft",
+};
+
+/** A window edge's answer to a key: the near edge moves as the arrow points, so left widens it. */
+export function keyEdge(
+  side: "near" | "far",
+  key: string,
+  shift: boolean,
+  values: ProfileParameters,
+  bounds: Bounds,
+): Setting | null {
+  const range = bounds("window");
+  const along = side === "near" ? (MIRRORED[key] ?? key) : key;
+  const next = keyed(along, shift, values.window, range, range.step / 5);
+  return next === null ? null : { name: "window", value: next };
+}

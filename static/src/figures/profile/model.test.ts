@@ -1,0 +1,51 @@
+import { describe, expect, it } from "vitest";
+import { beamModel, cellZone, evidence, hitCells, INITIAL, increment, type ProfileParameters } from "./model";
+import vectors from "./profile.vectors.json";
+
+const cases = vectors.cases as readonly {
+  readonly parameters: ProfileParameters;
+  readonly z: number;
+  readonly s: readonly number[];
+  readonly profile: readonly number[];
+  readonly cells: readonly (number | null)[];
+}[];
+
+describe("the profile in the browser is the mapper's", () => {
+  it.each(cases.map((one, n) => [n, one] as const))("along the beam, case %i", (_n, one) => {
+    one.s.forEach((s, i) => {
+      expect(increment(s, one.z, one.parameters)).toBeCloseTo(one.profile[i] as number, 7);
+    });
+  });
+
+  it.each(cases.map((one, n) => [n, one] as const))("in every cell, case %i", (_n, one) => {
+    const model = beamModel(one.parameters);
+    one.cells.forEach((gained, index) => {
+      const zone = cellZone(index, one.z, one.parameters);
+      if (gained === null) expect([index, zone]).toEqual([index, "beyond"]);
+      else {
+        expect([index, zone]).not.toEqual([index, "beyond"]);
+        expect(evidence(zone, model)).toBeCloseTo(gained, 4);
+      }
+    });
+  });
+
+  it("starts from the table's first values", () => {
+    const initial = Object.fromEntries(Object.entries(vectors.table).map(([name, row]) => [name, row.initial]));
+    expect(INITIAL).toEqual(initial);
+  });
+});
+
+describe("the cells of a hit", () => {
+  it("are one cell, the endpoint's, for a window of nothing", () => {
+    expect(hitCells(4.23, INITIAL)).toEqual([84, 84]);
+  });
+
+  it("are those whose centres the window holds, and the endpoint's", () => {
+    expect(hitCells(4.23, { ...INITIAL, window: 0.2 })).toEqual([83, 86]);
+  });
+
+  it("are none for a beam without return", () => {
+    expect(hitCells(Number.POSITIVE_INFINITY, INITIAL)).toBeNull();
+    expect(hitCells(Number.NaN, INITIAL)).toBeNull();
+  });
+});

@@ -1,0 +1,136 @@
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { extentFor, type Layout, type Lens, layoutFor, lensFor, lensKeeping, lensSpan, type Scale } from "./layout";
+import { beamModel, INITIAL, isNoReturn, type ProfileParameters } from "./model";
+
+export type HandleName = "z" | "z-far" | "near" | "far" | "hit" | "miss" | "range_max";
+
+interface Extents {
+  readonly up: number;
+  readonly down: number;
+}
+
+/** The reading of a figure that no beam feeds. */
+const RESTING_READING = 4.23;
+
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** What the profile shows and how it moves there: the reading, the lens, the axes; no markup. */
+export class ProfileView {
+  readonly width = signal(720);
+  readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value));
+  /** A reading that a hand has set, metres; null while the figure follows the beam. */
+  readonly grabbed = signal<number | null>(null);
+  /** Index of the cell under the pointer. */
+  readonly hovered = signal<number | null>(null);
+  readonly held = signal<HandleName | null>(null);
+  readonly values: ReadonlySignal<ProfileParameters>;
+  /** The reading shown, metres; Infinity for no return. */
+  readonly z: ReadonlySignal<number>;
+  readonly noReturn: ReadonlySignal<boolean>;
+  /** Metres on the axis of the whole beam. */
+  readonly total = signal(INITIAL.range_max);
+  readonly lens = signal<Lens>({ start: 0, span: 2.4 });
+  readonly extents = signal<Extents>({ up: 1.2, down: 1.2 });
+
+  #lensWanted: Lens | null = null;
+  #extentsWanted: Extents = { up: 1.2, down: 1.2 };
+  #frame = 0;
+  #stops: (() => void)[];
+
+  constructor(
+    parameters: ReadonlySignal<Readonly<Record<string, unknown>>>,
+    readonly reading: ReadonlySignal<number | null | undefined>,
+  ) {
+    this.values = computed(() => ({ ...INITIAL, ...(parameters.value as Partial<ProfileParameters>) }));
+    this.z = computed(() => {
+      const live = this.reading.value;
+      if (this.grabbed.value !== null) return this.grabbed.value;
+      if (live === undefined) return Math.min(RESTING_READING, 0.6 * this.values.value.range_max);
+      return live ?? Number.POSITIVE_INFINITY;
+    });
+    this.noReturn = computed(() => isNoReturn(this.z.value, this.values.value));
+    this.#stops = [effect(() => this.#followTotal()), effect(() => this.#aim())];
+  }
+
+  dispose(): void {
+    for (const stop of this.#stops) stop();
+    cancelAnimationFrame(this.#frame);
+  }
+
+  /** Distance axis of curve and cells. */
+  readonly xScale: ReadonlySignal<Scale> = computed(() => {
+    const { start, span } = this.lens.value;
+    const { left, right } = this.layout.value.curve;
+    return { low: start, high: start + span, from: left, to: right };
+  });
+
+  /** Evidence axis. */
+  readonly yScale: ReadonlySignal<Scale> = computed(() => {
+    const { up, down } = this.extents.value;
+    const { top, bottom } = this.layout.value.curve;
+    return { low: -down, high: up, from: bottom, to: top };
+  });
+
+  /** Distance axis of the whole beam. */
+  readonly beamScale: ReadonlySignal<Scale> = computed(() => {
+    const { left, right } = this.layout.value.beam;
+    return { low: 0, high: this.total.value, from: left, to: right };
+  });
+
+  // An axis that grew while one of its own handles is dragged would run away from the hand.
+  #followTotal(): void {
+    const wanted = Math.max(1.25 * this.values.value.range_max, 1);
+    if (this.held.value === null) this.total.value = wanted;
+  }
+
+  #aim(): void {
+    const held = this.held.value;
+    const { range_max, resolution, window } = this.values.value;
+    const point = this.noReturn.value ? range_max : this.z.value;
+    const total = this.total.value;
+    const now = this.lens.peek();
+    const span = lensSpan(resolution, window, total, this.width.value);
+    let jump = false;
+    if (held === "z") {
+      this.#lensWanted = lensKeeping(point, now);
+      jump = true;
+    } else if (held === null || held === "z-far") {
+      this.#lensWanted = lensFor(point, span, total, this.#lensWanted);
+    }
+    const model = beamModel(this.values.value);
+    const needed = { up: extentFor(model.hit), down: extentFor(model.miss) };
+    this.#extentsWanted =
+      held === null
+        ? needed
+        : {
+            up: Math.max(needed.up, this.#extentsWanted.up),
+            down: Math.max(needed.down, this.#extentsWanted.down),
+          };
+    if (jump && this.#lensWanted) this.lens.value = this.#lensWanted;
+    if (this.#frame === 0) this.#step();
+  }
+
+  #step(): void {
+    this.#frame = 0;
+    const lens = this.#lensWanted ?? this.lens.peek();
+    const { lens: shownLens, extents: shownExtents } = { lens: this.lens.peek(), extents: this.extents.peek() };
+    const { up, down } = this.#extentsWanted;
+    const near = (a: number, b: number, scale: number): boolean => Math.abs(a - b) < 0.002 * scale;
+    const there =
+      near(shownLens.start, lens.start, lens.span) &&
+      near(shownLens.span, lens.span, lens.span) &&
+      near(shownExtents.up, up, up) &&
+      near(shownExtents.down, down, down);
+    // A jump by many lens widths would only blur: it is made at once.
+    const far = Math.abs(shownLens.start - lens.start) > 3 * lens.span;
+    if (there || calm.matches) {
+      if (shownLens !== lens) this.lens.value = lens;
+      if (shownExtents !== this.#extentsWanted) this.extents.value = this.#extentsWanted;
+      return;
+    }
+    const ease = (a: number, b: number): number => a + 0.28 * (b - a);
+    this.lens.value = far ? lens : { start: ease(shownLens.start, lens.start), span: ease(shownLens.span, lens.span) };
+    this.extents.value = { up: ease(shownExtents.up, up), down: ease(shownExtents.down, down) };
+    this.#frame = requestAnimationFrame(() => this.#step());
+  }
+}

@@ -1,0 +1,121 @@
+"""The vectors by which the pages' profile is held to the mapper: written here, read by the pages' own tests.
+
+``python tests/mapper/test_profile_vectors.py --write`` writes them anew after a change of the models.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import integrate_scan
+from mapper.parameters import BY_NAME, MappingConfig
+from mapper.scan import LaserScan
+from mapper.sensor_model import beam_profile
+
+VECTORS = Path(__file__).parents[2] / "static" / "src" / "figures" / "profile" / "profile.vectors.json"
+
+NAMES = (
+    "model", "range_max", "window", "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "log_odds_prior", "no_return",
+    "resolution",
+)  # fmt: skip
+
+CONFIGS: tuple[dict[str, Any], ...] = (
+    {},
+    {"window": 0.2},
+    {"window": 0.02},
+    {"window": 0.5, "resolution": 0.25, "log_odds_hit": 1.4, "log_odds_miss": -0.15},
+    {"model": "step_window"},
+    {"model": "step_window", "window": 0.3, "p_free": 0.3, "p_occ": 0.9},
+    {"model": "step_window", "window": 0.75, "resolution": 0.25, "log_odds_prior": -0.3, "p_free": 0.2, "p_occ": 0.8},
+    {"range_max": 3.0},
+    {"range_max": 3.0, "no_return": "free"},
+    {"model": "step_window", "range_max": 3.0, "no_return": "free", "window": 0.4},
+)
+
+# Exact in float32, where scans keep their ranges: on borders of cells, inside them, and beyond a short max range.
+READINGS = (0.03125, 0.5, 1.265625, 2.25, 2.984375, 3.0, 3.015625, 4.21875)
+
+
+def cells_of(config: MappingConfig, z: float) -> list[float | None]:
+    """Return what one beam along a row of cells adds to each, by integrating it into a grid; None where untouched."""
+    count = round(6.0 / config.resolution)
+    row = OccupancyGrid(
+        GridGeometry(config.resolution, 3, count, (0.0, -config.resolution, 0.0)), config.log_odds_prior
+    )
+    scan = LaserScan(
+        ranges=np.array([z], dtype=np.float32), angle_min=0.0, angle_increment=0.01, range_min=0.0, range_max=100.0
+    )
+    integrate_scan(row, scan, (0.0, config.resolution / 2.0, 0.0), config)
+    return [
+        round(float(value) - config.log_odds_prior, 5) if seen else None
+        for value, seen in zip(row.log_odds[1], row.observed[1], strict=True)
+    ]
+
+
+def vectors() -> dict[str, Any]:
+    """Return every case: parameters, reading, the profile at distances s, and the increments of the cells."""
+    cases = []
+    for changes in CONFIGS:
+        config = MappingConfig(clamp=False, **changes)
+        for z in READINGS:
+            half = config.window / 2.0
+            s = [
+                0.0,
+                0.4 * z,
+                z - half - 0.001,
+                z - half / 2.0,
+                z,
+                z + half / 2.0,
+                z + half + 0.001,
+                2.5,
+                3.0,
+                3.5,
+                5.0,
+            ]
+            profile = beam_profile(
+                config.beam_model(), z, s, config.range_max, no_return_free=config.no_return == "free"
+            )
+            cases.append(
+                {
+                    "parameters": {name: asdict(config)[name] for name in NAMES},
+                    "z": z,
+                    "s": s,
+                    "profile": [round(float(value), 9) for value in profile],
+                    "cells": cells_of(config, z),
+                }
+            )
+    rows = {
+        name: {"initial": row.initial, "low": row.low, "high": row.high, "step": row.step}
+        for name, row in BY_NAME.items()
+        if name in NAMES
+    }
+    return {"table": rows, "cases": cases}
+
+
+def text() -> str:
+    return json.dumps(vectors(), separators=(",", ":")).replace('{"parameters"', '\n{"parameters"') + "\n"
+
+
+def test_the_vectors_of_the_pages_are_those_of_the_mapper():
+    stored = json.loads(VECTORS.read_text())
+    fresh = json.loads(text())
+    assert stored["table"] == fresh["table"], "run: python tests/mapper/test_profile_vectors.py --write"
+    assert len(stored["cases"]) == len(fresh["cases"])
+    for old, new in zip(stored["cases"], fresh["cases"], strict=True):
+        assert {key: old[key] for key in ("parameters", "z", "s")} == {
+            key: new[key] for key in ("parameters", "z", "s")
+        }
+        np.testing.assert_allclose(old["profile"], new["profile"], atol=1e-8)
+        as_numbers = [[np.nan if value is None else value for value in one["cells"]] for one in (old, new)]
+        np.testing.assert_allclose(as_numbers[0], as_numbers[1], atol=1e-5)
+
+
+if __name__ == "__main__" and "--write" in sys.argv:
+    VECTORS.write_text(text())
