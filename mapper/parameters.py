@@ -28,7 +28,7 @@ class Parameter:
 
     name: str
     label: str
-    group: Literal["model", "update", "map", "mount"]
+    group: Literal["model", "update", "map", "mount", "sensor"]
     kind: Literal["number", "choice", "flag"]
     initial: float | str | bool
     sentence: str

@@ -1,1 +1,19 @@
 """The simulator: worlds, lidar, and a robot that walks by itself."""
+
+from mapper.world.floor_plans import WORLDS
+from mapper.world.lidar import SENSOR_PARAMETERS, SensorConfig
+from mapper.world.recording import Recording
+from mapper.world.sample import sample_log
+from mapper.world.simulation import Simulation, Teleport
+from mapper.world.worlds import World
+
+__all__ = [
+    "SENSOR_PARAMETERS",
+    "WORLDS",
+    "Recording",
+    "SensorConfig",
+    "Simulation",
+    "Teleport",
+    "World",
+    "sample_log",
+]

@@ -1,0 +1,130 @@
+"""The live world's memory: what the lidar has seen so far, as a log that can be mapped again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import ConfigError
+from mapper.scan import LaserScan, ScanLog, Trajectory
+from mapper.world.lidar import RANGE_MIN, SensorConfig
+
+CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 8.6 MB with 360 beams
+FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
+PLACE = 0.5  # metres: side of the squares by which a full recording is thinned
+TURNS = 4  # headings that are told apart in each square
+
+
+class Recording:
+    """Scans and true poses of one sensor, in arrays that grow up to ``capacity`` scans.
+
+    When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
+    only the newest n stay, n being the most with which half of the capacity is free again. So every place that the
+    robot ever saw stays in the map that is made from the recording, however long it runs, and where the robot was
+    most often most is dropped, which the clamp hides. Scans keep their order. :attr:`generation` counts the thinnings:
+    while it stays, a log of the recording is the earlier log grown at its end; when it changes, the map has to be
+    made anew. Logs handed out earlier are never written to.
+    """
+
+    def __init__(
+        self, sensor: SensorConfig, capacity: int = CAPACITY, mount: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> None:
+        if capacity < 2:
+            raise ConfigError("recording.capacity", f"A recording holds at least 2 scans, not {capacity!r}.")
+        self.sensor = sensor
+        self.capacity = capacity
+        self.mount = (float(mount[0]), float(mount[1]), float(mount[2]))
+        self.generation = 0
+        self._start_empty()
+
+    def _start_empty(self) -> None:
+        rows = min(self.capacity, FIRST_ROWS)
+        self._n = 0
+        self._ranges = np.empty((rows, self.sensor.n_beams), dtype=np.float32)
+        self._poses = np.empty((rows, 3))
+        self._stamps = np.empty(rows, dtype=np.int64)
+
+    def __len__(self) -> int:
+        return self._n
+
+    def fits(self, sensor: SensorConfig) -> bool:
+        """Return whether scans of ``sensor`` can be appended: a log has one number and angle of beams and one range.
+
+        Noise and scan rate may differ. Where it returns false a new recording has to begin.
+        """
+        mine = self.sensor
+        return (sensor.n_beams, sensor.field_of_view, sensor.range_max) == (
+            mine.n_beams,
+            mine.field_of_view,
+            mine.range_max,
+        )
+
+    def append(self, scan: LaserScan, base_pose: Sequence[float] | NDArray[np.float64]) -> None:
+        """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit."""
+        wanted = (self.sensor.n_beams, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
+        given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
+        if given != wanted:
+            raise ConfigError(
+                "recording.scan",
+                f"A scan of (beams, angle_min, angle_increment, range_max) {given} is not of {wanted}.",
+            )
+        pose = np.asarray(base_pose, dtype=np.float64)
+        if pose.shape != (3,) or not np.isfinite(pose).all():
+            raise ConfigError("recording.pose", f"A pose must be three finite numbers, not {pose.tolist()!r:.80}.")
+        if self._n == self.capacity:
+            self._thin()
+        if self._n == len(self._ranges):
+            self._resize(np.arange(self._n), min(self.capacity, 2 * self._n))
+        self._ranges[self._n] = scan.ranges
+        self._poses[self._n] = pose
+        self._stamps[self._n] = scan.stamp_ns
+        self._n += 1
+
+    def as_log(self) -> ScanLog:
+        """Return the recording so far as a log with the trajectory "true"; its arrays are views, nothing is copied."""
+        poses = Trajectory(self._poses[: self._n], "The simulated robot's true poses.")
+        return ScanLog(
+            self._ranges[: self._n],
+            self.sensor.angle_min,
+            self.sensor.angle_increment,
+            RANGE_MIN,
+            self.sensor.range_max,
+            self._stamps[: self._n],
+            {"true": poses},
+            self.mount,
+            name="live world",
+            format="simulation",
+        )
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._start_empty()
+        self.generation += 1
+
+    def _thin(self) -> None:
+        """Keep the newest n scans of each place, with the largest n that frees half of the capacity."""
+        room = self.capacity // 2
+        place = np.floor(self._poses[: self._n, :2] / PLACE).astype(np.int64)
+        heading = np.floor(np.mod(self._poses[: self._n, 2], 2.0 * np.pi) / (2.0 * np.pi) * TURNS).astype(np.int64)
+        _, group = np.unique(np.column_stack([place, heading]), axis=0, return_inverse=True)
+        # How many newer scans each scan has in its own place: order by place, newest first, and count within it.
+        order = np.lexsort((-np.arange(self._n), group))
+        starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+        newer = np.empty(self._n, dtype=np.int64)
+        newer[order] = np.arange(self._n) - np.repeat(starts, np.diff([*starts, self._n]))
+        kept_with = np.cumsum(np.bincount(newer))  # scans that stay when n = index + 1
+        n = int(np.searchsorted(kept_with, room, side="right"))
+        keep = np.flatnonzero(newer < n) if n > 0 else np.flatnonzero(newer == 0)[-room:]
+        self._resize(keep, len(self._ranges))
+        self._n = len(keep)
+        self.generation += 1
+
+    def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
+        """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
+        for name in ("_ranges", "_poses", "_stamps"):
+            old = getattr(self, name)
+            new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)
+            new[: len(keep)] = old[keep]
+            setattr(self, name, new)

@@ -1,0 +1,126 @@
+"""A world: what is solid on one floor, and the questions a robot asks of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.errors import ConfigError
+from mapper.grid import GridGeometry
+from mapper.kernels.raycast import clearances
+
+Float64Array = NDArray[np.float64]
+
+LATTICE_STEP = 0.1  #: metres between the points of a world's clearance lattice
+CANDIDATES = 16  # lattice points that nearest_free() tries to improve
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class World:
+    """Solid polygons inside a closed outer wall.
+
+    ``bounds`` is (x_min, y_min, x_max, y_max) in metres, map frame, the outer face of the outer wall; ``solids`` are
+    polygons (n, 2), n ≥ 3, simple but not necessarily convex, which may overlap; they are stored counter-clockwise.
+    ``start`` is the pose (x, y, yaw) at which a robot begins. ``segments`` (n, 4) are all edges, ``(ax, ay, bx, by)``.
+    Raises :class:`ConfigError` for a polygon that is not one, or bounds that are empty.
+    """
+
+    name: str
+    title: str
+    bounds: tuple[float, float, float, float]
+    solids: tuple[Float64Array, ...]
+    start: tuple[float, float, float]
+    segments: Float64Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        x0, y0, x1, y1 = self.bounds
+        if not (np.isfinite(self.bounds).all() and x0 < x1 and y0 < y1):
+            raise ConfigError("world.bounds", f"The world's bounds must be a box, not {self.bounds!r}.")
+        solids = tuple(_counter_clockwise(solid, i) for i, solid in enumerate(self.solids))
+        object.__setattr__(self, "solids", solids)
+        edges = [np.hstack([solid, np.roll(solid, -1, axis=0)]) for solid in solids]
+        segments = np.ascontiguousarray(np.vstack(edges) if edges else np.empty((0, 4)))
+        segments.setflags(write=False)
+        object.__setattr__(self, "segments", segments)
+
+    def clearance(self, points_xy: ArrayLike) -> Float64Array:
+        """Return how far each point (..., 2), metres, is from the nearest solid (...): negative inside one.
+
+        Outside the bounds it is −inf: nothing stands there.
+        """
+        points = np.asarray(points_xy, dtype=np.float64)
+        flat = np.ascontiguousarray(points.reshape(-1, 2))
+        out = np.empty(len(flat))
+        clearances(self.segments, flat, out)
+        x0, y0, x1, y1 = self.bounds
+        inside = (flat[:, 0] > x0) & (flat[:, 0] < x1) & (flat[:, 1] > y0) & (flat[:, 1] < y1)
+        return np.where(inside, out, -np.inf).reshape(points.shape[:-1])
+
+    def is_free(self, xy: ArrayLike, radius: float = 0.0) -> bool:
+        """Return whether a disc of ``radius`` metres at ``xy`` (2,) meets nothing solid and lies in the bounds."""
+        return bool(self.clearance(xy) >= radius) if radius > 0.0 else bool(self.clearance(xy) > 0.0)
+
+    def nearest_free(self, xy: ArrayLike, radius: float = 0.0) -> Float64Array:
+        """Return the place (2,) nearest to ``xy`` (2,) where a disc of ``radius`` metres is free: ``xy`` if it is.
+
+        Exact to about 2 cm. Raises :class:`ConfigError` for a point that is not finite, and for a world that has no
+        such place.
+        """
+        target = np.asarray(xy, dtype=np.float64)
+        if target.shape != (2,) or not np.isfinite(target).all():
+            raise ConfigError(
+                "world.point", f"A place must be two finite numbers, not {np.asarray(xy).tolist()!r:.80}."
+            )
+        if self.is_free(target, radius):
+            return target
+        # From a place far outside every free point is about as far: its nearest place in the bounds decides.
+        target = np.clip(target, self.bounds[:2], self.bounds[2:])
+        lattice = clearance_lattice(self)
+        free = np.argwhere(lattice.clearance >= max(radius, 1e-3))
+        if not len(free):
+            raise ConfigError("world.full", f"Nothing of radius {radius:g} m fits into the world {self.name!r}.")
+        points = lattice.geometry.cell_to_world(free)
+        gaps = np.hypot(*(points - target).T)
+        # A lattice point is free; the last free place on its way to the target is nearer.
+        nearest = points[np.argsort(gaps, kind="stable")[:CANDIDATES]]
+        steps = np.linspace(0.0, 1.0, 65)[:, None, None]
+        ways = nearest + steps * (target - nearest)
+        free_so_far = np.logical_and.accumulate(self.clearance(ways) >= max(radius, 1e-3), axis=0)
+        ends = ways[free_so_far.sum(axis=0) - 1, np.arange(len(nearest))]
+        return np.asarray(ends[np.argmin(np.hypot(*(ends - target).T))], dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClearanceLattice:
+    """A world's clearance at the centres of square cells: ``clearance`` (rows, cols), metres."""
+
+    geometry: GridGeometry
+    clearance: Float64Array
+
+
+@lru_cache(maxsize=16)
+def clearance_lattice(world: World) -> ClearanceLattice:
+    """Return the clearance at every :data:`LATTICE_STEP` of the world; computed once for each world."""
+    x0, y0, x1, y1 = world.bounds
+    rows, cols = (int(np.ceil((high - low) / LATTICE_STEP)) for low, high in ((y0, y1), (x0, x1)))
+    geometry = GridGeometry(LATTICE_STEP, rows, cols, (x0, y0, 0.0))
+    centres = geometry.cell_to_world(np.stack(np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij"), axis=-1))
+    clearance = world.clearance(centres)
+    clearance.setflags(write=False)
+    return ClearanceLattice(geometry, clearance)
+
+
+def _counter_clockwise(polygon: ArrayLike, index: int) -> Float64Array:
+    vertices = np.array(polygon, dtype=np.float64)
+    if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():
+        raise ConfigError("world.solid", f"Solid {index} must be at least three finite points (x, y).")
+    x, y = vertices.T
+    area = 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))  # the shoelace formula
+    if area == 0.0:
+        raise ConfigError("world.solid", f"Solid {index} has no area.")
+    vertices = np.ascontiguousarray(vertices if area > 0.0 else vertices[::-1])
+    vertices.setflags(write=False)
+    return vertices
