@@ -1,0 +1,152 @@
+"""Random scans on random grids, with the awkward cases drawn far more often than chance would."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from hypothesis import strategies as st
+
+from mapper.geometry import compose, transform_points
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.parameters import MappingConfig
+from mapper.scan import LaserScan, ScanLog, Trajectory
+
+QUARTERS = [k * np.pi / 4 for k in range(-4, 5)]
+
+
+@dataclass(frozen=True)
+class MappingCase:
+    """A log of a few scans, and the grid and the parameters to map it with."""
+
+    geometry: GridGeometry
+    log: ScanLog
+    config: MappingConfig
+
+    def grid(self) -> OccupancyGrid:
+        return OccupancyGrid(self.geometry, self.config.log_odds_prior)
+
+    def sensor_poses(self) -> np.ndarray:
+        return compose(self.log.sensor_poses(), np.array(self.config.mount))
+
+    def scans(self) -> list[LaserScan]:
+        return [self.log.scan(t) for t in range(self.log.n_scans)]
+
+
+def some(*values: float, low: float, high: float) -> st.SearchStrategy[float]:
+    return st.sampled_from(values) | st.floats(low, high, allow_nan=False)
+
+
+@st.composite
+def geometries(draw: st.DrawFn) -> GridGeometry:
+    resolution = draw(some(0.05, 0.1, 0.25, 1.0, low=0.02, high=1.0))
+    steps = st.integers(-40, 40).map(lambda n: n * resolution)
+    origin = (
+        draw(steps | st.floats(-5, 5)),
+        draw(steps | st.floats(-5, 5)),
+        draw(some(0.0, *QUARTERS, low=-3, high=3)),
+    )
+    return GridGeometry(resolution, draw(st.integers(1, 60)), draw(st.integers(1, 60)), origin)
+
+
+@st.composite
+def poses(draw: st.DrawFn, geometry: GridGeometry) -> list[float]:
+    """Inside the grid, on borders, corners and centres of cells, and outside on every side."""
+    halves = st.integers(-20, 140).map(lambda n: n / 2)
+    lattice = [draw(halves | st.floats(-10, 70)), draw(halves | st.floats(-10, 70))]
+    x, y = transform_points(geometry.origin, np.array(lattice) * geometry.resolution)
+    theta = draw(some(geometry.origin[2], *QUARTERS, low=-4, high=4))
+    return [float(x), float(y), theta]
+
+
+@st.composite
+def configs(draw: st.DrawFn, update: str) -> MappingConfig:
+    config = MappingConfig(
+        update=update,
+        model=draw(st.sampled_from(["fixed_increments", "step_window"])),
+        range_max=draw(some(2.0, 30.0, low=0.5, high=20.0)),
+        window=draw(some(0.0, 0.05, 0.2, 2.0, low=0.0, high=2.0)),
+        log_odds_hit=draw(some(0.85, 0.0, 3.0, low=0.0, high=3.0)),
+        log_odds_miss=draw(some(-0.4, 0.0, -3.0, low=-3.0, high=0.0)),
+        no_return=draw(st.sampled_from(["ignore", "free"])),
+        clamp=draw(st.booleans()),
+        log_odds_prior=draw(some(0.0, low=-0.3, high=0.3)),
+    )
+    mounted = {
+        "mount_x": some(0.0, low=-1, high=1),
+        "mount_y": some(0.0, low=-1, high=1),
+        "mount_yaw": some(0.0, low=-3, high=3),
+    }
+    return config.with_values({name: draw(values) for name, values in mounted.items()})
+
+
+@st.composite
+def mapping_cases(draw: st.DrawFn, update: str) -> MappingCase:
+    geometry = draw(geometries())
+    config = draw(configs(update))
+    n_scans, n_beams = draw(st.integers(1, 3)), draw(st.integers(1, 12))
+    range_min = draw(st.sampled_from([0.0, 0.1]))
+    range_max = draw(st.sampled_from([5.0, 80.0, np.inf]))
+    z_max = min(range_max, config.range_max)
+    special = [np.nan, np.inf, -np.inf, -1.0, 0.0, range_min, z_max, np.nextafter(np.float32(z_max), np.inf), 2 * z_max]
+    reading = (
+        st.sampled_from([float(z) for z in special])
+        | st.integers(0, 60).map(lambda n: n * geometry.resolution / 2)
+        | st.floats(0.0, min(1.2 * z_max, 40 * geometry.resolution))
+    )
+    ranges = draw(st.lists(reading, min_size=n_scans * n_beams, max_size=n_scans * n_beams))
+    base = np.array([draw(poses(geometry)) for _ in range(n_scans)])
+    full_turn = 2 * np.pi / n_beams
+    log = ScanLog(
+        np.array(ranges, dtype=np.float32).reshape(n_scans, n_beams),
+        draw(some(0.0, *QUARTERS, low=-4, high=4)),
+        draw(some(full_turn, -full_turn, 0.0, np.pi / 180, np.pi / 4, np.pi / 2, 3.0, low=-1, high=1)),
+        range_min,
+        range_max,
+        np.zeros(n_scans, dtype=np.int64),
+        {"drawn": Trajectory(base)},
+        mount=(draw(some(0.0, low=-1, high=1)), 0.0, draw(some(0.0, np.pi, low=-3, high=3))),
+        upside_down=draw(st.booleans()),
+    )
+    return MappingCase(geometry, log, replace(config))
+
+
+@dataclass(frozen=True)
+class LineCase:
+    """A line between two cells, and a grid that may hold all, part or nothing of it."""
+
+    shape: tuple[int, int]
+    start: tuple[int, int]
+    end: tuple[int, int]
+
+
+def lines() -> st.SearchStrategy[LineCase]:
+    coordinate = st.integers(-40, 40)
+    side = st.integers(1, 30)
+    cell = st.tuples(coordinate, coordinate)
+    return st.builds(LineCase, st.tuples(side, side), cell, cell)
+
+
+@dataclass(frozen=True)
+class PictureCase:
+    """Log-odds, a box of them to quantise and the range to quantise over."""
+
+    log_odds: np.ndarray
+    observed: np.ndarray
+    box: tuple[int, int, int, int]
+    low: float
+    high: float
+
+
+@st.composite
+def pictures(draw: st.DrawFn) -> PictureCase:
+    rows, cols = draw(st.integers(1, 20)), draw(st.integers(1, 20))
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    bound = st.integers(-3, 23)
+    return PictureCase(
+        random.uniform(-4, 5, (rows, cols)).astype(np.float32),
+        random.random((rows, cols)) < 0.7,
+        (draw(bound), draw(bound), draw(bound), draw(bound)),
+        draw(some(-2.0, low=-10, high=-0.1)),
+        draw(some(3.5, low=0.1, high=10)),
+    )

@@ -1,0 +1,110 @@
+"""The one table of kernels: each with its textbook twin and a generator of inputs for both.
+
+A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers that must be equal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from mapper import textbook
+from mapper.integrate import geometry_for, integrate_log
+from mapper.kernels import rays
+from mapper.kernels.quantise import quantise
+from tests.agreement.inputs import LineCase, MappingCase, PictureCase, lines, mapping_cases, pictures
+
+
+@dataclass(frozen=True)
+class Row:
+    name: str
+    kernel: Callable[[Any], tuple[Any, ...]]
+    twin: Callable[[Any], tuple[Any, ...]]
+    inputs: st.SearchStrategy[Any]
+
+
+def map_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = integrate_log(grid, case.log, case.config)
+    return grid.log_odds, grid.observed, count
+
+
+def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = 0
+    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+        count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
+    return grid.log_odds, grid.observed, count
+
+
+def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
+    drawn, observed = np.zeros(case.shape, dtype=np.float32), np.zeros(case.shape, dtype=np.bool_)
+    box = np.array([case.shape[0], 0, case.shape[1], 0])
+    one, low, high = np.float32(1), np.float32(-100), np.float32(100)
+    rays._add_run(drawn, observed, *case.start, *case.end, 0, 1 << 20, one, low, high, box)
+    return drawn, observed, box if drawn.any() else None
+
+
+def line_by_textbook(case: LineCase) -> tuple[Any, ...]:
+    drawn = np.zeros(case.shape, dtype=np.float32)
+    for row, col in textbook.bresenham(case.start, case.end):
+        if 0 <= row < case.shape[0] and 0 <= col < case.shape[1]:
+            drawn[row, col] += 1
+    rows, cols = np.nonzero(drawn)
+    return drawn, drawn > 0, np.array([rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]) if len(rows) else None
+
+
+def bounds_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+    return (geometry_for(case.log, case.config),)
+
+
+def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    z_max = min(case.log.range_max, case.config.range_max)
+    seen = []
+    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+        seen.append(pose[:2])
+        for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
+            if z > z_max:
+                reach = z_max if case.config.no_return == "free" else 0.0
+            else:
+                reach = z + case.config.window / 2 if z >= scan.range_min else 0.0
+            in_laser = reach * np.array([np.cos(bearing), np.sin(bearing)])
+            seen.append(textbook.transform_points(pose, in_laser))
+    side = case.config.resolution
+    low, high = np.min(seen, axis=0) - side, np.max(seen, axis=0) + side
+    return (case.geometry.covering(low, high, side),)
+
+
+TILE = 8
+
+
+def picture_by_kernel(case: PictureCase) -> tuple[Any, ...]:
+    picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
+    changed = np.zeros([-(-n // TILE) for n in picture.shape], dtype=np.bool_)
+    count = quantise(case.log_odds, case.observed, case.low, case.high, *case.box, TILE, picture, changed)
+    return picture, changed, count
+
+
+def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
+    spread = (np.clip(case.log_odds.astype(float), case.low, case.high) - case.low) / (case.high - case.low)
+    quantised = np.where(case.observed, np.floor(spread * 254 + 0.5) - 127, -128)
+    row0, row1, col0, col1 = (max(n, 0) for n in case.box)
+    picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
+    picture[row0:row1, col0:col1] = quantised[row0:row1, col0:col1]
+    changed = np.zeros([-(-n // TILE) for n in picture.shape], dtype=np.bool_)
+    for row, col in np.argwhere(picture != -128):
+        changed[row // TILE, col // TILE] = True
+    return picture, changed, np.count_nonzero(picture != -128)
+
+
+TABLE = (
+    Row("bresenham", line_by_kernel, line_by_textbook, lines()),
+    Row("per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam")),
+    Row("per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan")),
+    Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
+    Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
+)
