@@ -1,0 +1,82 @@
+"""What a log holds, in a few figures."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.scan import ScanLog
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectorySummary:
+    """``length_m`` is the way from the first scan's pose to the last's, as the sum of its steps."""
+
+    name: str
+    description: str
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingCounts:
+    """How many of all readings are measured ranges, say "no return", or are no valid reading."""
+
+    measured: int
+    no_return: int
+    invalid: int
+
+
+@dataclass(frozen=True, slots=True)
+class LogSummary:
+    """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
+
+    name: str
+    format: str
+    scans: int
+    beams: int
+    duration_s: float  #: between the earliest and the latest stamp
+    field_of_view_deg: float  #: from the first beam to the last
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    mount: tuple[float, float, float]
+    readings: ReadingCounts
+    trajectories: tuple[TrajectorySummary, ...]
+    notes: tuple[str, ...]
+
+
+def summarise(log: ScanLog) -> LogSummary:
+    """Return the figures of ``log``."""
+    span = int(log.stamps_ns.max() - log.stamps_ns.min()) if log.n_scans else 0
+    return LogSummary(
+        name=log.name,
+        format=log.format,
+        scans=log.n_scans,
+        beams=log.n_beams,
+        duration_s=span / 1e9,
+        field_of_view_deg=math.degrees(abs(log.angle_increment)) * max(0, log.n_beams - 1),
+        angle_min=log.angle_min,
+        angle_increment=log.angle_increment,
+        range_max=log.range_max,
+        mount=log.mount,
+        readings=_count_readings(log),
+        trajectories=tuple(
+            TrajectorySummary(name, trajectory.description, _length(trajectory.poses))
+            for name, trajectory in log.trajectories.items()
+        ),
+        notes=log.notes,
+    )
+
+
+def _length(poses: NDArray[np.float64]) -> float:
+    steps = np.diff(poses[:, :2], axis=0)
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def _count_readings(log: ScanLog) -> ReadingCounts:
+    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
+    no_return = int(np.count_nonzero(log.ranges > log.range_max))
+    return ReadingCounts(measured, no_return, log.ranges.size - measured - no_return)

@@ -1,0 +1,296 @@
+"""The ``gridbloom`` command.
+
+``serve`` runs the service; ``info``, ``map``, ``view`` and ``bench map`` work on files. What is slow to import is
+imported where it is used, so that the command starts quickly. Bad input is one sentence on standard error and exit
+status 2. With ``--json`` standard output is one JSON object and nothing else.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+from mapper.errors import MapperError
+from mapper.parameters import BY_NAME, PARAMETERS, MappingConfig, Parameter
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+    from mapper.scan import ScanLog
+
+BAD_INPUT = 2  #: exit status
+MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
+
+#: Names that are shorter than the table's, or customary; the table's own name is an option too.
+SHORT_NAMES = {
+    "range_max": "--max-range",
+    "log_odds_hit": "--hit",
+    "log_odds_miss": "--miss",
+    "log_odds_prior": "--prior",
+}
+
+app = typer.Typer(
+    help="Watch an occupancy grid map fill in: a live world, and robot logs.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+bench_app = typer.Typer(help="Measure, in this process, without reading and start-up.", no_args_is_help=True)
+app.add_typer(bench_app, name="bench")
+
+LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or gzip.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+
+def fail(message: str) -> NoReturn:
+    """Say in one sentence why the command cannot go on, and end it."""
+    typer.echo(f"gridbloom: {message}", err=True)
+    raise typer.Exit(BAD_INPUT)
+
+
+@contextmanager
+def refusing(path: Path) -> Iterator[None]:
+    """Turn what the mapper refuses of the file at ``path`` into one sentence."""
+    try:
+        yield
+    except MapperError as error:
+        fail(f"{path}: {error.message}")
+
+
+def print_json(values: dict[str, Any]) -> None:
+    """Print one object on one line; numbers that JSON lacks must have been replaced."""
+    typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))
+
+
+def _option(row: Parameter) -> inspect.Parameter:
+    names = [SHORT_NAMES[row.name]] if row.name in SHORT_NAMES else []
+    name = "--" + row.name.replace("_", "-")
+    names.append(f"{name}/--no-{row.name.replace('_', '-')}" if row.kind == "flag" else name)
+    unit = f" {row.unit}" if row.unit else ""
+    initial = row.initial if row.kind != "flag" else ("on" if row.initial else "off")
+    bounds = f"; {row.low:g} to {row.high:g}{unit}" if row.kind == "number" else ""
+    sentence = f"{row.sentence} [{initial}{unit if row.kind == 'number' else ''}{bounds}]"
+    kind: Any = {"number": float | None, "choice": str | None, "flag": bool | None}[row.kind]
+    metavar = "|".join(row.choices) if row.kind == "choice" else None
+    annotation = Annotated[kind, typer.Option(*names, help=sentence, metavar=metavar, show_default=False)]
+    return inspect.Parameter(row.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command an option for each named row of the parameter table, in place of its ``**parameters``."""
+
+    def widened(command: Callable[..., None]) -> Callable[..., None]:
+        own = [p for p in inspect.signature(command, eval_str=True).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        options = [_option(BY_NAME[name]) for name in names]
+        signature = inspect.Signature([p.replace(kind=p.KEYWORD_ONLY) for p in own] + options)
+        command.__signature__ = signature  # type: ignore[attr-defined]
+        command.__annotations__ = {p.name: p.annotation for p in signature.parameters.values()}
+        return command
+
+    return widened
+
+
+def configured(values: dict[str, Any], mount: str | None = None) -> MappingConfig:
+    """Return the parameters with those replaced that were given, or end the command with what is wrong."""
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if BY_NAME[name].kind == "choice":
+            given[name] = value.replace("-", "_")
+    try:
+        if mount is not None:
+            given |= zip(MOUNT, _three_numbers(mount), strict=True)
+        return MappingConfig().with_values(given)
+    except MapperError as error:
+        fail(error.message)
+
+
+def _three_numbers(text: str) -> list[float]:
+    try:
+        x, y, yaw = (float(part) for part in text.split(","))
+    except ValueError:
+        fail(f"--mount needs three numbers, X,Y,YAW in metres and radians, not {text!r:.40}.")
+    return [x, y, yaw]
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
+    """Yield a function that takes the share that is done, 0 … 1, and shows it; None where nobody watches."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console  # noqa: PLC0415 - start-up
+    from rich.progress import Progress  # noqa: PLC0415 - start-up
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
+
+
+def read_log(path: Path) -> ScanLog:
+    """Return the log at ``path``, or end the command with what is wrong with it."""
+    from mapper.logs import open_log  # noqa: PLC0415 - start-up
+
+    with refusing(path), progress_bar("Reading") as progress:
+        return open_log(path, progress=progress)
+
+
+@app.command()
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on. [127.0.0.1]")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on; 0 takes a free one. [8000]")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help="Folder for uploaded logs.")] = None,
+    logs_dir: Annotated[Path | None, typer.Option(help="Folder whose logs everybody sees, read-only.")] = None,
+) -> None:
+    """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
+    from pydantic import ValidationError  # noqa: PLC0415 - start-up
+
+    from server.serving import run  # noqa: PLC0415 - start-up
+    from server.settings import Settings  # noqa: PLC0415 - start-up
+
+    options: dict[str, Any] = {"host": host, "port": port, "data_dir": data_dir, "logs_dir": logs_dir}
+    if logs_dir is not None and not logs_dir.is_dir():
+        fail(f"--logs-dir: {logs_dir} is no folder.")
+    try:
+        settings = Settings(**{name: value for name, value in options.items() if value is not None})
+    except ValidationError as error:
+        first = error.errors()[0]
+        fail(f"the setting {'.'.join(str(part) for part in first['loc'])} is refused: {first['msg']}.")
+    run(settings)
+
+
+@app.command()
+def info(log: LogPath, as_json: AsJson = False) -> None:
+    """Say what a log holds."""
+    from mapper.logs.summary import summarise  # noqa: PLC0415 - start-up
+
+    facts = asdict(summarise(read_log(log)))
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['name']}: {facts['format']}")
+    typer.echo(
+        f"  {facts['scans']} scans of {facts['beams']} beams over {facts['field_of_view_deg']:.1f}°, "
+        f"{facts['duration_s']:.1f} s"
+    )
+    n = facts["readings"]
+    typer.echo(f"  {n['measured']} readings measured, {n['no_return']} without return, {n['invalid']} invalid")
+    typer.echo(f"  laser on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)")
+    for trajectory in facts["trajectories"]:
+        typer.echo(f"  trajectory {trajectory['name']}: {trajectory['length_m']:.1f} m, {trajectory['description']}")
+    for note in facts["notes"]:
+        typer.echo(f"  note: {note}")
+
+
+@app.command("map")
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in MOUNT))
+def map_log(
+    log: LogPath,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    mount: Annotated[
+        str | None, typer.Option(metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad).")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm and PREFIX.yaml.")] = None,
+    mode: Annotated[str, typer.Option(metavar="trinary|scale|raw", help="Kind of map file.")] = "trinary",
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each row of the table
+) -> None:
+    """Make the map of a log."""
+    from mapper.grid import OccupancyGrid  # noqa: PLC0415 - start-up
+    from mapper.integrate import geometry_for, integrate_log  # noqa: PLC0415 - start-up
+
+    config = configured(parameters, mount)
+    if mode not in ("trinary", "scale", "raw"):
+        fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
+    scans = read_log(log)
+    with refusing(log):
+        grid = OccupancyGrid(geometry_for(scans, config, trajectory), config.log_odds_prior)
+        integrate_log(grid, scans, config, trajectory, 0, 0)  # compiles the kernels where no cache has them
+        with progress_bar("Mapping") as bar:
+            start = time.perf_counter()
+            updated = integrate_log(
+                grid, scans, config, trajectory, progress=bar and (lambda done, total: bar(done / max(1, total)))
+            )
+            seconds = time.perf_counter() - start
+    written = _save(grid, out, mode) if out is not None else []
+    geometry = grid.geometry
+    facts: dict[str, Any] = {
+        "log": scans.name,
+        "trajectory": trajectory or scans.default_trajectory,
+        "scans": scans.n_scans,
+        "beams": scans.n_beams,
+        "cells_updated": updated,
+        "seconds": round(seconds, 6),
+        "resolution": geometry.resolution,
+        "rows": geometry.rows,
+        "cols": geometry.cols,
+        "origin": list(geometry.origin),
+        **_states(grid),
+        "files": [str(path) for path in written],
+        "notes": list(scans.notes),
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
+    typer.echo(
+        f"  {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+    )
+    typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
+    typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
+    for path in written:
+        typer.echo(f"  wrote {path}")
+
+
+def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller
+    from mapper.maps import save_map  # noqa: PLC0415 - start-up
+
+    with refusing(prefix):
+        yaml_path, image_path = save_map(grid, prefix, mode)
+    return [image_path, yaml_path]
+
+
+def _states(grid: OccupancyGrid) -> dict[str, int]:
+    from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
+
+    found = map_metrics(grid)
+    return {"occupied": found.occupied, "free": found.free, "unknown": found.unknown}
+
+
+@app.command()
+def view(
+    map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
+    width: Annotated[int | None, typer.Option(help="Characters across. [the terminal's]")] = None,
+) -> None:
+    """Draw a map file as text: in three states, and in characters that grow denser with the occupancy."""
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.render import RAMP, density, three_state  # noqa: PLC0415 - start-up
+
+    across = shutil.get_terminal_size().columns if width is None else width
+    with refusing(map_yaml):
+        loaded = load_map(map_yaml)
+        pictures = three_state(loaded.grid, across), density(loaded.grid, across)
+    geometry = loaded.grid.geometry
+    typer.echo(
+        f"{map_yaml.name}: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+    )
+    for note in loaded.notes:
+        typer.echo(f"note: {note}")
+    typer.echo("\n# occupied   . free   ? unknown\n" + pictures[0])
+    typer.echo(f"\n{RAMP[0]} free … {RAMP[-1]} occupied, blank: never observed\n" + pictures[1])
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="gridbloom")
