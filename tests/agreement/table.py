@@ -13,6 +13,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper import textbook
+from mapper.geometry import transform_points
 from mapper.integrate import geometry_for, integrate_log
 from mapper.kernels import rays
 from mapper.kernels.quantise import quantise
@@ -73,7 +74,7 @@ def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
             else:
                 reach = z + case.config.window / 2 if z >= scan.range_min else 0.0
             in_laser = reach * np.array([np.cos(bearing), np.sin(bearing)])
-            seen.append(textbook.transform_points(pose, in_laser))
+            seen.append(transform_points(pose, in_laser))
     side = case.config.resolution
     low, high = np.min(seen, axis=0) - side, np.max(seen, axis=0) + side
     return (case.geometry.covering(low, high, side),)
@@ -82,9 +83,14 @@ def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 TILE = 8
 
 
+def tiles_of(picture: np.ndarray) -> tuple[int, int]:
+    rows, cols = picture.shape
+    return -(-rows // TILE), -(-cols // TILE)
+
+
 def picture_by_kernel(case: PictureCase) -> tuple[Any, ...]:
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
-    changed = np.zeros([-(-n // TILE) for n in picture.shape], dtype=np.bool_)
+    changed = np.zeros(tiles_of(picture), dtype=np.bool_)
     count = quantise(case.log_odds, case.observed, case.low, case.high, *case.box, TILE, picture, changed)
     return picture, changed, count
 
@@ -95,7 +101,7 @@ def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
     row0, row1, col0, col1 = (max(n, 0) for n in case.box)
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
     picture[row0:row1, col0:col1] = quantised[row0:row1, col0:col1]
-    changed = np.zeros([-(-n // TILE) for n in picture.shape], dtype=np.bool_)
+    changed = np.zeros(tiles_of(picture), dtype=np.bool_)
     for row, col in np.argwhere(picture != -128):
         changed[row // TILE, col // TILE] = True
     return picture, changed, np.count_nonzero(picture != -128)

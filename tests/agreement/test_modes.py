@@ -1,0 +1,22 @@
+"""The kernels with every index checked, and as plain Python: a run of the table in a process of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    ("mode", "examples"), [({"NUMBA_BOUNDSCHECK": "1"}, 60), ({"NUMBA_DISABLE_JIT": "1"}, 25)], ids=["bounds", "plain"]
+)
+def test_table_holds(mode: dict[str, str], examples: int, tmp_path: Path) -> None:
+    # A cache of its own: numba's cache does not tell checked code from unchecked code.
+    environment = os.environ | mode | {"NUMBA_CACHE_DIR": str(tmp_path), "AGREEMENT_EXAMPLES": str(examples)}
+    table = str(Path(__file__).with_name("test_agreement.py"))
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", table]
+    done = subprocess.run(command, cwd=CHECKOUT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
