@@ -15,7 +15,8 @@ class FolderLog:
     """One file of the folder; ``id`` stays the same as long as its name, size and time do."""
 
     id: str
-    path: Path
+    name: str
+    path: Path  #: what the name leads to
     bytes: int
     modified_s: float
 
@@ -43,7 +44,7 @@ def list_folder(folder: Path) -> list[FolderLog]:
         if not stat.S_ISREG(info.st_mode) or not target.is_relative_to(root):
             continue
         digest = hashlib.sha256(f"{path.name}\0{info.st_size}\0{info.st_mtime_ns}".encode("utf-8", "surrogateescape"))
-        found.append(FolderLog(f"folder-{digest.hexdigest()[:20]}", target, info.st_size, info.st_mtime))
+        found.append(FolderLog(f"folder-{digest.hexdigest()[:20]}", path.name, target, info.st_size, info.st_mtime))
         if len(found) == MAX_FILES:
             break
     return found

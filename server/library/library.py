@@ -240,7 +240,7 @@ class Library:
         known = self._records.get(log.id)
         if known is not None:
             return known
-        name = display_name(log.path.name)
+        name = display_name(log.name)
         return Record(log.id, "", name, "folder", "ready", log.bytes, created_s=log.modified_s)
 
     # -- the log itself -----------------------------------------------------------------------------------------

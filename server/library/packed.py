@@ -55,7 +55,7 @@ def write_pack(log: ScanLog, path: Path) -> None:
 def read_pack(path: Path) -> ScanLog:
     """Return the log that :func:`write_pack` wrote; raise :class:`StalePackError` for any other file or none."""
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             about = json.loads(arrays["about"].tobytes())
             if about["version"] != VERSION:
                 raise StalePackError(f"The pack is of version {about['version']}, this is {VERSION}.")

@@ -170,7 +170,7 @@ class Scene:
         self._session.post(command)
         self._loop.call_soon_threadsafe(self._changed.set)
 
-    async def _clicked(self, event: viser.SceneClickEvent) -> None:
+    def _clicked(self, event: viser.SceneClickEvent) -> None:
         """Put the robot where the click's ray meets the floor; in a log, go to the moment nearest to that place."""
         (ox, oy, oz), (dx, dy, dz) = event.ray_origin, event.ray_direction
         if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor

@@ -1,0 +1,17 @@
+"""Small logs as bytes, and as the pieces in which they come over the network."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+LINE = "FLASER 3 1.0 2.0 3.0 {x} 0.0 0.0 {x} 0.0 0.0 {x} host {x}\n"
+
+
+def carmen(scans: int, start: int = 0) -> bytes:
+    """A CARMEN log of ``scans`` scans of three beams, one second and one metre apart."""
+    return "".join(LINE.format(x=float(start + i)) for i in range(scans)).encode()
+
+
+async def in_pieces(data: bytes, size: int = 1000) -> AsyncIterator[bytes]:
+    for at in range(0, len(data), size):
+        yield data[at : at + size]

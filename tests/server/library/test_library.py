@@ -1,0 +1,410 @@
+"""Uploads from the first byte to the loaded log, who sees what, and what a restart finds."""
+
+from __future__ import annotations
+
+import asyncio
+import gzip
+import os
+import signal
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.errors import LimitError, MapperError, ReadError
+from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
+from server.settings import Settings
+from tests.server.library.small_logs import carmen, in_pieces
+
+
+def files(settings: Settings) -> list[str]:
+    """Every file below the data folder, by path."""
+    return sorted(str(p.relative_to(settings.data_dir)) for p in settings.data_dir.rglob("*") if p.is_file())
+
+
+async def settled(library: Library, owner: str, log_id: str) -> Record:
+    """The record once its job has ended."""
+    async with asyncio.timeout(30):
+        while (record := library.get(owner, log_id)).state in ("queued", "reading"):  # noqa: ASYNC110 - as a page polls
+            await asyncio.sleep(0.01)
+    return record
+
+
+def address_space_limit(pid: int) -> str:
+    limits = Path(f"/proc/{pid}/limits")
+    if not limits.exists():
+        pytest.skip("this system has no /proc")
+    return next(line for line in limits.read_text().splitlines() if line.startswith("Max address space"))
+
+
+async def test_an_upload_is_read_and_loaded(library: Library) -> None:
+    record = await library.put("ann", "run.log", in_pieces(carmen(5)))
+    assert record.state == "queued"
+    log = await library.load("ann", record.id)
+    assert log.n_scans == 5
+    assert log.name == "run.log"
+    np.testing.assert_array_equal(log.ranges[0], np.array([1, 2, 3], dtype=np.float32))
+    np.testing.assert_array_equal(log.trajectory().poses[:, 0], np.arange(5.0))
+    public = library.get("ann", record.id).public()
+    assert public["state"] == "ready"
+    assert (public["scans"], public["beams"], public["duration_s"]) == (5, 3, 4.0)
+    assert public["trajectories"][0]["name"] == log.default_trajectory
+    assert public["error"] is None
+
+
+async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Callable[..., Library]) -> None:
+    first = make_library()
+    await first.start()
+    record = await first.put("ann", "run.log", in_pieces(carmen(7)))
+    log = await first.load("ann", record.id)
+    assert await first.load("ann", record.id) is log
+    await first.close()
+
+    second = make_library()
+    await second.start()
+    again = await second.load("ann", record.id)
+    assert second._reader.worker_pid == 0, "nothing had to be read"
+    np.testing.assert_array_equal(again.ranges, log.ranges)
+    np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
+
+
+async def test_a_damaged_pack_is_made_anew(library: Library, settings: Settings) -> None:
+    record = await library.put("ann", "run.log", in_pieces(carmen(5)))
+    await library.load("ann", record.id)
+    library._cache.drop(record.id)
+    library._pack(record.id).write_bytes(b"PK\x03\x04 this is no pack")
+    assert (await library.load("ann", record.id)).n_scans == 5
+
+
+async def test_the_same_bytes_of_one_owner_are_stored_once(library: Library, settings: Settings) -> None:
+    one, two = await asyncio.gather(
+        library.put("ann", "a.log", in_pieces(carmen(50))), library.put("ann", "b.log", in_pieces(carmen(50), 7))
+    )
+    assert one.id == two.id
+    other = await library.put("bob", "a.log", in_pieces(carmen(50)))
+    assert other.id != one.id
+    await settled(library, "ann", one.id)
+    await settled(library, "bob", other.id)
+    assert len([f for f in files(settings) if f.startswith("library/blobs")]) == 2
+
+
+async def test_two_uploads_at_once_do_not_mix(library: Library) -> None:
+    records = await asyncio.gather(
+        library.put("ann", "short", in_pieces(carmen(20, start=100), 13)),
+        library.put("ann", "long", in_pieces(carmen(30, start=500), 17)),
+    )
+    logs = [await library.load("ann", record.id) for record in records]
+    assert [log.trajectory().poses[0, 0] for log in logs] == [100.0, 500.0]
+    assert [log.n_scans for log in logs] == [20, 30]
+
+
+async def test_another_visitors_log_is_not_there(library: Library) -> None:
+    record = await library.put("ann", "run.log", in_pieces(carmen(5)))
+    await settled(library, "ann", record.id)
+    for log_id in (record.id, "no-such-log", "../records/" + record.id, ""):
+        with pytest.raises(LogNotFoundError):
+            library.get("bob", log_id)
+        with pytest.raises(LogNotFoundError):
+            await library.load("bob", log_id)
+        with pytest.raises(LogNotFoundError):
+            await library.delete("bob", log_id)
+    assert record.id not in [r.id for r in await library.list("bob")]
+    assert record.id in [r.id for r in await library.list("ann")]
+
+
+async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, settings: Settings) -> None:
+    record = await library.put("ann", "run.log", in_pieces(carmen(5)))
+    log = await library.load("ann", record.id)
+    await library.delete("ann", record.id)
+    assert files(settings) == []
+    assert log.ranges.sum() == 30.0
+    with pytest.raises(LogNotFoundError):
+        library.get("ann", record.id)
+
+
+async def test_delete_while_the_log_is_queued_or_read(library: Library, settings: Settings) -> None:
+    data = carmen(5000)
+    records = [await library.put("ann", "x", in_pieces(data + b"# %d\n" % i, 100_000)) for i in range(3)]
+    waiting = asyncio.create_task(library.load("ann", records[0].id))
+    await asyncio.sleep(0.05)
+    await asyncio.gather(*(library.delete("ann", record.id) for record in records))
+    with pytest.raises(LogNotFoundError):
+        await waiting
+    assert files(settings) == []
+    # The reader is fit for the next log.
+    record = await library.put("ann", "y", in_pieces(carmen(3)))
+    assert (await library.load("ann", record.id)).n_scans == 3
+
+
+# -- what can go wrong on the way in -------------------------------------------------------------------------------
+
+
+async def test_an_upload_that_stops_half_way_leaves_nothing(library: Library, settings: Settings) -> None:
+    async def broken() -> AsyncIterator[bytes]:
+        yield carmen(2000)
+        raise ConnectionResetError
+
+    with pytest.raises(ConnectionResetError):
+        await library.put("ann", "run.log", broken())
+    assert files(settings) == []
+    assert [r.source for r in await library.list("ann")] == ["sample"]
+
+
+async def test_an_upload_that_is_cancelled_leaves_nothing(library: Library, settings: Settings) -> None:
+    started = asyncio.Event()
+
+    async def endless() -> AsyncIterator[bytes]:
+        yield b"x" * 500_000
+        started.set()
+        await asyncio.Event().wait()
+
+    task = asyncio.create_task(library.put("ann", "run.log", endless()))
+    await started.wait()
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    assert files(settings) == []
+
+
+async def test_an_upload_that_stalls_is_given_up(make_library: Callable[..., Library], settings: Settings) -> None:
+    library = make_library(idle_s=0.05)
+
+    async def stalls() -> AsyncIterator[bytes]:
+        yield b"x"
+        await asyncio.sleep(30)
+
+    with pytest.raises(LimitError, match="came for") as caught:
+        await library.put("ann", "run.log", stalls())
+    assert caught.value.code == "log.stalled"
+    assert files(settings) == []
+
+
+async def test_caps(make_library: Callable[..., Library], settings: Settings) -> None:
+    library = make_library(max_logs_per_owner=1, max_total_bytes=1_100_000)
+
+    async def refused(owner: str, data: AsyncIterator[bytes], size: int | None = None) -> str:
+        with pytest.raises(MapperError) as caught:
+            await library.put(owner, "run.log", data, size)
+        return caught.value.code
+
+    unread = in_pieces(carmen(5))
+    assert await refused("ann", unread, 2 << 30) == "log.too_large"
+    assert await anext(unread), "a log that is declared too large is refused before its first byte"
+    assert await refused("ann", in_pieces(b"x" * 1_000_001, 65536), 10) == "log.too_large"
+    assert await refused("ann", in_pieces(b"")) == "log.empty"
+    assert files(settings) == []
+    await library.put("ann", "run.log", in_pieces(carmen(5)))
+    assert await refused("ann", in_pieces(carmen(6))) == "library.too_many"
+    await library.put("bob", "x", in_pieces(b"x" * 1_000_000, 65536))
+    assert await refused("eve", in_pieces(b"y"), 200_000) == "library.full"
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("run.log", "run.log"),
+        ("../../etc/passwd", "passwd"),
+        ("C:\\logs\\run.log", "run.log"),
+        ("a\x00b\x1b[31m\n\tc\u202egnp.exe", "ab[31m cgnp.exe"),
+        ("", "log"),
+        ("../..", "log"),
+        ("\ud800x", "x"),
+        ("Straße/Café 地図.log.gz", "Café 地図.log.gz"),
+        ("n" * 500, "n" * 119 + "…"),
+    ],
+)
+async def test_names_are_only_shown(library: Library, settings: Settings, name: str, shown: str) -> None:
+    record = await library.put("ann", name, in_pieces(carmen(2)))
+    assert record.name == shown
+    await settled(library, "ann", record.id)
+    assert not [f for f in files(settings) if "passwd" in f or "run.log" in f]
+
+
+# -- what can go wrong in reading ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("data", "code"),
+    [
+        (bytes(range(256)) * 20, "log.binary"),
+        (b"Dear all,\nthe log is attached.\n", "log.unknown_format"),
+        (gzip.compress(carmen(500))[:20], "log.truncated"),
+        (b"# a comment\nPARAM robot 1\n", "log.no_scans"),
+        (carmen(2) + b"FLASER 3 1.0 nonsense 3.0 0 0 0 0 0 0 1 host 1\n" + carmen(1), "log.not_a_number"),
+    ],
+    ids=["binary", "letter", "truncated gzip", "no scans", "bad line"],
+)
+async def test_what_is_no_log_fails_with_a_sentence(
+    library: Library, settings: Settings, data: bytes, code: str
+) -> None:
+    record = await library.put("ann", "bad.log", in_pieces(data))
+    with pytest.raises((ReadError, LimitError)) as caught:
+        await library.load("ann", record.id)
+    failed = library.get("ann", record.id)
+    assert failed.state == "failed"
+    assert failed.error is not None
+    assert (failed.error.code, failed.error.message) == (caught.value.code, caught.value.message)
+    assert failed.error.code == code
+    assert record.id not in failed.error.message
+    assert str(settings.data_dir) not in failed.error.message
+    # Nothing else stops.
+    good = await library.put("ann", "good.log", in_pieces(carmen(4)))
+    assert (await library.load("ann", good.id)).n_scans == 4
+
+
+async def test_a_log_that_was_cut_is_read_as_far_as_it_goes(library: Library) -> None:
+    record = await library.put("ann", "cut.log.gz", in_pieces(gzip.compress(carmen(500))[:1500]))
+    log = await library.load("ann", record.id)
+    assert 0 < log.n_scans < 500
+    assert library.get("ann", record.id).public()["notes"]
+
+
+async def test_a_gzip_bomb_is_stopped(library: Library) -> None:
+    line = carmen(1)
+    bomb = gzip.compress(line * 100) + gzip.compress(b" " * 400_000_000, 9)
+    assert len(bomb) < 1_000_000
+    record = await library.put("ann", "bomb.gz", in_pieces(bomb, 65536))
+    failed = await settled(library, "ann", record.id)
+    assert failed.state == "failed"
+    assert failed.error is not None
+    assert failed.error.code.startswith("log.")
+
+
+async def test_a_killed_worker_fails_its_own_job_only(library: Library) -> None:
+    slow = carmen(8000)
+    first = await library.put("ann", "first", in_pieces(slow, 100_000))
+    second = await library.put("ann", "second", in_pieces(carmen(4)))
+    async with asyncio.timeout(30):
+        while library._reader.progress == 0.0:  # noqa: ASYNC110 - a number that another process writes
+            await asyncio.sleep(0.001)
+    assert library.get("ann", first.id).state == "reading"
+    os.kill(library._reader.worker_pid, signal.SIGKILL)
+    failed = await settled(library, "ann", first.id)
+    assert failed.error is not None
+    assert failed.error.code == "log.reader_died"
+    assert (await library.load("ann", second.id)).n_scans == 4
+    # The same bytes again: read again, in the place of the failure.
+    again = await library.put("ann", "first", in_pieces(slow, 100_000))
+    assert again.id == first.id
+    assert (await library.load("ann", again.id)).n_scans == 8000
+
+
+async def test_a_worker_that_dies_idle_fails_no_job(library: Library) -> None:
+    record = await library.put("ann", "a", in_pieces(carmen(2)))
+    await library.load("ann", record.id)
+    os.kill(library._reader.worker_pid, signal.SIGKILL)
+    await asyncio.sleep(0.2)
+    record = await library.put("ann", "b", in_pieces(carmen(3)))
+    assert (await library.load("ann", record.id)).n_scans == 3
+
+
+async def test_reading_has_a_time_limit(make_library: Callable[..., Library]) -> None:
+    library = make_library(read_timeout_s=0.001)
+    record = await library.put("ann", "a", in_pieces(carmen(8000), 100_000))
+    failed = await settled(library, "ann", record.id)
+    assert failed.error is not None
+    assert failed.error.code == "log.time"
+
+
+async def test_reading_has_a_memory_limit(make_library: Callable[..., Library]) -> None:
+    library = make_library(read_memory_bytes=600 << 20)
+    record = await library.put("ann", "a", in_pieces(carmen(2)))
+    await library.load("ann", record.id)
+    assert str(600 << 20) in address_space_limit(library._reader.worker_pid)
+
+
+async def test_a_job_cut_by_a_crash_is_failed_at_the_next_start(
+    make_library: Callable[..., Library], settings: Settings
+) -> None:
+    first = make_library()
+    record = await first.put("ann", "a", in_pieces(carmen(8000), 100_000))
+    await first.close()  # the job is cut; its record says "queued" or "reading" on the disk
+    (settings.data_dir / "library" / "incoming" / "half.part").write_bytes(b"x")
+    (settings.data_dir / "library" / "blobs" / "orphan").write_bytes(b"x")
+    (settings.data_dir / "library" / "records" / "garbage.json").write_text("{")
+
+    second = make_library()
+    await second.start()
+    failed = second.get("ann", record.id)
+    assert failed.state == "failed"
+    assert failed.error is not None
+    assert failed.error.code == "log.interrupted"
+    assert "upload" in failed.error.message
+    left = files(settings)
+    assert "library/incoming/half.part" not in left
+    assert "library/blobs/orphan" not in left
+
+
+async def test_old_uploads_leave(make_library: Callable[..., Library], settings: Settings) -> None:
+    first = make_library()
+    record = await first.put("ann", "a", in_pieces(carmen(2)))
+    await first.load("ann", record.id)
+    await first.close()
+    second = make_library(keep_s=0.0)
+    await second.start()
+    assert files(settings) == []
+
+
+# -- the folder and the sample -------------------------------------------------------------------------------------
+
+
+async def test_the_folder_is_listed_for_everybody_and_read_when_opened(library: Library, settings: Settings) -> None:
+    folder = settings.logs_dir
+    assert folder is not None
+    (folder / "b.log").write_bytes(carmen(6))
+    (folder / "A.log.gz").write_bytes(gzip.compress(carmen(9)))
+    (folder / ".hidden").write_bytes(carmen(1))
+    (folder / "sub").mkdir()
+    outside = settings.data_dir.parent / "secret.log"
+    outside.write_bytes(carmen(1))
+    (folder / "link.log").symlink_to(outside)
+    (folder / "loop").symlink_to(folder / "loop")
+    (folder / "twin.log").symlink_to(folder / "b.log")
+    os.mkfifo(folder / "pipe")
+
+    listed = [r for r in await library.list("ann") if r.source == "folder"]
+    assert [r.name for r in listed] == ["A.log.gz", "b.log", "twin.log"]
+    assert all(r.state == "ready" and r.summary is None for r in listed)
+    assert library._reader.worker_pid == 0
+    for owner in ("ann", "bob"):
+        assert (await library.load(owner, listed[0].id)).n_scans == 9
+        assert library.get(owner, listed[0].id).public()["scans"] == 9
+    with pytest.raises(LogReadOnlyError):
+        await library.delete("ann", listed[0].id)
+
+    # The id says which bytes: another file by the same name is another log.
+    (folder / "A.log.gz").write_bytes(gzip.compress(carmen(11)))
+    changed = next(r for r in await library.list("ann") if r.name == "A.log.gz")
+    assert changed.id != listed[0].id
+    assert (await library.load("ann", changed.id)).n_scans == 11
+    with pytest.raises(LogNotFoundError):
+        library.get("ann", listed[0].id)
+
+
+async def test_a_folder_log_that_is_none_fails_when_opened(library: Library, settings: Settings) -> None:
+    folder = settings.logs_dir
+    assert folder is not None
+    (folder / "README.md").write_text("# Not a log\n")
+    record = next(r for r in await library.list("ann") if r.source == "folder")
+    with pytest.raises(ReadError) as caught:
+        await library.load("ann", record.id)
+    assert str(folder) not in caught.value.message
+    assert library.get("ann", record.id).state == "failed"
+
+
+async def test_a_folder_that_is_gone_is_empty(library: Library, settings: Settings) -> None:
+    assert settings.logs_dir is not None
+    settings.logs_dir.rmdir()
+    assert [r.source for r in await library.list("ann")] == ["sample"]
+
+
+async def test_the_sample_is_always_there(library: Library) -> None:
+    record = next(r for r in await library.list("ann") if r.id == SAMPLE_ID)
+    assert (record.name, record.source, record.state) == ("A simulated office (sample)", "sample", "ready")
+    one, two = await asyncio.gather(library.load("ann", SAMPLE_ID), library.load("bob", SAMPLE_ID))
+    assert one is two
+    assert {"true", "odometry"} <= set(one.trajectories)
+    assert library.get("ann", SAMPLE_ID).public()["scans"] == one.n_scans
+    with pytest.raises(LogReadOnlyError):
+        await library.delete("ann", SAMPLE_ID)

@@ -1,0 +1,91 @@
+"""A pack gives back the log that went in, whatever is in it, and refuses everything else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.scan import ScanLog, Trajectory
+from server.library.cache import LogCache
+from server.library.packed import StalePackError, nbytes, read_pack, write_pack
+
+
+def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
+    rng = np.random.default_rng(n_scans)
+    ranges = rng.uniform(0, 10, (n_scans, n_beams)).astype(np.float32)
+    values = {
+        "ranges": ranges,
+        "angle_min": -1.5,
+        "angle_increment": 1.0,
+        "range_min": 0.1,
+        "range_max": 20.0,
+        "stamps_ns": np.arange(n_scans)[::-1],
+        "trajectories": {
+            "scan": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "as stated — “so”"),
+            "wheel": Trajectory(rng.uniform(-5, 5, (n_scans, 3))),
+        },
+        "mount": (0.1, 0.2, 0.3),
+        "upside_down": True,
+        "name": "Café 地図",
+        "format": "CARMEN",
+        "notes": ("one", "two"),
+    }
+    return ScanLog(**(values | changes))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("n_scans", [0, 1, 7])
+@pytest.mark.parametrize("range_max", [20.0, float("inf")])
+def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) -> None:
+    log = log_of(n_scans, range_max=range_max)
+    if n_scans:
+        log.ranges[0] = [np.nan, np.inf, -np.inf, 1.0]
+    write_pack(log, tmp_path / "log.npz")
+    again = read_pack(tmp_path / "log.npz")
+    np.testing.assert_array_equal(again.ranges, log.ranges)
+    np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
+    assert list(again.trajectories) == ["scan", "wheel"]
+    for name, trajectory in log.trajectories.items():
+        np.testing.assert_array_equal(again.trajectories[name].poses, trajectory.poses)
+        assert again.trajectories[name].description == trajectory.description
+    for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
+        assert getattr(again, name) == getattr(log, name), name
+    assert again.notes == log.notes
+    assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
+
+
+def test_nothing_else_is_a_pack(tmp_path: Path) -> None:
+    path = tmp_path / "log.npz"
+    with pytest.raises(StalePackError):
+        read_pack(path)
+    write_pack(log_of(3), path)
+    whole = path.read_bytes()
+    for data in (b"", b"PK", whole[:100], whole[: len(whole) // 2], whole[:-10], b"x" * 1000):
+        path.write_bytes(data)
+        with pytest.raises(StalePackError):
+            read_pack(path)
+    with path.open("wb") as file:  # a pickle is never opened
+        np.savez(file, about=np.array([{"version": 1}], dtype=object))
+    with pytest.raises(StalePackError):
+        read_pack(path)
+
+
+def test_the_cache_keeps_the_most_recently_used() -> None:
+    logs = {name: log_of(100) for name in "abc"}
+    size = nbytes(logs["a"])
+    assert size == 100 * (4 * 4 + 8 + 2 * 24)
+    cache = LogCache(2 * size)
+    cache.put("a", logs["a"])
+    cache.put("b", logs["b"])
+    assert cache.get("a") is logs["a"]
+    cache.put("c", logs["c"])
+    assert cache.get("b") is None
+    assert cache.get("a") is logs["a"]
+    assert cache.bytes == 2 * size
+    cache.put("huge", log_of(1000))
+    assert cache.get("huge") is None
+    assert cache.get("a") is not None
+    cache.drop("a")
+    cache.drop("a")
+    assert cache.bytes == size
