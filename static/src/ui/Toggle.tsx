@@ -20,6 +20,7 @@ export function Toggle({ label, checked, sentence, disabled = false, onChange }:
         <input
           type="checkbox"
           role="switch"
+          aria-checked={checked}
           aria-label={label}
           checked={checked}
           disabled={disabled}

@@ -6,7 +6,8 @@ import { ticks, toPixel } from "./layout";
 import { beamModel, cellAt, probability } from "./model";
 import type { ProfileView } from "./view";
 
-const PROBABILITIES = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99];
+/** Ticks of the probability axis, the most telling first: where it is crowded the later ones are left out. */
+const PROBABILITIES = [0.5, 0.2, 0.8, 0.7, 0.3, 0.9, 0.1, 0.95, 0.05, 0.6, 0.4, 0.99, 0.01];
 
 /** The two vertical axes: evidence in log-odds, and the probability of a cell that stood at the prior before. */
 function Axes({ view }: { view: ProfileView }) {
@@ -14,12 +15,12 @@ function Axes({ view }: { view: ProfileView }) {
   const scale = view.yScale.value;
   const prior = view.values.value.log_odds_prior;
   const y = (evidence: number): number => toPixel(evidence, scale);
-  let last = Number.POSITIVE_INFINITY;
-  const shown = PROBABILITIES.map((p) => ({ p, at: y(Math.log(p / (1 - p)) - prior) })).filter(({ at }) => {
-    if (at < curve.top + 4 || at > curve.bottom - 2 || Math.abs(last - at) < 19) return false;
-    last = at;
-    return true;
-  });
+  const shown: { readonly p: number; readonly at: number }[] = [];
+  for (const p of PROBABILITIES) {
+    const at = y(Math.log(p / (1 - p)) - prior);
+    const crowded = shown.some((one) => Math.abs(one.at - at) < 19);
+    if (!crowded && at > curve.top + 3 && at < curve.bottom - 1) shown.push({ p, at });
+  }
   return (
     <g>
       {ticks(scale.low, scale.high, 6).map((tick) => (
@@ -133,7 +134,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       )}
       {curve.right - hitTo > 190 && (
         <text class="label-prior" x={curve.right - 10} y={y0 - 9} text-anchor="end">
-          {noReturn && !frees ? "no return: nothing is learnt" : "beyond: nothing is learnt"}
+          {frees ? "beyond: nothing is learnt" : "nothing is learnt"}
         </text>
       )}
 
@@ -233,6 +234,11 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             </text>
           </Handle>
         </>
+      )}
+      {noReturn && (
+        <text class="label-beam" x={curve.right - 10} y={curve.bottom + 18} text-anchor="end">
+          no return: the beam found nothing within the max range
+        </text>
       )}
       {rangeShown && (
         <Handle

@@ -20,7 +20,7 @@ export function Formula({ view }: { view: ProfileView }) {
               <mrow class="noun-miss">
                 <mn>{signed(model.miss)}</mn>
               </mrow>
-              <mtext> for s ≤ max range = {written(values.range_max, 1)} m</mtext>
+              <mtext>&nbsp; for s ≤ max range = {written(values.range_max, 1)} m</mtext>
             </mrow>
           ) : (
             <mn>0</mn>

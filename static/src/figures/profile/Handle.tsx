@@ -30,7 +30,7 @@ export function Handle(props: HandleProps) {
     <g
       class={`handle ${props.tone}`}
       role="slider"
-      tabIndex={0}
+      tabindex={0}
       aria-label={props.label}
       aria-valuenow={Number(props.now.toFixed(4))}
       aria-valuemin={props.low}

@@ -69,7 +69,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
   const following = view.grabbed.value === null;
 
   return (
-    <figure class="profile">
+    <figure class="profile" aria-label="Inverse sensor model along one beam">
       <div class="profile-bar">
         <span class="profile-source">
           {following ? (
@@ -105,8 +105,6 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           width={width}
           height={height}
           viewBox={`0 0 ${width} ${height}`}
-          role="group"
-          aria-label="Inverse sensor model along one beam"
           onPointerMove={hover}
           onPointerDown={hover}
           onPointerLeave={() => {

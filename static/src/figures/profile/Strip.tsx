@@ -36,7 +36,7 @@ export function Strip({ view }: { view: ProfileView }) {
       : 0;
   const hitCount = inWindow ? inWindow[1] - inWindow[0] + 1 : 0;
   const hitMiddle = inWindow ? x(((inWindow[0] + inWindow[1] + 1) * resolution) / 2) : x(values.range_max);
-  const room = inWindow ? Math.max(((inWindow[1] - inWindow[0] + 1) * size) / 2, 46) + 10 : 12;
+  const room = inWindow ? Math.max((hitCount * size) / 2, 46) + 10 : 12;
   const narrow = view.width.value < 560;
   const places = ticks(scale.low, scale.high, narrow ? 4 : 8);
 
@@ -74,7 +74,7 @@ export function Strip({ view }: { view: ProfileView }) {
       )}
       {hitCount > 0 && (
         <text class="label-hit small" x={hitMiddle} y={strip.bottom + 16} text-anchor="middle">
-          {narrow || hitCount * size < 80
+          {narrow || hitCount * size < 150
             ? `${hitCount} × ${signed(model.hit)}`
             : `${hitCount} cells hit, each ${signed(model.hit)}`}
         </text>
@@ -92,7 +92,7 @@ export function Strip({ view }: { view: ProfileView }) {
       <rect
         class="strip-cursor"
         role="slider"
-        tabIndex={0}
+        tabindex={0}
         aria-label="Cell along the beam"
         aria-valuemin={first}
         aria-valuemax={last}

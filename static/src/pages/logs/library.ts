@@ -1,0 +1,143 @@
+import { signal } from "@preact/signals";
+
+/** A log as the server lists it. Facts are null until the log was read. */
+export interface LogRecord {
+  readonly id: string;
+  readonly name: string;
+  readonly source: "upload" | "folder" | "sample";
+  readonly state: "queued" | "reading" | "ready" | "failed";
+  readonly bytes: number;
+  readonly progress: number;
+  readonly error: { readonly code: string; readonly message: string } | null;
+  readonly scans: number | null;
+  readonly beams: number | null;
+  readonly duration_s: number | null;
+  readonly format: string | null;
+  readonly trajectories: readonly { readonly name: string; readonly description: string }[];
+  readonly notes: readonly string[];
+}
+
+/** A file on its way up. */
+export interface Upload {
+  readonly key: number;
+  readonly name: string;
+  readonly bytes: number;
+  readonly sent: number;
+  readonly error: string | null;
+}
+
+/** The list, null until it was first fetched. */
+export const logs = signal<readonly LogRecord[] | null>(null);
+export const uploads = signal<readonly Upload[]>([]);
+/** Why the list could not be fetched. */
+export const listError = signal<string | null>(null);
+
+const AWAY = "The server does not answer. This page tries again by itself.";
+
+/** The server's own sentence about what went wrong, or one of ours. */
+async function sentence(answer: Response): Promise<string> {
+  try {
+    const body: unknown = await answer.json();
+    if (body && typeof body === "object" && "message" in body && typeof body.message === "string") return body.message;
+  } catch {
+    // not JSON: a proxy's page, perhaps
+  }
+  return `The server answered ${answer.status}.`;
+}
+
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+const isMoving = (log: LogRecord): boolean => log.state === "queued" || log.state === "reading";
+
+/** Fetch the list, and go on fetching while something in it is being read or the server is away. */
+export async function refresh(): Promise<void> {
+  clearTimeout(timer);
+  let again = 0;
+  try {
+    const answer = await fetch("/api/logs");
+    if (!answer.ok) throw new Error(await sentence(answer));
+    const body = (await answer.json()) as { logs: LogRecord[] };
+    logs.value = body.logs;
+    listError.value = null;
+    if (body.logs.some(isMoving)) again = 500;
+  } catch (error) {
+    listError.value = error instanceof TypeError ? AWAY : (error as Error).message;
+    again = 3000;
+  }
+  if (again > 0) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);
+}
+
+let nextKey = 1;
+
+const patch = (key: number, change: Partial<Upload>): void => {
+  uploads.value = uploads.value.map((one) => (one.key === key ? { ...one, ...change } : one));
+};
+
+export const dismiss = (key: number): void => {
+  uploads.value = uploads.value.filter((one) => one.key !== key);
+};
+
+function messageOf(request: XMLHttpRequest): string {
+  try {
+    const body = JSON.parse(request.responseText) as { message?: unknown };
+    if (typeof body.message === "string") return body.message;
+  } catch {
+    // as in `sentence`
+  }
+  return request.status === 0
+    ? "The upload broke off: the server does not answer."
+    : `The server answered ${request.status}.`;
+}
+
+/** Send a file as it is. Fetch cannot tell how far an upload is, so it is an XMLHttpRequest. */
+export function upload(file: File): void {
+  const key = nextKey++;
+  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
+  if (file.size === 0) {
+    patch(key, { error: "The file is empty." });
+    return;
+  }
+  const request = new XMLHttpRequest();
+  request.open("PUT", `/api/logs?name=${encodeURIComponent(file.name)}`);
+  request.setRequestHeader("Content-Type", "application/octet-stream");
+  request.upload.onprogress = (event) => patch(key, { sent: event.loaded });
+  request.onerror = () => patch(key, { error: messageOf(request) });
+  request.onload = () => {
+    if (request.status >= 200 && request.status < 300) dismiss(key);
+    else patch(key, { error: messageOf(request) });
+    void refresh();
+  };
+  request.send(file);
+}
+
+/** Delete one's own log; resolves to the sentence of what went wrong, or null. */
+export async function remove(id: string): Promise<string | null> {
+  try {
+    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}`, { method: "DELETE" });
+    if (!answer.ok) return await sentence(answer);
+    logs.value = (logs.value ?? []).filter((log) => log.id !== id);
+    return null;
+  } catch {
+    return AWAY;
+  }
+}
+
+/** Make a session on a log; resolves to its id, rejects with a sentence. */
+export async function openSession(log: string, trajectory?: string): Promise<string> {
+  const answer = await fetch("/api/sessions", {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ kind: "log", log, ...(trajectory ? { trajectory } : {}) }),
+  });
+  if (!answer.ok) throw new Error(await sentence(answer));
+  return ((await answer.json()) as { id: string }).id;
+}
+
+/** Whether a session is still there. */
+export async function sessionExists(id: string): Promise<boolean> {
+  try {
+    return (await fetch(`/api/sessions/${encodeURIComponent(id)}`)).ok;
+  } catch {
+    return false;
+  }
+}

@@ -1,0 +1,111 @@
+import { describe, expect, it } from "vitest";
+import type { Parameter } from "../protocol";
+import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
+import { boundsOf, grouped, isEnabled, isShown } from "./parameters";
+import { indexAt, keyedIndex, placeOf } from "./seek";
+
+const WINDOW = { low: 0, high: 2, step: 0.05 };
+const RANGE = { low: 0.5, high: 100, step: 0.1 };
+
+describe("a slider's arithmetic", () => {
+  it("snaps onto steps without leaving floating-point crumbs", () => {
+    expect(snap(0.1499999, WINDOW)).toBe(0.15);
+    expect(snap(0.1 + 0.2, WINDOW)).toBe(0.3);
+    expect(snap(-1, WINDOW)).toBe(0);
+    expect(snap(7, WINDOW)).toBe(2);
+    expect(Object.is(snap(-0.001, { low: -3, high: 0, step: 0.05 }), 0)).toBe(true);
+  });
+
+  it("answers the keys of a range input", () => {
+    expect(keyed("ArrowRight", false, 0.2, WINDOW)).toBe(0.25);
+    expect(keyed("ArrowDown", false, 0.2, WINDOW)).toBe(0.15);
+    expect(keyed("ArrowLeft", false, 0, WINDOW)).toBe(0);
+    expect(keyed("ArrowRight", true, 0.2, WINDOW, 0.01)).toBe(0.21);
+    expect(keyed("PageUp", false, 0.2, WINDOW)).toBe(0.7);
+    expect(keyed("Home", false, 0.2, WINDOW)).toBe(0);
+    expect(keyed("End", false, 0.2, WINDOW)).toBe(2);
+    expect(keyed("a", false, 0.2, WINDOW)).toBeNull();
+  });
+
+  it("gives wide ranges a logarithmic track, and comes back to the value it left", () => {
+    expect(toFraction(Math.sqrt(50), RANGE)).toBeCloseTo(0.5, 6);
+    for (const value of [0.5, 3.3, 30, 81.9, 100]) expect(fromFraction(toFraction(value, RANGE), RANGE)).toBe(value);
+    for (const value of [0, 0.05, 1.95, 2]) expect(fromFraction(toFraction(value, WINDOW), WINDOW)).toBe(value);
+  });
+
+  it("writes numbers for people", () => {
+    expect(decimals(0.05)).toBe(2);
+    expect(decimals(1)).toBe(0);
+    expect(written(-0.4, 2)).toBe("−0.40");
+    expect(written(-0.001, 2)).toBe("0.00");
+    expect(signed(0.85)).toBe("+0.85");
+    expect(signed(0)).toBe("0.00");
+    expect(clock(3725)).toBe("1:02:05");
+    expect(clock(65.9)).toBe("1:05");
+  });
+});
+
+describe("a timeline's arithmetic", () => {
+  it("finds the scan under the pointer and keeps to the ends", () => {
+    expect(indexAt(50, 100, 910)).toBe(455);
+    expect(indexAt(-5, 100, 910)).toBe(0);
+    expect(indexAt(500, 100, 910)).toBe(910);
+    expect(indexAt(5, 0, 910)).toBe(0);
+    expect(placeOf(455, 910)).toBe(0.5);
+    expect(placeOf(3, 0)).toBe(0);
+  });
+
+  it("steps by one, ten, a twentieth, and to the ends", () => {
+    expect(keyedIndex("ArrowRight", false, 5, 910)).toBe(6);
+    expect(keyedIndex("ArrowLeft", true, 5, 910)).toBe(0);
+    expect(keyedIndex("PageUp", false, 5, 910)).toBe(51);
+    expect(keyedIndex("End", false, 5, 910)).toBe(910);
+    expect(keyedIndex("Home", false, 5, 910)).toBe(0);
+    expect(keyedIndex("Tab", false, 5, 910)).toBeNull();
+  });
+});
+
+const row = (over: Partial<Parameter>): Parameter => ({
+  name: "x",
+  label: "X",
+  group: "model",
+  kind: "number",
+  initial: 0,
+  sentence: "",
+  unit: "",
+  low: 0,
+  high: 1,
+  step: 0.01,
+  choices: [],
+  only_for: [],
+  ...over,
+});
+
+describe("what a parameter panel shows", () => {
+  const hit = row({ name: "log_odds_hit", only_for: ["fixed_increments"] });
+  const free = row({ name: "p_free", low: 0.01, high: 0.99, only_for: ["step_window"] });
+
+  it("hides rows of other models and choices without a choice", () => {
+    expect(isShown(hit, { model: "fixed_increments" })).toBe(true);
+    expect(isShown(hit, { model: "step_window" })).toBe(false);
+    expect(isShown(row({ kind: "choice", choices: ["bresenham"] }), {})).toBe(false);
+    const groups = grouped([hit, free, row({ name: "y", group: "map" })], { model: "step_window" });
+    expect(groups.map((group) => [group.name, group.rows.map((one) => one.name)])).toEqual([
+      ["model", ["p_free"]],
+      ["map", ["y"]],
+    ]);
+  });
+
+  it("keeps the step window's probabilities on their side of the prior", () => {
+    const values = { model: "step_window", log_odds_prior: -0.3, p_free: 0.2, p_occ: 0.8 };
+    expect(boundsOf(free, values).high).toBeCloseTo(0.42, 9); // p(−0.3) = 0.4256
+    expect(boundsOf({ ...free, name: "p_occ" }, values).low).toBeCloseTo(0.43, 9);
+    const prior = boundsOf(row({ name: "log_odds_prior", low: -2, high: 2, step: 0.05 }), values);
+    expect([prior.low, prior.high]).toEqual([expect.closeTo(-1.35, 9), expect.closeTo(1.35, 9)]);
+  });
+
+  it("rests the clamp's limits while the clamp is off", () => {
+    expect(isEnabled(row({ name: "log_odds_min" }), { clamp: false })).toBe(false);
+    expect(isEnabled(row({ name: "log_odds_min" }), { clamp: true })).toBe(true);
+  });
+});
