@@ -77,17 +77,17 @@ def count(token: str, line: int, word: str, what: str, largest: int, *, least: i
 def require_fields(tokens: Sequence[str], between: tuple[int, int], line: int, word: str, stated: str) -> None:
     """Raise :class:`ReadError` unless a line has as many tokens as ``between`` allows; ``stated`` says why so many.
 
-    CARMEN ends a line with ``stamp host logger_stamp``: a line that still has its host, which is no number, is whole,
-    so a wrong number of fields means that the stated count is wrong.
+    CARMEN ends a line with ``stamp host logger_stamp``: a line that still has its host, which is no number, is whole
+    and has the most tokens, so another number of them means that the stated count is wrong.
     """
     (needed, most), n = between, len(tokens)
-    if needed <= n <= most:
+    whole = n > 3 and not _is_number(tokens[-2]) and _is_number(tokens[-1])
+    if n == most or (needed <= n < most and not whole):
         return
-    whole = n > most or (n > 3 and not _is_number(tokens[-2]) and _is_number(tokens[-1]))
-    if whole:
+    if whole or n > most:
         raise ReadError(
             "log.beam_count",
-            f"Line {line}: this {word} line states {stated}, which makes {needed} to {most} fields, but it has {n}.",
+            f"Line {line}: this {word} line states {stated}, which makes {most} fields, but it has {n}.",
         )
     raise ReadError(
         "log.truncated_line",

@@ -6,7 +6,7 @@ import os
 import zlib
 from pathlib import Path
 
-from mapper.errors import MapperError, ReadError
+from mapper.errors import ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import carmen, dpslam
 from mapper.logs.lines import GZIP_MAGIC, Progress, opened
@@ -41,39 +41,40 @@ def open_log(
     larger than ``limits`` allow.
     """
     file = Path(path)
-    head = _head(file)
+    head, cut = _head(file)
     words = _first_words(head)
     if words & carmen.WORDS:
         return carmen.read_carmen(file, limits, progress)
     if words & dpslam.WORDS:
         return dpslam.read_dpslam(file, limits, progress)
-    raise _not_a_log(file, head)
+    if cut and b"\n" not in head:
+        raise ReadError("log.truncated", "The gzip data ends early, before the first line of a log.")
+    raise _not_a_log(head)
 
 
-def _head(file: Path) -> bytes:
-    """Return the first bytes of the text in the file."""
+def _head(file: Path) -> tuple[bytes, bool]:
+    """Return the first bytes of the text in the file, and whether they are gzip data that ends early."""
     with opened(file) as stream:
         try:
             head = stream.read(HEAD)
         except OSError as error:
             raise ReadError("log.unreadable", f"The file {file.name!r} cannot be read: {error.strerror}.") from error
     if not head.startswith(GZIP_MAGIC):
-        return head
+        return head, False
+    unzip = zlib.decompressobj(zlib.MAX_WBITS | 16)
     try:
-        return zlib.decompressobj(zlib.MAX_WBITS | 16).decompress(head, HEAD)
+        text = unzip.decompress(head, HEAD)
     except zlib.error as error:
         raise ReadError("log.gzip", f"The gzip data is damaged at its beginning: {error}.") from error
+    return text, len(head) < HEAD and not unzip.eof
 
 
 def _first_words(head: bytes) -> set[str]:
     return {line.split(None, 1)[0].decode("latin-1") for line in head.split(b"\n") if line.strip()}
 
 
-def _not_a_log(file: Path, head: bytes) -> MapperError:
+def _not_a_log(head: bytes) -> ReadError:
     if not head:
-        with opened(file) as stream:
-            if stream.read(1):
-                return ReadError("log.truncated", "The gzip data ends early, before the first line of a log.")
         return ReadError("log.empty", "The file is empty.")
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:

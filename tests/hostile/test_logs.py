@@ -1,0 +1,266 @@
+"""Logs that are wrong, cut, absurd or meant to harm: each gets its own error, which says where."""
+
+from __future__ import annotations
+
+import gzip
+import resource
+import sys
+import zlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mapper.errors import LimitError, MapperError, ReadError
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.logs import open_log
+
+GOOD = "FLASER 4 1.0 2.0 3.0 4.0 0.1 0.2 0.3 0.1 0.2 0.3 12.5 host 12.5"
+ODOM = "ODOM 0.1 0.2 0.3 0 0 0 12.4 host 12.4"
+ROBOT = "ROBOTLASER1 0 -1.57 3.14 0.785 50 0.1 0 4 1 2 3 4 0 0 0 0 0 0 0 0 0 0 0 0 12.5 host 12.5"
+
+
+def refused(folder: Path, data: bytes, limits: Limits = DEFAULT_LIMITS) -> MapperError:
+    path = folder / "a.log"
+    path.write_bytes(data)
+    with pytest.raises(MapperError) as caught:
+        open_log(path, limits=limits)
+    assert str(folder) not in caught.value.message, "an error must not tell where files lie on the server"
+    return caught.value
+
+
+LINES = {
+    # what follows two good lines: the code, words of the message
+    "cut in the ranges": ("FLASER 4 1.0 2.0", "log.truncated_line", "ends early"),
+    "cut before the stamp": ("FLASER 4 1 2 3 4 0 0 0 0 0 0", "log.truncated_line", "needs 13 fields, but has 12"),
+    "cut after the word": ("FLASER", "log.truncated_line", "ends after its first word"),
+    "odometry cut": ("ODOM 1 2", "log.truncated_line", "ODOM line ends early"),
+    "true pose cut": ("TRUEPOS 1 2", "log.truncated_line", "TRUEPOS line ends early"),
+    "robot laser cut": ("ROBOTLASER1 0 -1.57", "log.truncated_line", "before its number of beams"),
+    "robot laser cut in the ranges": (ROBOT[:50], "log.truncated_line", "ends early"),
+    "garbage": ("81.83 0.5 hello", "log.garbage", "no CARMEN message"),
+    "not ASCII": ("\xff\xfe\x01", "log.garbage", "no CARMEN message"),
+    "a reading that is no number": (GOOD.replace("3.0", "3.O"), "log.not_a_number", "'3.O'"),
+    "a number with an underscore": (GOOD.replace("3.0", "3_0"), "log.not_a_number", "'3_0'"),
+    "a reading of 1e999": (GOOD.replace("3.0", "1e999"), "log.not_a_number", "'1e999' in this FLASER"),
+    "a pose of nan": (GOOD.replace("0.1", "nan", 1), "log.pose", "the laser's pose in this FLASER line is not finite"),
+    "a pose of inf": (GOOD.replace("0.1", "inf", 1), "log.pose", "is not finite"),
+    "a robot pose of nan": (GOOD.replace(" 0.1 0.2 0.3 12", " 0.1 0.2 nan 12"), "log.pose", "the robot's pose"),
+    "a pose on the moon": (GOOD.replace("0.1", "3.8e8", 1), "log.pose", "is no place"),
+    "an odometry pose of nan": (ODOM.replace("0.1", "nan"), "log.pose", "ODOM line is not finite"),
+    "a stamp of nan": (GOOD.replace("12.5 host", "nan host"), "log.stamp", "the time 'nan'"),
+    "a stamp beyond 64 bits": (GOOD.replace("12.5 host", "1e12 host"), "log.stamp", "impossible"),
+    "more beams stated": (GOOD.replace("FLASER 4", "FLASER 5"), "log.beam_count", "states 5 beams"),
+    "fewer beams stated": (GOOD.replace("FLASER 4", "FLASER 1"), "log.beam_count", "states 1 beams"),
+    "no beams stated": (GOOD.replace("FLASER 4", "FLASER 0"), "log.beam_count", "'0' beams"),
+    "minus beams stated": (GOOD.replace("FLASER 4", "FLASER -4"), "log.beam_count", "'-4' beams"),
+    "half a beam stated": (GOOD.replace("FLASER 4", "FLASER 4.5"), "log.beam_count", "'4.5' beams"),
+    "a number of beams of many digits": (GOOD.replace("FLASER 4", "FLASER " + "9" * 5000), "log.beam_count", "999"),
+    "another number of beams": (
+        "FLASER 3 1 2 3 0 0 0 0 0 0 12.5 host 12.5", "log.beams_vary", "has 3 beams, but line 1 has 4"
+    ),
+    "an impossible mount": ("PARAM robot_frontlaser_offset nan x 0", "log.parameter", "cannot be 'nan' m"),
+    "a mount that is no number": ("PARAM robot_frontlaser_offset ahead x 0", "log.not_a_number", "'ahead'"),
+    "a maximum range of 0": ("PARAM robot_frontlaser_max 0 x 0", "log.parameter", "cannot be '0' m"),
+    "robot laser without field of view": (ROBOT.replace("3.14", "0"), "log.beam_angles", "impossible angles"),
+    "robot laser with a start of nan": (ROBOT.replace("-1.57", "nan"), "log.beam_angles", "impossible angles"),
+    "robot laser without range": (ROBOT.replace(" 50 ", " 0 "), "log.range_max", "maximum range of 0.0 m"),
+    "robot laser with many remissions": (ROBOT.replace("4 0 0", "4 9 0"), "log.beam_count", "4 beams and 9 remissions"),
+    "robot laser with other angles": (ROBOT + "\n" + ROBOT.replace("-1.57", "-1.5"), "log.beams_vary", "other angles"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", LINES)
+def test_a_bad_line_is_named_with_what_is_wrong(tmp_path, case):
+    line, code, words = LINES[case]
+    error = refused(tmp_path, f"{GOOD}\n{ODOM}\n{line}\n{GOOD}\n".encode("latin-1"))
+    assert isinstance(error, ReadError)
+    assert error.code == code
+    assert words in error.message
+    assert error.message.startswith(f"Line {4 if ' other angles' in words or words == 'other angles' else 3}")
+    assert len(error.message) < 300
+
+
+def test_too_many_beams_scans_or_readings_exceed_the_limits(tmp_path):
+    text = f"{GOOD}\n".encode() * 10
+    few_beams = refused(tmp_path, text, replace(DEFAULT_LIMITS, max_beams=3))
+    assert (type(few_beams), few_beams.code) == (LimitError, "log.too_many_beams")
+    for limits in (replace(DEFAULT_LIMITS, max_scans=9), replace(DEFAULT_LIMITS, max_readings=39)):
+        error = refused(tmp_path, text, limits)
+        assert (type(error), error.code) == (LimitError, "log.too_many_scans")
+        assert "Line 10" in error.message
+
+
+def test_an_empty_file(tmp_path):
+    assert refused(tmp_path, b"").code == "log.empty"
+    assert refused(tmp_path, gzip.compress(b"")).code == "log.empty"
+
+
+def test_a_log_without_scans(tmp_path):
+    for text in (f"{ODOM}\n", "# CARMEN Logfile\n#\n", "\n\n\n", "PARAM a b\n"):
+        error = refused(tmp_path, text.encode())
+        assert error.code == "log.no_scans", text
+        assert "no scans" in error.message
+    assert refused(tmp_path, b"Odometry 1 2 3\n").code == "log.no_scans"
+
+
+@pytest.mark.parametrize(
+    ("data", "code", "words"),
+    [
+        (b"Dear robot,\nhow are you?\n", "log.unknown_format", "'Dear robot,'"),
+        (b"#ROSBAG V2.0\n\x45\0\0\0", "log.unknown_format", "a ROS 1 bag"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "log.unknown_format", "a PNG picture"),
+        (b"\x28\xb5\x2f\xfd\0\0", "log.unknown_format", "Zstandard"),
+        (bytes(range(256)) * 20, "log.binary", "binary"),
+    ],
+)
+def test_what_is_no_log_at_all(tmp_path, data, code, words):
+    error = refused(tmp_path, data)
+    assert error.code == code
+    assert words in error.message
+
+
+def test_a_file_that_is_not_there_and_one_that_is_a_folder(tmp_path):
+    with pytest.raises(ReadError, match=r"There is no file 'gone\.log'") as missing:
+        open_log(tmp_path / "gone.log")
+    with pytest.raises(ReadError, match="cannot be read") as folder:
+        open_log(tmp_path)
+    with pytest.raises(ReadError) as nul:
+        open_log("a\0b")
+    assert (missing.value.code, folder.value.code, nul.value.code) == (
+        "log.missing",
+        "log.unreadable",
+        "log.unreadable",
+    )
+
+
+def test_a_text_file_that_ends_in_the_middle_of_a_line_keeps_its_whole_scans(tmp_path):
+    path = tmp_path / "a.log"
+    path.write_text(f"{GOOD}\n{GOOD}\n{GOOD[:40]}")
+    log = open_log(path)
+    assert log.n_scans == 2
+    assert "The file ends in the middle of line 3, which is left out." in log.notes
+
+
+def test_a_text_file_that_ends_in_the_middle_of_its_first_scan_is_refused(tmp_path):
+    assert refused(tmp_path, f"{ODOM}\n{GOOD[:40]}".encode()).code == "log.truncated_line"
+
+
+def test_a_cut_gzip_file_keeps_its_whole_scans_and_says_after_which_line_it_ends(tmp_path):
+    rng = np.random.default_rng(1)
+    lines = [GOOD.replace("3.0", f"{reading:.3f}") for reading in rng.uniform(1, 9, 2000)]
+    packed = gzip.compress("".join(line + "\n" for line in lines).encode())
+    path = tmp_path / "a.log.gz"
+    path.write_bytes(packed[: len(packed) // 2])
+    # What a streaming decompressor gets out of the same bytes is the answer to compare with.
+    whole_lines = zlib.decompressobj(31).decompress(packed[: len(packed) // 2]).count(b"\n")
+    log = open_log(path)
+    assert 0 < log.n_scans == whole_lines < 2000
+    assert f"The gzip data ends early, after line {whole_lines}: the rest of the log is missing." in log.notes
+
+
+def test_a_gzip_file_cut_before_any_scan_is_refused(tmp_path):
+    packed = gzip.compress(f"{GOOD}\n".encode() * 5)
+    for kept in (3, 12, 20):
+        error = refused(tmp_path, packed[:kept])
+        assert error.code == "log.truncated"
+        assert "ends early" in error.message
+
+
+def test_damaged_gzip_data_is_refused(tmp_path):
+    rng = np.random.default_rng(2)
+    text = "".join(GOOD.replace("3.0", f"{reading:.6f}") + "\n" for reading in rng.uniform(1, 9, 20000))
+    packed = bytearray(gzip.compress(text.encode()))
+    packed[-5] ^= 0xFF  # the checksum
+    error = refused(tmp_path, bytes(packed))
+    assert error.code == "log.gzip"
+    assert "damaged after line" in error.message
+    assert refused(tmp_path, b"\x1f\x8bhello").code == "log.gzip"
+    assert refused(tmp_path, gzip.compress(f"{GOOD}\n".encode()) + b"more").code == "log.gzip"
+
+
+def _memory_kib() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+@pytest.mark.parametrize(
+    "line", [b"\0", b"1 ", b"\n", b"# bomb\n"], ids=["zeros", "one line", "empty lines", "comments"]
+)
+@pytest.mark.skipif(sys.platform != "linux", reason="ru_maxrss is in KiB on Linux")
+def test_a_gzip_bomb_is_refused_in_little_memory(tmp_path, line):
+    limits = replace(DEFAULT_LIMITS, max_log_bytes=32 << 20)
+    stream = zlib.compressobj(9, wbits=31)
+    packed = stream.compress(f"{GOOD}\n".encode())
+    for _ in range(64):
+        packed += stream.compress(line * ((1 << 20) // len(line)))
+    packed += stream.flush()
+    assert len(packed) < 300_000
+    before = _memory_kib()
+    error = refused(tmp_path, packed, limits)
+    assert _memory_kib() - before < 30_000
+    assert isinstance(error, LimitError)
+    assert error.code == ("log.too_many_bytes" if b"\n" in line else "log.line_too_long")
+
+
+def test_a_line_of_100_megabytes_is_refused_without_being_held(tmp_path):
+    path = tmp_path / "a.log"
+    with path.open("wb") as file:
+        file.write(f"{GOOD}\n".encode())
+        for _ in range(100):
+            file.write(b"FLASER 1 " + b"1 " * 500_000)
+    before = _memory_kib()
+    with pytest.raises(LimitError, match="Line 2 is longer than the limit") as caught:
+        open_log(path)
+    assert _memory_kib() - before < 30_000
+    assert caught.value.code == "log.line_too_long"
+
+
+VALID = "".join(
+    [
+        "PARAM robot_frontlaser_offset 0.2 nohost 0\n",
+        *(f"{ODOM}\n{GOOD}\nNEFF 12\nTRUEPOS 1 2 3 4 5 6 7 host 7\n{ROBOT}\n" for _ in range(4)),
+    ]
+).encode()
+DPSLAM = b"Odometry 1 2 0.5\nLaser 3 1.0 2.0 3.0\n" * 6
+
+
+@st.composite
+def _damaged(draw: st.DrawFn) -> bytes:
+    data = bytearray(draw(st.sampled_from([VALID, DPSLAM, gzip.compress(VALID, mtime=0)])))
+    for _ in range(draw(st.integers(0, 6))):
+        position = draw(st.integers(0, max(0, len(data) - 1)))
+        kind = draw(st.sampled_from(["flip", "replace", "cut", "insert", "remove"]))
+        if kind == "flip" and data:
+            data[position] ^= 1 << draw(st.integers(0, 7))
+        elif kind == "replace" and data:
+            data[position] = draw(st.integers(0, 255))
+        elif kind == "cut":
+            del data[position:]
+        elif kind == "insert":
+            data[position:position] = draw(st.binary(max_size=8))
+        else:
+            del data[position : position + draw(st.integers(0, 30))]
+    return bytes(data)
+
+
+@settings(max_examples=400)
+@given(data=_damaged())
+def test_nothing_but_our_own_errors_escapes(tmp_path_factory, data):
+    path = tmp_path_factory.getbasetemp() / "fuzz.log"
+    path.write_bytes(data)
+    refusal, log = None, None
+    try:
+        log = open_log(path)
+    except MapperError as error:
+        refusal = error
+    if refusal is not None:
+        assert refusal.code.startswith("log.")
+        assert refusal.message.endswith(".")
+        return
+    assert log is not None
+    assert log.n_scans >= 1
+    assert not np.any(log.ranges[~np.isnan(log.ranges)] <= 0.0)
+    assert all(np.isfinite(trajectory.poses).all() for trajectory in log.trajectories.values())
