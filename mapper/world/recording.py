@@ -13,7 +13,7 @@ from mapper.world.lidar import RANGE_MIN, SensorConfig
 
 CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 8.6 MB with 360 beams
 FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
-PLACE = 0.5  # metres: side of the squares by which a full recording is thinned
+PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
 TURNS = 4  # headings that are told apart in each square
 
 
@@ -21,9 +21,10 @@ class Recording:
     """Scans and true poses of one sensor, in arrays that grow up to ``capacity`` scans.
 
     When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
-    only the newest n stay, n being the most with which half of the capacity is free again. So every place that the
-    robot ever saw stays in the map that is made from the recording, however long it runs, and where the robot was
-    most often most is dropped, which the clamp hides. Scans keep their order. :attr:`generation` counts the thinnings:
+    only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
+    place is too many, the squares are larger. So every place that the robot ever saw stays in the map that is made
+    from the recording, however long it runs, and where the robot was most often most is dropped, which the clamp
+    hides. Scans keep their order. :attr:`generation` counts the thinnings:
     while it stays, a log of the recording is the earlier log grown at its end; when it changes, the map has to be
     made anew. Logs handed out earlier are never written to.
     """
@@ -104,19 +105,22 @@ class Recording:
         self.generation += 1
 
     def _thin(self) -> None:
-        """Keep the newest n scans of each place, with the largest n that frees half of the capacity."""
+        """Keep the newest n scans of each place, with the largest n that leaves half of the capacity free."""
         room = self.capacity // 2
-        place = np.floor(self._poses[: self._n, :2] / PLACE).astype(np.int64)
-        heading = np.floor(np.mod(self._poses[: self._n, 2], 2.0 * np.pi) / (2.0 * np.pi) * TURNS).astype(np.int64)
-        _, group = np.unique(np.column_stack([place, heading]), axis=0, return_inverse=True)
+        heading = np.floor(np.mod(self._poses[: self._n, 2], 2.0 * np.pi) / (2.0 * np.pi) * TURNS)
+        for side in PLACES:
+            square = np.floor(self._poses[: self._n, :2] / side)
+            places, group = np.unique(np.column_stack([square, heading]), axis=0, return_inverse=True)
+            if len(places) <= room:
+                break
         # How many newer scans each scan has in its own place: order by place, newest first, and count within it.
         order = np.lexsort((-np.arange(self._n), group))
         starts = np.flatnonzero(np.diff(group[order], prepend=-1))
         newer = np.empty(self._n, dtype=np.int64)
         newer[order] = np.arange(self._n) - np.repeat(starts, np.diff([*starts, self._n]))
         kept_with = np.cumsum(np.bincount(newer))  # scans that stay when n = index + 1
-        n = int(np.searchsorted(kept_with, room, side="right"))
-        keep = np.flatnonzero(newer < n) if n > 0 else np.flatnonzero(newer == 0)[-room:]
+        n = max(1, int(np.searchsorted(kept_with, room, side="right")))
+        keep = np.flatnonzero(newer < n)[-room:]  # all of them, except where no square was large enough
         self._resize(keep, len(self._ranges))
         self._n = len(keep)
         self.generation += 1

@@ -17,6 +17,7 @@ MAX_ANGULAR = 1.5  #: rad/s
 LINEAR_ACCELERATION = 1.2  # m/s²
 BRAKING = 2.0  # m/s²
 ANGULAR_ACCELERATION = 5.0  # rad/s²
+STALLED = 0.3  # share of the speed asked for below which the robot pushes a wall and does not slide along it
 SKIN = 1e-4  # metres kept from every wall, so that rounding never lets the robot touch
 
 
@@ -47,9 +48,9 @@ class Robot:
         heading = yaw + 0.5 * self.angular * dt
         to_x, to_y = x + self.linear * dt * math.cos(heading), y + self.linear * dt * math.sin(heading)
         to_x, to_y, touched = self._kept_free(world, x, y, to_x, to_y)
-        if touched:
-            # The wall takes the part of the speed that points into it.
-            self.linear = math.copysign(min(abs(self.linear), math.hypot(to_x - x, to_y - y) / dt), self.linear)
+        moved = math.hypot(to_x - x, to_y - y) / dt
+        if touched and moved < STALLED * abs(self.linear):
+            self.linear = math.copysign(moved, self.linear)  # pushing against a wall stops the wheels
         turned = yaw + self.angular * dt
         self.pose = (to_x, to_y, math.remainder(turned, 2.0 * math.pi))
 

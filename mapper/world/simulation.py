@@ -63,7 +63,7 @@ class Simulation:
         self._drive = (0.0, 0.0)
         self._drive_until = 0.0
         self._control = (0.0, 0.0)
-        self._next_scan = 0.0
+        self._next_scan = STEP  # the first scan comes at once
         self._enter(world)
 
     def _enter(self, world: World) -> None:

@@ -1,0 +1,35 @@
+# docker build -t gridbloom . && docker run --rm -p 8000:8000 -v gridbloom:/data gridbloom
+# The address with its token is printed at the start; GRIDBLOOM_TOKEN sets a token of your own.
+
+ARG PYTHON=3.11
+
+# The wheel, with the pages in it. Node comes with the wheel's build requirements.
+FROM python:${PYTHON}-slim AS wheel
+WORKDIR /src
+COPY pyproject.toml README.md CHANGELOG.md LICENSE ./
+COPY static static
+COPY mapper mapper
+COPY server server
+RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
+
+# What runs: the service and its dependencies in an environment of their own, no compiler, no Node.
+FROM python:${PYTHON}-slim AS runtime
+RUN useradd --system --create-home --uid 10001 gridbloom \
+    && install --directory --owner gridbloom --group gridbloom /data /var/cache/gridbloom
+ENV VIRTUAL_ENV=/opt/gridbloom \
+    PATH=/opt/gridbloom/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    NUMBA_CACHE_DIR=/var/cache/gridbloom \
+    GRIDBLOOM_PORT=8000 \
+    GRIDBLOOM_LOG_FORMAT=json
+RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
+    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir /wheels/gridbloom-*.whl
+USER gridbloom
+WORKDIR /data
+# Compiles every kernel. On a processor of another kind than the builder's numba compiles them again at first use.
+RUN python -m mapper.warm
+VOLUME /data
+EXPOSE 8000
+HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 CMD ["python", "-c", \
+    "import os, urllib.request; urllib.request.urlopen(f'http://127.0.0.1:{os.environ[\"GRIDBLOOM_PORT\"]}/livez', timeout=4)"]
+CMD ["gridbloom", "serve", "--host", "0.0.0.0", "--data-dir", "/data"]

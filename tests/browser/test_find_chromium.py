@@ -1,0 +1,73 @@
+"""The search for Chromium: what is named, what starts, and what is said where there is none."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).with_name("find_chromium.py")
+
+
+def program(folder: Path, name: str, body: str) -> Path:
+    path = folder / name
+    path.write_text(f"#!/bin/sh\n{body}\n")
+    path.chmod(0o755)
+    return path
+
+
+def find(folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run the script with a PATH that holds only ``folder``: nothing of this machine can be found or installed."""
+    return subprocess.run(
+        [sys.executable, str(SCRIPT)],
+        env={"PATH": str(folder), "HOME": str(folder)} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_first_name_that_starts_is_printed(tmp_path):
+    program(tmp_path, "chromium", "exit 1")
+    program(tmp_path, "chromium-browser", "echo 'requires the chromium snap: snap install chromium'")
+    good = program(tmp_path, "google-chrome", "echo Chrome 1")
+    done = find(tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"{good}\n")
+
+
+def test_the_environment_decides_and_must_be_right(tmp_path):
+    program(tmp_path, "chromium", "echo Chromium 1")
+    mine = program(tmp_path, "mine", "echo Mine 1")
+    assert find(tmp_path, GRIDBLOOM_CHROMIUM=str(mine)).stdout == f"{mine}\n"
+    wrong = find(tmp_path, GRIDBLOOM_CHROMIUM=str(tmp_path / "none"))
+    assert wrong.returncode == 1
+    assert wrong.stdout == ""
+    assert "GRIDBLOOM_CHROMIUM" in wrong.stderr
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="looks into /Applications as well")
+def test_without_any_one_sentence_says_what_to_do(tmp_path):
+    done = find(tmp_path)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1
+    assert "install Chromium" in done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "darwin" or os.geteuid() != 0, reason="only root installs without sudo")
+def test_where_it_can_it_installs_and_then_prints_the_path(tmp_path):
+    program(tmp_path, "env", 'shift; exec "$@"')
+    made = tmp_path / "chromium"
+    making = f'printf "#!/bin/sh\\necho 1\\n" > {made} && /bin/chmod 755 {made}'
+    script = f'echo installing; if [ "$2" = install ]; then {making}; fi'
+    program(tmp_path, "apt-get", script)
+    done = find(tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"{made}\n"), done.stderr
+    program(tmp_path, "apt-get", "exit 100")
+    made.unlink()
+    failed = find(tmp_path)
+    assert failed.returncode == 1
+    assert "apt-get update failed" in failed.stderr
