@@ -83,7 +83,15 @@ class _Sweep:
     def bounds(self, config: MappingConfig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The least and greatest x, y (2,) of the sensors and of all that they see."""
         out = np.array([np.inf, np.inf, -np.inf, -np.inf])
-        reach(self.ranges, self.sensors, self.beams, self.sight(config), out)
+        directions = [self.beams]
+        if config.update == "per_scan" and len(self.fields):
+            # A field ends in an arc. It lies within the corners of the polygon around it: right, middle and left.
+            right, left = self.fields[:, :2], self.fields[:, 2:]
+            cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
+            stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]
+            directions = [right * stretch, self.beams * stretch, left * stretch]
+        for direction in directions:
+            reach(self.ranges, self.sensors, np.ascontiguousarray(direction), self.sight(config), out)
         return out[:2], out[2:]
 
     def add_to(self, grid: OccupancyGrid, config: MappingConfig) -> Change:
