@@ -102,6 +102,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
       <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>
         <svg
           class="profile-svg"
+          role="presentation"
           width={width}
           height={height}
           viewBox={`0 0 ${width} ${height}`}
