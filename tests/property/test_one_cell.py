@@ -30,8 +30,8 @@ def test_sequence_of_readings_is_the_bayes_filter(hits: list[bool], p_free: floa
     p_prior = 1 / (1 + np.exp(-prior))
     config = MappingConfig(
         model="step_window",
-        p_free=min(p_free, p_prior),
-        p_occ=max(p_occ, p_prior),
+        p_free=min(p_free, 0.99 * p_prior),
+        p_occ=max(p_occ, 1.01 * p_prior),
         clamp=False,
         log_odds_prior=prior,
         resolution=1.0,
