@@ -102,7 +102,9 @@ def _shades(
     except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise LimitError("map.image_too_large", f"{too_large}.") from error
     except UnidentifiedImageError as error:
-        raise ReadError("map.image", f"The map's image {path.name!r} is no PGM, PNG or BMP image.") from error
+        raise ReadError(
+            "map.image", f"The map's image {path.name!r} is no PGM, PNG or BMP image, or is damaged."
+        ) from error
     except (OSError, ValueError, SyntaxError, EOFError, IndexError, struct.error, zlib.error) as error:
         raise ReadError("map.image", f"The map's image {path.name!r} is damaged: {error}.") from error
 
