@@ -1,0 +1,84 @@
+/** The programs of the grid renderer, GLSL ES 3.00, and their making. */
+
+/** A chunk of cells: a rectangle of the lattice, each pixel one look into the cells and one into the palette. */
+export const CELLS_VERTEX = `#version 300 es
+uniform mat3 u_clip;   // lattice (column, row) -> clip space
+uniform vec4 u_box;    // column, row, columns, rows
+in vec2 a_corner;
+out vec2 v_cell;       // cells from the chunk's own corner
+void main() {
+  v_cell = a_corner * u_box.zw;
+  gl_Position = vec4((u_clip * vec3(u_box.xy + v_cell, 1.0)).xy, 0.0, 1.0);
+}`;
+
+export const CELLS_FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+uniform highp sampler2D u_cells;
+uniform highp sampler2D u_palette;
+uniform int u_level;   // of the pyramid
+uniform int u_mip;     // of the texture, which may begin at a higher level
+in vec2 v_cell;
+out vec4 colour;
+void main() {
+  ivec2 cell = clamp(ivec2(v_cell), ivec2(0), ivec2(511)) >> u_level;
+  int value = int(texelFetch(u_cells, cell, u_mip).r * 255.0 + 0.5);
+  colour = texelFetch(u_palette, ivec2(value, 0), 0);
+}`;
+
+/** Cells that have just changed: a square each, which fades. */
+export const GLOW_VERTEX = `#version 300 es
+uniform mat3 u_clip;
+uniform float u_now;   // seconds
+uniform float u_size;  // device pixels
+in vec3 a_cell;        // column, row, seconds at which it changed
+out float v_glow;
+void main() {
+  float age = (u_now - a_cell.z) / 0.6;
+  v_glow = age < 0.0 || age > 1.0 ? 0.0 : (1.0 - age) * (1.0 - age);
+  vec2 at = (u_clip * vec3(a_cell.xy + 0.5, 1.0)).xy;
+  gl_Position = vec4(v_glow > 0.0 ? at : vec2(2.0), 0.0, 1.0);
+  gl_PointSize = u_size;
+}`;
+
+export const GLOW_FRAGMENT = `#version 300 es
+precision mediump float;
+uniform vec3 u_colour;
+in float v_glow;
+out vec4 colour;
+void main() {
+  colour = vec4(u_colour, 0.75 * v_glow);
+}`;
+
+/** Compile and link; throws with the driver's words where that fails. */
+export function program(gl: WebGL2RenderingContext, vertex: string, fragment: string): WebGLProgram {
+  const linked = gl.createProgram();
+  for (const [type, source] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
+    const shader = gl.createShader(type);
+    if (!shader) throw new Error("The graphics context is lost.");
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(linked, shader);
+  }
+  gl.linkProgram(linked);
+  if (!gl.getProgramParameter(linked, gl.LINK_STATUS) && !gl.isContextLost()) {
+    const logs = (gl.getAttachedShaders(linked) ?? []).map((shader) => gl.getShaderInfoLog(shader));
+    throw new Error(`A shader does not compile: ${gl.getProgramInfoLog(linked) ?? ""} ${logs.join(" ")}`);
+  }
+  return linked;
+}
+
+/** The places of a program's uniforms, by name. */
+export function uniforms<Name extends string>(
+  gl: WebGL2RenderingContext,
+  of: WebGLProgram,
+  names: readonly Name[],
+): Record<Name, WebGLUniformLocation | null> {
+  return Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(of, name)])) as Record<
+    Name,
+    WebGLUniformLocation | null
+  >;
+}

@@ -1,0 +1,34 @@
+import type { Command, Value, Values } from "./protocol";
+
+/** Commands of which only the newest counts: at most one of each kind leaves per animation frame. */
+export class Outbox {
+  readonly #waiting = new Map<string, Command>();
+  readonly #send: (command: Command) => void;
+  readonly #schedule: (task: () => void) => void;
+
+  constructor(
+    send: (command: Command) => void,
+    schedule: (task: () => void) => void = (task) => void requestAnimationFrame(task),
+  ) {
+    this.#send = send;
+    this.#schedule = schedule;
+  }
+
+  put(command: Command): void {
+    if (this.#waiting.size === 0) this.#schedule(() => this.flush());
+    this.#waiting.set(command.type, command);
+  }
+
+  /** Add one value to the waiting `parameters` or `sensor` command. */
+  putValue(type: "parameters" | "sensor", name: string, value: Value): void {
+    const waiting = this.#waiting.get(type);
+    const before: Values = waiting && "values" in waiting ? waiting.values : {};
+    this.put({ type, values: { ...before, [name]: value } });
+  }
+
+  flush(): void {
+    const commands = [...this.#waiting.values()];
+    this.#waiting.clear();
+    for (const command of commands) this.#send(command);
+  }
+}

@@ -1,0 +1,300 @@
+/**
+ * The wire: what the stream's frames look like, decoded and encoded once. Its twin is `server/stream/protocol.py`,
+ * where every message is described; `protocol.vectors.json` is written by that side and read by the tests of this one.
+ */
+
+export const SUBPROTOCOL = "gridbloom.v1";
+/** Cells along the side of a tile. */
+export const TILE = 64;
+
+const KIND_TILES = 1;
+const FLAG_COMPLETE = 1;
+const HEADER_BYTES = 16;
+const TILE_HEADER_BYTES = 12;
+
+export type Pose = readonly [x: number, y: number, yaw: number];
+export type Point = readonly [x: number, y: number];
+export type Value = number | string | boolean;
+export type Values = Readonly<Record<string, Value>>;
+
+/** One row of the mapper's table of parameters. */
+export interface Parameter {
+  readonly name: string;
+  readonly label: string;
+  readonly group: string;
+  readonly kind: "number" | "choice" | "flag";
+  readonly initial: Value;
+  readonly sentence: string;
+  readonly unit: string;
+  readonly low: number;
+  readonly high: number;
+  readonly step: number;
+  readonly choices: readonly string[];
+  readonly only_for: readonly string[];
+}
+
+export interface Table {
+  readonly table: readonly Parameter[];
+  readonly values: Values;
+}
+
+export interface LogInfo {
+  readonly id: string;
+  readonly trajectory: string;
+  readonly trajectories: readonly { readonly name: string; readonly description: string }[];
+  readonly n_beams: number;
+  readonly duration_s: number;
+}
+
+export interface Hello {
+  readonly type: "hello";
+  readonly protocol: string;
+  readonly session: string;
+  readonly kind: "world" | "log";
+  readonly title: string;
+  readonly epoch_id: string;
+  /** The least and the greatest speed. */
+  readonly speeds?: readonly [number, number];
+  readonly parameters: Table;
+  readonly sensor: Table | null;
+  readonly log: LogInfo | null;
+}
+
+export interface Geometry {
+  readonly type: "geometry";
+  readonly epoch: number;
+  readonly resolution: number;
+  readonly rows: number;
+  readonly cols: number;
+  readonly origin: Pose;
+  readonly log_odds_min: number;
+  readonly log_odds_max: number;
+  readonly tile: number;
+}
+
+export interface Frame {
+  readonly type: "frame";
+  readonly t: number;
+  readonly playing: boolean;
+  readonly speed: number;
+  readonly index: number;
+  readonly count: number;
+  readonly stamp: number;
+  readonly pose: Pose;
+  readonly sensor_pose: Pose;
+  /** Where the sensor was when it measured `ranges`. */
+  readonly scan_pose?: Pose;
+  readonly ranges: readonly (number | null)[];
+  readonly angle_min: number;
+  readonly angle_increment: number;
+  readonly range_max: number;
+  readonly remade_ms?: number;
+  readonly auto: boolean;
+}
+
+export interface WorldMessage {
+  readonly type: "world";
+  readonly name: string;
+  readonly names: readonly string[];
+  readonly bounds: readonly [number, number, number, number];
+  readonly polygons: readonly (readonly Point[])[];
+}
+
+export interface CellMessage {
+  readonly type: "cell";
+  readonly row: number;
+  readonly col: number;
+  readonly epoch: number;
+  readonly x: number;
+  readonly y: number;
+  readonly observed: boolean;
+  readonly log_odds: number;
+  readonly p_occ: number;
+  readonly state: CellState;
+}
+
+export type CellState = "free" | "unknown" | "occupied";
+
+export type ServerMessage =
+  | Hello
+  | Geometry
+  | Frame
+  | WorldMessage
+  | CellMessage
+  | { readonly type: "trajectory"; readonly poses: readonly Point[] }
+  | { readonly type: "parameters"; readonly values: Values; readonly sensor: Values | null }
+  | { readonly type: "notice"; readonly code: string; readonly message: string }
+  | { readonly type: "error"; readonly code: string; readonly message: string; readonly detail?: unknown }
+  | { readonly type: "pong"; readonly id: number; readonly t: number };
+
+export type Command =
+  | { readonly type: "ack"; readonly seq: number }
+  | { readonly type: "resume"; readonly epoch_id: string; readonly epoch: number; readonly revision: number }
+  | { readonly type: "play" | "pause" | "restart" }
+  | { readonly type: "step"; readonly scans?: number }
+  | { readonly type: "speed"; readonly value: number }
+  | { readonly type: "seek"; readonly index: number }
+  | { readonly type: "parameters" | "sensor"; readonly values: Values }
+  | { readonly type: "teleport"; readonly x: number; readonly y: number; readonly yaw?: number }
+  | { readonly type: "drive"; readonly linear: number; readonly angular: number }
+  | { readonly type: "auto"; readonly value: boolean }
+  | { readonly type: "world" | "trajectory"; readonly name: string }
+  | { readonly type: "inspect"; readonly row: number; readonly col: number; readonly epoch: number }
+  | { readonly type: "ping"; readonly id: number };
+
+/** A frame that breaks the protocol; `code` is stable, the message is one sentence. */
+export class ProtocolError extends Error {
+  readonly code: string;
+
+  constructor(code: string, message: string) {
+    super(message);
+    this.name = "ProtocolError";
+    this.code = code;
+  }
+}
+
+/** One compressed tile; `data` is a view into the frame. */
+export interface TilePayload {
+  readonly tx: number;
+  readonly ty: number;
+  readonly revision: number;
+  readonly data: Uint8Array;
+}
+
+export interface TilesFrame {
+  readonly epoch: number;
+  readonly seq: number;
+  /** The last frame of a complete picture: every tile up to the newest revision has been sent. */
+  readonly complete: boolean;
+  readonly tiles: readonly TilePayload[];
+}
+
+/** Read a binary frame. Throws {@link ProtocolError} for one that is cut or of another kind. */
+export function decodeTiles(buffer: ArrayBuffer): TilesFrame {
+  const size = buffer.byteLength;
+  if (size < HEADER_BYTES) {
+    throw new ProtocolError("frame.cut", `A binary frame has at least ${HEADER_BYTES} bytes, this one ${size}.`);
+  }
+  const view = new DataView(buffer);
+  const kind = view.getUint8(0);
+  if (kind !== KIND_TILES) {
+    throw new ProtocolError("frame.kind", `Binary frames are of kind ${KIND_TILES}, this one is ${kind}.`);
+  }
+  const count = view.getUint32(12, true);
+  const tiles: TilePayload[] = [];
+  let at = HEADER_BYTES;
+  for (let i = 0; i < count; i++) {
+    if (at + TILE_HEADER_BYTES > size) {
+      throw new ProtocolError("frame.cut", `The frame promises ${count} tiles and ends after ${i}.`);
+    }
+    const tx = view.getInt16(at, true);
+    const ty = view.getInt16(at + 2, true);
+    const revision = view.getUint32(at + 4, true);
+    const nbytes = view.getUint32(at + 8, true);
+    at += TILE_HEADER_BYTES;
+    if (at + nbytes > size) {
+      throw new ProtocolError("frame.cut", `Tile (${tx}, ${ty}) promises ${nbytes} bytes; ${size - at} are left.`);
+    }
+    tiles.push({ tx, ty, revision, data: new Uint8Array(buffer, at, nbytes) });
+    at += nbytes;
+  }
+  if (at !== size) throw new ProtocolError("frame.rest", `${size - at} bytes follow the last tile.`);
+  return {
+    epoch: view.getUint32(4, true),
+    seq: view.getUint32(8, true),
+    complete: (view.getUint8(1) & FLAG_COMPLETE) !== 0,
+    tiles,
+  };
+}
+
+type Check = (value: unknown) => boolean;
+
+const isNumber: Check = (value) => typeof value === "number" && Number.isFinite(value);
+const isText: Check = (value) => typeof value === "string";
+const isFlag: Check = (value) => typeof value === "boolean";
+const isObject: Check = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+const isList: Check = (value) => Array.isArray(value);
+const isNumbers = (n: number): Check => {
+  return (value) => Array.isArray(value) && value.length === n && value.every(isNumber);
+};
+const orNull = (check: Check): Check => {
+  return (value) => value === null || check(value);
+};
+const isTable: Check = (value) => {
+  const { table, values } = (value ?? {}) as Record<string, unknown>;
+  return isList(table) && isObject(values);
+};
+
+/** The fields that the pages rely on; a message may have more. */
+const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {
+  hello: {
+    session: isText,
+    kind: (value) => value === "world" || value === "log",
+    title: isText,
+    epoch_id: isText,
+    parameters: isTable,
+    sensor: orNull(isTable),
+    log: orNull(isObject),
+  },
+  geometry: {
+    epoch: isNumber,
+    resolution: (value) => isNumber(value) && (value as number) > 0,
+    rows: isNumber,
+    cols: isNumber,
+    origin: isNumbers(3),
+    log_odds_min: isNumber,
+    log_odds_max: isNumber,
+    tile: (value) => value === TILE,
+  },
+  frame: {
+    t: isNumber,
+    playing: isFlag,
+    speed: isNumber,
+    index: isNumber,
+    count: isNumber,
+    pose: isNumbers(3),
+    sensor_pose: isNumbers(3),
+    ranges: isList,
+    angle_min: isNumber,
+    angle_increment: isNumber,
+    range_max: isNumber,
+  },
+  trajectory: { poses: isList },
+  parameters: { values: isObject, sensor: orNull(isObject) },
+  world: { name: isText, names: isList, bounds: isNumbers(4), polygons: isList },
+  notice: { code: isText, message: isText },
+  error: { code: isText, message: isText },
+  cell: { row: isNumber, col: isNumber, epoch: isNumber, observed: isFlag, log_odds: isNumber, p_occ: isNumber },
+  pong: { id: isNumber, t: isNumber },
+};
+
+/** Read a text frame; null for a type that this page does not know (a newer server). Throws {@link ProtocolError}. */
+export function decodeText(text: string): ServerMessage | null {
+  let message: unknown;
+  try {
+    message = JSON.parse(text);
+  } catch {
+    throw new ProtocolError("message.json", "A text frame is one JSON object; this is not JSON.");
+  }
+  const { type } = (message ?? {}) as { type?: unknown };
+  if (!isObject(message) || typeof type !== "string") {
+    throw new ProtocolError("message.type", 'A text frame is a JSON object with a "type".');
+  }
+  if (!Object.hasOwn(FIELDS, type)) return null;
+  const fields = FIELDS[type as ServerMessage["type"]];
+  for (const [key, check] of Object.entries(fields)) {
+    const value = (message as Record<string, unknown>)[key];
+    if (!check(value)) {
+      throw new ProtocolError(
+        `${type}.${key}`,
+        `"${key}" of "${type}" cannot be ${JSON.stringify(value) ?? "missing"}.`,
+      );
+    }
+  }
+  return message as ServerMessage;
+}
+
+/** Write a command. */
+export function encodeCommand(command: Command): string {
+  return JSON.stringify(command);
+}

@@ -1,0 +1,271 @@
+/** The one store of a page that watches a session: every figure is a view of it and changes it; none knows another. */
+
+import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
+import { decompress } from "fzstd";
+import { type Beam, beamAt, beamToward, scanPose } from "./beams";
+import { byteAt } from "./belief";
+import { Cells, type OnBloom } from "./gl/cells";
+import { type Cell, cellAt, compose, contains, extent } from "./lattice";
+import { Optimistic } from "./optimistic";
+import { Outbox } from "./outbox";
+import {
+  type CellMessage,
+  type Command,
+  type Frame,
+  type Geometry,
+  type Hello,
+  type Point,
+  type Pose,
+  ProtocolError,
+  type ServerMessage,
+  TILE,
+  type TilesFrame,
+  type Value,
+  type WorldMessage,
+} from "./protocol";
+import type { Progress, Receiver } from "./stream";
+import { type Bounds, union, type View } from "./view";
+
+/** A map to be drawn: its cells, and where they lie. */
+export interface MapPicture {
+  readonly geometry: Geometry;
+  readonly cells: Cells;
+}
+
+export interface Notice {
+  readonly kind: "note" | "error";
+  readonly code: string;
+  readonly message: string;
+}
+
+/** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
+const STALE_PICTURE_MS = 250;
+
+const tileBuffer = new Uint8Array(TILE * TILE);
+
+export class Store implements Receiver {
+  readonly hello = signal<Hello | null>(null);
+  readonly frame = signal<Frame | null>(null);
+  readonly world = signal<WorldMessage | null>(null);
+  readonly trajectory = signal<readonly Point[]>([]);
+  readonly mapping: Optimistic;
+  readonly sensor: Optimistic;
+
+  /** The map on show. */
+  readonly map = signal<MapPicture | null>(null);
+  /** Grows whenever cells of the map on show change. */
+  readonly mapVersion = signal(0);
+  /** The newest thing that a person should know. */
+  readonly notice = signal<Notice | null>(null);
+
+  /** What both pictures show; null until their size and the world are known. */
+  readonly view = signal<View | null>(null);
+  /** Whether the view was moved by hand: it then no longer follows the map's growth. */
+  readonly viewHeld = signal(false);
+  /** Where the pointer is in the world, in whichever picture. */
+  readonly pointer = signal<Point | null>(null);
+  /** A place that is looked at although the pointer is elsewhere: chosen by click or by the keyboard's cursor. */
+  readonly pinned = signal<Point | null>(null);
+  readonly inspected = signal<CellMessage | null>(null);
+  /** Where the robot was last sent by hand, and when (performance.now). */
+  readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
+
+  /** The place that is looked at. */
+  readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
+  /** The cell that is looked at; null outside the grid. */
+  readonly cell: ReadonlySignal<Cell | null>;
+  /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
+  readonly beliefPose: ReadonlySignal<Pose | null>;
+  /** The beam towards the place that is looked at, straight ahead where there is none. */
+  readonly inspectedBeam: ReadonlySignal<Beam | null>;
+  /** All that is worth seeing, in world metres. */
+  readonly bounds: ReadonlySignal<Bounds | null>;
+
+  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
+  onBloom: OnBloom | null = null;
+
+  readonly #transmit: (command: Command) => boolean;
+  readonly #outbox: Outbox;
+  #coming: (MapPicture & { readonly since: number }) | null = null;
+  #newest = 0;
+  #complete: Progress | null = null;
+
+  /** `transmit` sends a command and says whether there was a connection. */
+  constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
+    this.#transmit = transmit;
+    this.#outbox = outbox ?? new Outbox((command) => void transmit(command));
+    this.mapping = new Optimistic();
+    this.sensor = new Optimistic();
+    this.beliefPose = computed(() => {
+      const frame = this.frame.value;
+      if (!frame) return null;
+      const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
+      return compose(scanPose(frame), [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
+    });
+    this.cell = computed(() => {
+      const probe = this.probe.value;
+      const map = this.map.value;
+      if (!probe || !map) return null;
+      const cell = cellAt(map.geometry, probe[0], probe[1]);
+      return contains(map.geometry, cell) ? cell : null;
+    });
+    this.inspectedBeam = computed(() => {
+      const frame = this.frame.value;
+      const pose = this.beliefPose.value;
+      if (!frame || !pose || frame.ranges.length === 0) return null;
+      const probe = this.probe.value;
+      const ahead = Math.min(
+        frame.ranges.length - 1,
+        Math.max(0, Math.round(-frame.angle_min / frame.angle_increment)),
+      );
+      return (probe && beamToward(frame, pose, probe)) ?? beamAt(frame, ahead);
+    });
+    this.bounds = computed(() => {
+      const world = this.world.value;
+      const map = this.map.value;
+      return world ? world.bounds : union(null, map && extent(map.geometry));
+    });
+  }
+
+  /** Send a command at once. */
+  send(command: Command): void {
+    this.#transmit(command);
+  }
+
+  /** Send a command of which only the newest counts, with the next animation frame. */
+  sendSoon(command: Command): void {
+    this.#outbox.put(command);
+  }
+
+  setParameter(name: string, value: Value): void {
+    this.mapping.set(name, value);
+    this.#outbox.putValue("parameters", name, value);
+  }
+
+  setSensor(name: string, value: Value): void {
+    this.sensor.set(name, value);
+    this.#outbox.putValue("sensor", name, value);
+  }
+
+  teleport(point: Point): void {
+    this.teleported.value = { at: performance.now(), point };
+    this.sendSoon({ type: "teleport", x: point[0], y: point[1] });
+  }
+
+  inspect({ row, col }: Cell): void {
+    const map = this.map.peek();
+    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch });
+  }
+
+  // -- what the stream brings ------------------------------------------------------------------------------------
+
+  receive(message: ServerMessage): void {
+    batch(() => this.#receive(message));
+  }
+
+  #receive(message: ServerMessage): void {
+    switch (message.type) {
+      case "hello":
+        this.#greet(message);
+        return;
+      case "geometry":
+        this.#begin(message);
+        return;
+      case "frame":
+        this.frame.value = message;
+        return;
+      case "world":
+        if (this.world.peek()?.name !== message.name) this.viewHeld.value = false;
+        this.world.value = message;
+        return;
+      case "trajectory":
+        this.trajectory.value = message.poses;
+        return;
+      case "parameters":
+        this.mapping.hear(message.values);
+        if (message.sensor) this.sensor.hear(message.sensor);
+        return;
+      case "cell":
+        this.inspected.value = message;
+        return;
+      case "notice":
+        this.notice.value = { kind: "note", code: message.code, message: message.message };
+        return;
+      case "error":
+        this.mapping.refuse();
+        this.sensor.refuse();
+        this.notice.value = { kind: "error", code: message.code, message: message.message };
+        return;
+      case "pong":
+        return;
+    }
+  }
+
+  #greet(hello: Hello): void {
+    const before = this.hello.peek();
+    if (before && before.epoch_id !== hello.epoch_id) this.forget();
+    this.hello.value = hello;
+    // What the hand set while the server was away still stands.
+    const pending = { parameters: this.mapping.pending(), sensor: this.sensor.pending() };
+    this.mapping.hear(hello.parameters.values);
+    if (hello.sensor) this.sensor.hear(hello.sensor.values);
+    for (const type of ["parameters", "sensor"] as const) {
+      for (const [name, value] of Object.entries(pending[type])) this.#outbox.putValue(type, name, value);
+    }
+  }
+
+  #begin(geometry: Geometry): void {
+    const newest = this.#coming ?? this.map.peek();
+    if (newest?.geometry.epoch === geometry.epoch) return;
+    this.#coming = { geometry, cells: new Cells(), since: this.#coming?.since ?? performance.now() };
+    this.#complete = null;
+    if (!this.map.peek()) this.#show();
+  }
+
+  takeTiles(frame: TilesFrame): void {
+    const coming = this.#coming;
+    const picture = coming ?? this.map.peek();
+    if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
+    const undecided = byteAt(0, picture.geometry);
+    const bloom = coming || !this.#complete ? undefined : (this.onBloom ?? undefined);
+    for (const tile of frame.tiles) {
+      let values: Uint8Array;
+      try {
+        values = decompress(tile.data, tileBuffer);
+        picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
+      } catch (error) {
+        throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
+      }
+      this.#newest = Math.max(this.#newest, tile.revision);
+    }
+    batch(() => {
+      if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();
+      if (frame.tiles.length > 0) this.mapVersion.value++;
+    });
+    const hello = this.hello.peek();
+    if (frame.complete && hello) {
+      this.#complete = { epoch_id: hello.epoch_id, epoch: frame.epoch, revision: this.#newest };
+    }
+  }
+
+  #show(): void {
+    const coming = this.#coming;
+    if (!coming) return;
+    this.#coming = null;
+    this.map.value = { geometry: coming.geometry, cells: coming.cells };
+    this.mapVersion.value++;
+  }
+
+  progress(): Progress | null {
+    return this.#complete;
+  }
+
+  forget(): void {
+    this.#complete = null;
+    this.#newest = 0;
+    this.#coming = null;
+    const map = this.map.peek();
+    // Keep showing what there was, under an epoch that no server will name, until something newer is complete.
+    if (map) this.map.value = { geometry: { ...map.geometry, epoch: -1 }, cells: map.cells };
+  }
+}

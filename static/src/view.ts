@@ -1,0 +1,66 @@
+/**
+ * What of the world a picture shows. Both pictures of the lab share one view, so that the same place lies at the same
+ * pixel of each. World coordinates are metres, x right and y up; screen coordinates are CSS pixels from the upper left
+ * corner of the picture.
+ */
+
+import type { Point } from "./protocol";
+
+export interface View {
+  /** The world point at the middle of the picture. */
+  readonly x: number;
+  readonly y: number;
+  /** Metres that one CSS pixel shows. */
+  readonly scale: number;
+}
+
+export interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** A box in world metres: x0, y0, x1, y1. */
+export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
+
+export const MIN_SCALE = 0.0005;
+export const MAX_SCALE = 10;
+
+const limited = (scale: number): number => Math.min(MAX_SCALE, Math.max(MIN_SCALE, scale));
+
+export function toScreen(view: View, size: Size, x: number, y: number): Point {
+  return [size.width / 2 + (x - view.x) / view.scale, size.height / 2 - (y - view.y) / view.scale];
+}
+
+export function toWorld(view: View, size: Size, px: number, py: number): Point {
+  return [view.x + (px - size.width / 2) * view.scale, view.y - (py - size.height / 2) * view.scale];
+}
+
+/** The view after the picture was moved by (dx, dy) pixels. */
+export function panned(view: View, dx: number, dy: number): View {
+  return { ...view, x: view.x - dx * view.scale, y: view.y + dy * view.scale };
+}
+
+/** The view enlarged by `factor` about a pixel: the world point under that pixel stays there. */
+export function zoomedAt(view: View, size: Size, px: number, py: number, factor: number): View {
+  const scale = limited(view.scale / factor);
+  const [x, y] = toWorld(view, size, px, py);
+  return { x: x - (px - size.width / 2) * scale, y: y + (py - size.height / 2) * scale, scale };
+}
+
+/** The view that shows a whole box with `margin` pixels around it. */
+export function fitted(bounds: Bounds, size: Size, margin = 16): View {
+  const [x0, y0, x1, y1] = bounds;
+  const width = Math.max(1, size.width - 2 * margin);
+  const height = Math.max(1, size.height - 2 * margin);
+  return {
+    x: (x0 + x1) / 2,
+    y: (y0 + y1) / 2,
+    scale: limited(Math.max((x1 - x0) / width, (y1 - y0) / height)),
+  };
+}
+
+/** The smallest box around both; null stands for none. */
+export function union(a: Bounds | null, b: Bounds | null): Bounds | null {
+  if (!a || !b) return a ?? b;
+  return [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[2], b[2]), Math.max(a[3], b[3])];
+}
