@@ -8,7 +8,7 @@ dragging is not pulled back by the session's older answer: it waits for the sess
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import viser
@@ -17,8 +17,6 @@ from mapper.parameters import Parameter
 
 PATIENCE_S = 1.5  #: seconds for which the session may disagree with what a person chose here
 Post = Callable[[dict[str, Any]], None]
-
-GROUP_TITLES = {"model": "Inverse sensor model", "update": "Update", "map": "Map", "mount": "Sensor mount"}
 
 
 class ParameterControls:
@@ -46,8 +44,7 @@ class ParameterControls:
         for row in rows:
             groups.setdefault(row.group, []).append(row)
         for group, members in groups.items():
-            title = GROUP_TITLES.get(group, group.capitalize())
-            with gui.add_folder(title, expand_by_default=group in open_groups):
+            with gui.add_folder(group.capitalize(), expand_by_default=group in open_groups):
                 for row in members:
                     self._rows[row.name] = row
                     self._handles[row.name] = self._control(gui, row, values[row.name])
@@ -137,6 +134,35 @@ class Clock:
         elif self._sought is None or time.monotonic() > self._sought[1]:
             self._sought = None
             self._scan.value = min(index, int(self._scan.max))
+
+
+class NamedChoice:
+    """One of several names: the world, or the log's trajectory.
+
+    ``current`` says the session's; a person's choice is posted as ``command`` with a ``name``.
+    """
+
+    def __init__(
+        self, gui: viser.GuiApi, label: str, names: Sequence[str], current: Callable[[], str], post: Post, command: str
+    ) -> None:
+        self._handle: Any = gui.add_dropdown(label, names, initial_value=current())
+        self._current = current
+        self._chosen: tuple[str, float] | None = None
+
+        async def chosen(event: viser.GuiEvent[Any]) -> None:
+            if event.client is not None:
+                self._chosen = (self._handle.value, time.monotonic() + PATIENCE_S)
+                post({"type": command, "name": self._handle.value})
+
+        self._handle.on_update(chosen)
+
+    def show(self) -> None:
+        """Show the session's choice, unless a person has just made another."""
+        name = self._current()
+        if self._chosen is not None and name != self._chosen[0] and time.monotonic() < self._chosen[1]:
+            return
+        self._chosen = None
+        self._handle.value = name
 
 
 def add_layers(gui: viser.GuiApi, layers: Mapping[str, viser.SceneNodeHandle]) -> None:

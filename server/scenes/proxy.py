@@ -84,9 +84,10 @@ def passes(message: bytes) -> bool:
         content = msgspec.msgpack.decode(message)
     except (msgspec.DecodeError, RecursionError):
         return False
-    if not isinstance(content, dict) or content.get("type") not in _PASSED:
+    kind = content.get("type") if isinstance(content, dict) else None
+    if not isinstance(kind, str) or kind not in _PASSED:
         return False
-    if content["type"] == "GuiUpdateMessage":
+    if kind == "GuiUpdateMessage":
         updates = content.get("updates")
         return isinstance(updates, dict) and updates.keys() == {"value"} and _is_plain(updates["value"])
     return True

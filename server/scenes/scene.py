@@ -12,15 +12,17 @@ import time
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import rich
 import structlog
 import viser
+from numpy.typing import NDArray
 
 from mapper.parameters import PARAMETERS
-from mapper.world import SENSOR_PARAMETERS
+from mapper.world import SENSOR_PARAMETERS, WORLDS
 from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
-from server.scenes.panel import Clock, ParameterControls, add_layers
-from server.sessions import Session, SessionView
+from server.scenes.panel import Clock, NamedChoice, ParameterControls, Post, add_layers
+from server.sessions import LogSession, Session, SessionView
 
 POSE_HZ = 15.0
 MAP_HZ = 4.0
@@ -43,6 +45,8 @@ class Scene:
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._world: WorldDrawing | None = None
+        self._path = _path_of(session)
+        self._choice: NamedChoice | None = None
 
     @classmethod
     async def open(cls, session: Session) -> Scene:
@@ -113,10 +117,11 @@ class Scene:
             self._world.show(view.world)
             layers["True world"] = self._world.node
         layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
-        if view.trajectory is not None:
-            layers["Trajectory"] = scene.add_line_segments(
-                "/trajectory", path_segments(view.trajectory), PATH, thickness=1.5, thickness_units="screen"
+        if self._path is not None:
+            self._trajectory = scene.add_line_segments(
+                "/trajectory", path_segments(self._path), PATH, thickness=1.5, thickness_units="screen"
             )
+            layers["Path"] = self._trajectory
         self._aim(view)
 
         is_log = view.world is None
@@ -126,6 +131,7 @@ class Scene:
             gui, self._post, count=view.count if is_log else None, playing=view.playing, index=view.index
         )
         add_layers(gui, layers)
+        self._choice = _choice_of(self._session, gui, self._post)
         self._controls = [
             ParameterControls(gui, PARAMETERS, asdict(view.config), self._post, "parameters", open_groups=("model",))
         ]
@@ -179,8 +185,8 @@ class Scene:
         view = self._session.view()
         if view.world is not None:
             self._post({"type": "teleport", "x": x, "y": y})
-        elif view.trajectory is not None and len(view.trajectory):
-            gaps = (view.trajectory[:, 0] - x) ** 2 + (view.trajectory[:, 1] - y) ** 2
+        elif self._path is not None:
+            gaps = (self._path[:, 0] - x) ** 2 + (self._path[:, 1] - y) ** 2
             self._post({"type": "seek", "index": int(gaps.argmin()) + 1})
 
     # -- from the session ---------------------------------------------------------------------------------------
@@ -196,6 +202,12 @@ class Scene:
                     _log.exception("scene not drawn", session=self._session.id)
             await asyncio.sleep(1.0 / POSE_HZ)
 
+    def _show_path(self) -> None:
+        path = _path_of(self._session)
+        if path is not None and path is not self._path:
+            self._path = path
+            self._trajectory.points = path_segments(path)
+
     def _draw(self, view: SessionView) -> None:
         now = time.monotonic()
         with self._server.atomic():
@@ -203,6 +215,9 @@ class Scene:
             self._clock.show(playing=view.playing, index=view.index)
             if self._world is not None and self._world.show(view.world):
                 self._aim(view)
+            self._show_path()
+        if self._choice is not None:
+            self._choice.show()
         self._controls[0].show(asdict(view.config))
         if view.sensor is not None:
             self._controls[1].show(asdict(view.sensor))
@@ -214,6 +229,21 @@ class Scene:
             self._map_due = now + max(1.0 / MAP_HZ, took / MAP_SHARE)
         if wait > 0.0 or any(controls.unsettled for controls in self._controls):
             self._loop.call_soon_threadsafe(self._loop.call_later, max(wait, SETTLE_S), self._changed.set)
+
+
+def _path_of(session: Session) -> NDArray[np.float64] | None:
+    """Return where the base was at each scan of a log (n, 3), the session's own array; None for a live world."""
+    return session.log.trajectory(session.trajectory).poses if isinstance(session, LogSession) else None
+
+
+def _choice_of(session: Session, gui: viser.GuiApi, post: Post) -> NamedChoice | None:
+    """Return the choice of a world, or of a log's trajectory where it has several."""
+    if isinstance(session, LogSession):
+        names = tuple(session.log.trajectories)
+        if len(names) < 2:
+            return None
+        return NamedChoice(gui, "Trajectory", names, lambda: session.trajectory, post, "trajectory")
+    return NamedChoice(gui, "World", tuple(WORLDS), lambda: session.world.name if session.world else "", post, "world")
 
 
 def _make_server(session_id: str) -> viser.ViserServer:

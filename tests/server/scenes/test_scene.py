@@ -1,0 +1,297 @@
+"""A real viser server behind the real proxy: what a browser is sent, and what it can bring about."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import socket
+import threading
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import httpx
+import msgspec
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.typing import Subprotocol
+
+from mapper.parameters import PARAMETERS
+from mapper.world import SENSOR_PARAMETERS, WORLDS, sample_log
+from server.scenes import Scenes
+from server.scenes.proxy import passes
+from server.sessions import Session, SessionRegistry
+from tests.server.scenes.conftest import Service
+from tests.server.scenes.viser_client import CAMERA, viser_client
+
+
+async def changed(session: Session, wanted: Any, seconds: float = 10.0) -> None:
+    """Wait until ``wanted`` is true of the session's view."""
+    async with asyncio.timeout(seconds):
+        while not wanted(session.view()):  # noqa: ASYNC110 - sessions tell listeners of ticks, not of conditions
+            await asyncio.sleep(0.02)
+
+
+async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        for name in ("/world/solids", "/map/floor", "/robot/body", "/beams"):
+            await client.until(lambda m, name=name: m.get("name") == name)
+        first = await client.until(lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/robot")
+        await client.until(
+            lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/robot" and m["position"] != first["position"]
+        )
+        # Columns grow out of the floor as walls become occupied.
+        await client.until(lambda m: m["type"] == "MeshMessage" and m["name"].startswith("/map/"))
+    assert not any("http://" in str(m) or "https://" in str(m) for m in client.seen)
+
+
+async def test_every_parameter_has_a_control(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        for row in (*PARAMETERS, *SENSOR_PARAMETERS):
+            made = await client.until(lambda m, row=row: m.get("props", {}).get("hint") == row.sentence)
+            props = made["props"]
+            assert props["label"].startswith(row.label)
+            assert row.unit in props["label"]
+            if row.kind == "number":
+                assert (props["min"], props["max"]) == (row.low, row.high)
+
+
+async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        uuid = (await client.control("Hit increment"))["uuid"]
+        await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 1.5})
+        await changed(session, lambda view: view.config.log_odds_hit == 1.5)
+        # Nothing answers a choice that the session took: an echo would fight with the hand on the slider.
+        await asyncio.sleep(0.5)
+        session.post({"type": "parameters", "values": {"log_odds_hit": 2.0}})
+        moved = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
+        assert moved["updates"] == {"value": 2.0}
+        assert session.view().config.log_odds_hit == 2.0
+
+
+async def test_a_refused_value_snaps_back(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        uuid = (await client.control("Hit increment"))["uuid"]
+        before = asdict(session.view().config)
+        await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 99.0})
+        back = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
+        assert back["updates"] == {"value": before["log_odds_hit"]}
+        assert asdict(session.view().config) == before
+
+
+async def test_a_click_on_the_floor_teleports(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        await client.until(lambda m: m["type"] == "ScenePointerEnableMessage")
+        session.post({"type": "auto", "value": False})
+        target = next(
+            (x, y) for x, y in ((5.0, 4.0), (2.0, 2.0), (8.0, 2.0), (5.0, 6.0)) if WORLDS["room"].is_free((x, y), 0.5)
+        )
+        origin = (target[0] - 3.0, target[1] + 4.0, 6.0)
+        await client.send(
+            type="ScenePointerMessage",
+            event_type="click",
+            ray_origin=origin,
+            ray_direction=tuple((a - b) / 10.0 for a, b in zip((*target, 0.0), origin, strict=True)),
+            screen_pos=((0.5, 0.5),),
+            modifier=None,
+        )
+        await changed(session, lambda view: view.pose[:2] == pytest.approx(target, abs=1e-3))
+
+
+async def test_play_and_pause(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        uuid = (await client.control("Pause"))["uuid"]
+        await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": True})
+        await changed(session, lambda view: not view.playing)
+        await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["updates"].get("label") == "Play")
+
+
+async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:
+    log = sample_log(n_scans=40)
+    session = await service.sessions.create_log("ann", log)
+    session.post({"type": "pause"})
+    async with viser_client(service.port, session.id) as client:
+        await client.until(lambda m: m.get("name") == "/trajectory")
+        scans = await client.control("Scans in the map")
+        assert scans["props"]["max"] == 40
+        await client.send(type="GuiUpdateMessage", uuid=scans["uuid"], updates={"value": 25})
+        await changed(session, lambda view: view.index == 25)
+        # A click goes to the moment nearest to that place.
+        x, y, _ = log.trajectory().poses[9].tolist()
+        await client.send(
+            type="ScenePointerMessage",
+            event_type="click",
+            ray_origin=(x, y, 5.0),
+            ray_direction=(0.0, 0.0, -1.0),
+            screen_pos=((0.5, 0.5),),
+            modifier=None,
+        )
+        await changed(session, lambda view: view.index == 10)
+        choice = await client.control("Trajectory")
+        await client.send(type="GuiUpdateMessage", uuid=choice["uuid"], updates={"value": "odometry"})
+        async with asyncio.timeout(10):
+            while session.trajectory != "odometry":  # noqa: ASYNC110 - as above
+                await asyncio.sleep(0.02)
+
+
+# -- the proxy -----------------------------------------------------------------------------------------------------
+
+
+async def test_the_page(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    base = f"http://127.0.0.1:{service.port}"
+    async with httpx.AsyncClient(base_url=base) as http:
+        page = await http.get(f"/scenes/{session.id}/")
+        assert page.status_code == 200
+        assert "Gridbloom" in page.text
+        assert page.headers["content-encoding"] == "gzip"
+        policy = page.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "frame-ancestors 'self'" in policy
+        assert f"ws://127.0.0.1:{service.port}" in policy
+        assert "http:" not in policy.replace("https:", "")
+        again = await http.get(f"/scenes/{session.id}/", headers={"If-None-Match": page.headers["etag"]})
+        assert again.status_code == 304
+        assert (await http.head(f"/scenes/{session.id}/")).status_code == 200
+        plain = await http.get(f"/scenes/{session.id}/", headers={"Accept-Encoding": "identity"})
+        assert plain.text == page.text
+        bare = await http.get(f"/scenes/{session.id}")
+        assert (bare.status_code, bare.headers["location"]) == (308, f"/scenes/{session.id}/")
+        for path in ("etc/passwd", "../../etc/passwd", "%2e%2e/%2e%2e/etc/passwd", "index.html"):
+            assert (await http.get(f"/scenes/{session.id}/{path}")).status_code == 404
+        for method in ("POST", "PUT", "DELETE"):
+            assert (await http.request(method, f"/scenes/{session.id}/")).status_code == 405
+    assert len(service.scenes) == 0, "the page alone makes no scene"
+
+
+async def test_a_client_of_another_version_is_refused(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    url = f"ws://127.0.0.1:{service.port}/scenes/{session.id}"
+    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v1")]):
+        with pytest.raises((InvalidStatus, ConnectionClosed)):
+            async with connect(url, subprotocols=protocols) as socket:
+                await socket.recv()
+
+
+async def test_the_viser_server_listens_on_loopback_only(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    scene = await service.scenes.get(session)
+    for address in {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}:
+        if not str(address).startswith("127."):
+            with pytest.raises(OSError, match=r".*"):
+                socket.create_connection((str(address), scene.port), timeout=1.0).close()
+    socket.create_connection(("127.0.0.1", scene.port), timeout=1.0).close()
+
+
+async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        await client.control("Hit increment")
+        await service.sessions.close(session.id)
+        with pytest.raises(ConnectionClosed):
+            await client.until(lambda _: False)
+    assert len(service.scenes) == 0
+
+
+async def test_messages_that_a_scene_does_not_need_stay_outside(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    scene = await service.scenes.get(session)
+    async with viser_client(service.port, session.id) as client:
+        uuid = (await client.control("Hit increment"))["uuid"]
+        await client.send(type="ShareUrlRequest")
+        await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"sync_cb": "x", "value": 1.0})
+        await client.send(type="FileTransferStartUpload", source_component_uuid=uuid)
+        await client.socket.send(b"\xff\xff\xff")
+        # What comes after is carried out, and nothing of the above was.
+        await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 1.25})
+        await changed(session, lambda view: view.config.log_odds_hit == 1.25)
+        assert scene._server._share_tunnel is None
+        await client.socket.send(b"x" * 20_000)
+        with pytest.raises(ConnectionClosed) as caught:
+            await client.until(lambda _: False)
+        assert caught.value.rcvd is not None
+        assert caught.value.rcvd.code == 1009
+
+
+@pytest.mark.parametrize(
+    ("message", "passed"),
+    [
+        (CAMERA, True),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": 1}}, True),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": "per_scan"}}, True),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": float("nan")}}, False),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": [1]}}, False),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": "x" * 1000}}, False),
+        ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"uuid": "y"}}, False),
+        ({"type": "GuiUpdateMessage", "uuid": "x"}, False),
+        ({"type": "RunJavascriptMessage", "source": "alert(1)"}, False),
+        ({"type": "GetRenderResponseMessage"}, False),
+        (["ViewerCameraMessage"], False),
+        ({"type": ["ViewerCameraMessage"]}, False),
+        (17, False),
+    ],
+)
+def test_what_passes(message: Any, passed: bool) -> None:
+    assert passes(msgspec.msgpack.encode(message)) is passed
+
+
+# -- the life of scenes --------------------------------------------------------------------------------------------
+
+
+async def test_no_work_while_nobody_looks(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        await client.control("Hit increment")
+        assert session.watched
+    await changed(session, lambda _: not session.listeners)
+    assert not session.watched
+
+
+async def test_scenes_that_nobody_looks_at_are_closed(sessions: SessionRegistry) -> None:
+    scenes = Scenes(idle_s=0.05, check_s=0.05)
+    session = await sessions.create_world("ann", "room", seed=1)
+    one, two = await asyncio.gather(scenes.get(session), scenes.get(session))
+    assert one is two
+    one.enter()
+    await asyncio.sleep(0.3)
+    assert len(scenes) == 1
+    one.leave()
+    async with asyncio.timeout(10):
+        while len(scenes):  # noqa: ASYNC110 - closing is the scenes' own affair
+            await asyncio.sleep(0.02)
+    again = await scenes.get(session)
+    assert again is not one
+    await scenes.close()
+
+
+async def test_ten_scenes_leave_nothing_behind(sessions: SessionRegistry) -> None:
+    def counts() -> tuple[int, int]:
+        gc.collect()
+        shared = ("asyncio", "session")  # the pools of the loop and of the sessions grow to their size and stay
+        threads = [thread for thread in threading.enumerate() if not thread.name.startswith(shared)]
+        return len(threads), len(list(Path("/proc/self/fd").iterdir()))
+
+    scenes = Scenes()
+    session = await sessions.create_world("ann", "room", seed=1)
+    await scenes.get(session)
+    await scenes.close()
+    before = counts()
+    for _ in range(10):
+        scenes = Scenes()
+        scene = await scenes.get(session)
+        port = scene.port
+        scene.enter()
+        await asyncio.sleep(0.05)
+        await scenes.close()
+        with pytest.raises(OSError, match=r".*"):
+            socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
+    after = counts()
+    assert after[0] <= before[0]
+    assert after[1] <= before[1]

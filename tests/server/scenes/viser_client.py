@@ -1,0 +1,72 @@
+"""viser's client as far as the tests need it: a socket, its messages unpacked, a camera, a click, a slider."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import msgspec
+import viser
+import zstandard
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.typing import Subprotocol
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, 0.0, 10.0),
+    "fov": 1.0,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+
+
+def unpack(frame: bytes) -> list[dict[str, Any]]:
+    """The messages of one frame; arrays stay what viser calls placeholders."""
+    size = int.from_bytes(frame[8:16], "little")
+    inner = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size], int.from_bytes(frame[:8], "little"))
+    return list(msgspec.msgpack.decode(inner)["messages"])
+
+
+class Client:
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.seen: list[dict[str, Any]] = []
+
+    async def send(self, **message: Any) -> None:
+        await self.socket.send(msgspec.msgpack.encode(message))
+
+    async def until(self, wanted: Any, seconds: float = 20.0) -> dict[str, Any]:
+        """The first message, seen already or still to come, of which ``wanted`` is true."""
+        for message in self.seen:
+            if wanted(message):
+                return message
+        async with asyncio.timeout(seconds):
+            while True:
+                frame = await self.socket.recv()
+                assert isinstance(frame, bytes)
+                messages = unpack(frame)
+                self.seen += messages
+                for message in messages:
+                    if wanted(message):
+                        return message
+
+    async def control(self, label: str) -> dict[str, Any]:
+        """The message that made the control with this label."""
+        return await self.until(lambda m: "uuid" in m and m.get("props", {}).get("label") == label)
+
+
+@asynccontextmanager
+async def viser_client(port: int, session_id: str) -> AsyncIterator[Client]:
+    protocol = Subprotocol(f"viser-v{viser.__version__}")
+    url = f"ws://127.0.0.1:{port}/scenes/{session_id}"
+    async with connect(url, subprotocols=[protocol], max_size=64 << 20, compression=None) as socket:
+        client = Client(socket)
+        await client.send(**CAMERA)
+        yield client
