@@ -1,1 +1,17 @@
-"""Sessions: one grid each, with its parameters and its clock; a registry with budgets and eviction."""
+"""Sessions: each owns one grid, its parameters and its clock."""
+
+from server.sessions.log_session import LogSession
+from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
+from server.sessions.session import Session, SessionView
+from server.sessions.world_session import WorldMapper, WorldSession
+
+__all__ = [
+    "LogSession",
+    "Session",
+    "SessionBudgetError",
+    "SessionNotFoundError",
+    "SessionRegistry",
+    "SessionView",
+    "WorldMapper",
+    "WorldSession",
+]

@@ -20,7 +20,9 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 **Text frames** are JSON objects with a ``type``. Server → browser:
 
 ``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
-                 sensor: {table, values}|null, log: {id, trajectory, trajectories: [...], n_beams, duration_s}|null}
+                 speeds: [least, greatest], sensor: {table, values}|null, world: name (of a world session),
+                 log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
+                 notes}|null}
                 first message; ``table`` is rows of mapper.parameters.Parameter as objects; ``epoch_id`` changes when
                 the server restarts or the session is made anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
@@ -29,9 +31,10 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 the newest state, sent right before the binary frame of the same instant; ``t`` is the server's clock in
                 seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
                 those of the newest scan, ``null`` for no return or no reading
-``trajectory``  {poses: [[x, y], ...]}   log sessions only: the base at every scan, sent at the start and after a change
+``trajectory``  {name, every, poses: [[x, y], ...]}   log sessions only: the base at every scan (of very long logs at
+                 each ``every``-th), sent at the start and after a change
 ``parameters``  {values, sensor: values|null}    after a change by anyone, or as the answer to a refused one
-``world``       {name, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
+``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
 ``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log
 ``error``       {code, message, detail}   the last command was refused; everything goes on
 ``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}
@@ -49,13 +52,16 @@ Browser → server:
 ``world``       {name}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
 ``inspect``     {row, col, epoch}
 ``ping``        {id}
+
+The socket is closed with 1008 (no subprotocol, or too many malformed frames), 4404 (there is no such session), 4408
+(no frame was acknowledged for a long time: connect again) or 4410 (the session has ended).
 """
 
 from __future__ import annotations
 
 import json
-import math
 import struct
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -159,6 +165,30 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
 def number(command: dict[str, Any], key: str, default: float | None = None) -> float:
     """Return a finite number of a command; raise :class:`ProtocolError` naming the key where there is none."""
     value = command.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise ProtocolError(f"command.{key}", f'"{key}" must be a finite number, not {value!r:.80}.')
     return float(value)
+
+
+def integer(command: dict[str, Any], key: str, default: int | None = None) -> int:
+    """Return a whole number of a command; raise :class:`ProtocolError` naming the key where there is none."""
+    value = command.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 2**53:
+        raise ProtocolError(f"command.{key}", f'"{key}" must be a whole number, not {value!r:.80}.')
+    return value
+
+
+def values(command: dict[str, Any]) -> dict[str, Any]:
+    """Return the ``values`` of a command, an object; raise :class:`ProtocolError` for anything else."""
+    found = command.get("values")
+    if not isinstance(found, dict):
+        raise ProtocolError("command.values", '"values" must be an object of names and values.')
+    return found
+
+
+def text(command: dict[str, Any], key: str) -> str:
+    """Return a string of a command; raise :class:`ProtocolError` naming the key where there is none."""
+    value = command.get(key)
+    if not isinstance(value, str):
+        raise ProtocolError(f"command.{key}", f'"{key}" must be a string, not {value!r:.80}.')
+    return value

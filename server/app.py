@@ -1,0 +1,74 @@
+"""The application: everything put together. Importing this file does nothing; :func:`create_app` makes one service."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from importlib.metadata import PackageNotFoundError, version
+
+from fastapi import FastAPI
+from starlette.middleware.gzip import GZipMiddleware
+
+from server.library import Library
+from server.metrics import Metrics
+from server.routes import docs, health, logs, pages, scenes, sessions, stream
+from server.routes.errors import CatchAll, install_error_handlers
+from server.scenes import Scenes
+from server.security import Security
+from server.sessions import SessionRegistry
+from server.settings import Settings
+from server.warming import warm_up
+
+
+@asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    state = app.state
+    settings: Settings = state.settings
+    async with AsyncExitStack() as stack:
+        state.sessions = SessionRegistry(
+            settings, remake_seconds=state.metrics.remake_seconds.observe, traffic=state.metrics.traffic
+        )
+        state.metrics.watch(state.sessions)
+        await state.sessions.start()
+        stack.push_async_callback(state.sessions.shutdown)
+        state.library = await asyncio.to_thread(Library, settings)
+        await state.library.start()
+        stack.push_async_callback(state.library.close)
+        state.scenes = Scenes()
+        stack.push_async_callback(state.scenes.close)
+        # The page paints while the kernels compile; a session that starts meanwhile waits for the same compilation.
+        state.warm = asyncio.ensure_future(asyncio.to_thread(warm_up))
+        stack.push_async_callback(asyncio.wait, [state.warm])
+        yield
+
+
+def _version() -> str:
+    try:
+        return version("gridbloom")
+    except PackageNotFoundError:  # run from a checkout that is not installed
+        return "0+checkout"
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Return the service for these settings (None: those of the environment)."""
+    settings = (Settings() if settings is None else settings).with_token()
+    app = FastAPI(
+        title="Gridbloom",
+        description="Occupancy grid maps that fill in: live worlds and robot logs.",
+        version=_version(),
+        openapi_url="/api/openapi.json",
+        docs_url=None,  # FastAPI's own page loads its scripts from another host
+        redoc_url=None,
+        lifespan=_lifespan,
+    )
+    app.state.settings = settings
+    app.state.metrics = Metrics()
+    install_error_handlers(app)
+    for part in (health, sessions, stream, logs, scenes, docs, pages):  # pages last: they take any other name
+        app.include_router(part.router)
+    # The last one added is the outermost.
+    app.add_middleware(CatchAll)
+    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
+    app.add_middleware(Security, settings=settings)
+    return app

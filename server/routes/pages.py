@@ -1,0 +1,78 @@
+"""The pages and their assets, as Vite built them: static/dist in a checkout, server/pages in an installed wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from starlette.exceptions import HTTPException
+
+router = APIRouter(include_in_schema=False)
+
+_HERE = Path(__file__).resolve().parent.parent
+PLACES = (_HERE / "pages", _HERE.parent / "static" / "dist")
+TYPES = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".ico": "image/x-icon",
+    ".jpg": "image/jpeg",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".map": "application/json",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+    ".webmanifest": "application/manifest+json",
+    ".webp": "image/webp",
+    ".woff2": "font/woff2",
+}
+NOT_BUILT = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Gridbloom</title></head>
+<body><h1>Gridbloom runs, but its pages are not built.</h1>
+<p>Run <code>make setup</code> in the checkout and load this page again. The interface for programs is described at
+<a href="/api/docs">/api/docs</a>.</p></body></html>
+"""
+
+
+def find_pages() -> Path | None:
+    """Return the folder of the built pages, None where there is none."""
+    return next((place for place in PLACES if (place / "index.html").is_file()), None)
+
+
+def _file(relative: str, cache: str) -> Response:
+    root = find_pages()
+    if root is None or "\0" in relative:
+        raise HTTPException(404)
+    path = (root / relative).resolve()
+    # resolve() first: neither ".." nor a link leads out of the folder.
+    if not path.is_relative_to(root.resolve()) or path.suffix not in TYPES or not path.is_file():
+        raise HTTPException(404)
+    return FileResponse(path, media_type=TYPES[path.suffix], headers={"Cache-Control": cache})
+
+
+@router.api_route("/", methods=["GET", "HEAD"])
+async def index() -> Response:
+    """The front page."""
+    if find_pages() is None:
+        return HTMLResponse(NOT_BUILT, status_code=503)
+    return _file("index.html", "no-cache")
+
+
+@router.api_route("/assets/{name:path}", methods=["GET", "HEAD"])
+async def asset(name: str) -> Response:
+    """A file whose name holds a digest of its content: it never changes."""
+    return _file(f"assets/{name}", "public, max-age=31536000, immutable")
+
+
+@router.get("/3d")
+async def three_d(request: Request, session: str) -> Response:
+    """Lead to the 3D view of a session."""
+    found = request.app.state.sessions.get(session)
+    return RedirectResponse(f"/scenes/{found.id}/", status_code=307)
+
+
+@router.api_route("/{name}", methods=["GET", "HEAD"])
+async def page(name: str) -> Response:
+    """A page, or a file beside the pages."""
+    return _file(name, "no-cache")

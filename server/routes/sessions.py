@@ -1,0 +1,132 @@
+"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: begin, see, end sessions, and take their maps away."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Body, Request
+from fastapi.responses import JSONResponse, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.errors import MapperError
+from mapper.maps import pgm_bytes, png_bytes, yaml_text
+from mapper.parameters import PARAMETERS
+from mapper.world import SENSOR_PARAMETERS, WORLDS
+from server.sessions import Session
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+class NewWorld(BaseModel):
+    """A session of a live world."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    kind: Literal["world"]
+    world: str | None = Field(
+        None, max_length=100, description="Name of the world; the first one where it is left out."
+    )
+    seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
+
+
+class NewLog(BaseModel):
+    """A session of a log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    kind: Literal["log"]
+    log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
+    trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
+
+
+def _public(session: Session) -> dict[str, Any]:
+    index, count = session.progress
+    return {
+        "id": session.id,
+        "kind": session.kind,
+        "title": session.title,
+        "stream": f"/api/sessions/{session.id}/stream",
+        "playing": session.playing,
+        "index": index,
+        "count": count,
+        "watching": len(session.hub.clients),
+    }
+
+
+@router.post("/sessions", status_code=201)
+async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")]) -> Response:
+    """Begin a session of a live world, or of a log."""
+    sessions, visitor = request.app.state.sessions, request.state.visitor
+    session: Session
+    if isinstance(wanted, NewWorld):
+        session = await sessions.create_world(visitor, wanted.world, wanted.seed)
+    else:
+        library = request.app.state.library
+        log = await library.load(visitor, wanted.log)
+        title = library.get(visitor, wanted.log).name
+        session = await sessions.create_log(visitor, log, log_id=wanted.log, title=title, trajectory=wanted.trajectory)
+    return JSONResponse(_public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+
+
+@router.get("/sessions")
+async def mine(request: Request) -> dict[str, Any]:
+    """List the sessions that this visitor began."""
+    visitor = request.state.visitor
+    return {"sessions": [_public(s) for s in request.app.state.sessions.all() if s.owner == visitor]}
+
+
+@router.get("/sessions/{session_id}")
+async def one(request: Request, session_id: str) -> dict[str, Any]:
+    """Tell what a session does."""
+    return _public(request.app.state.sessions.get(session_id))
+
+
+@router.delete("/sessions/{session_id}", status_code=204)
+async def end(request: Request, session_id: str) -> None:
+    """End a session. Only who began it may: others merely leave."""
+    session = request.app.state.sessions.get(session_id)
+    if session.owner != request.state.visitor:
+        raise MapperError("session.not_yours", "Only who began a session may end it.")
+    await request.app.state.sessions.close(session_id)
+
+
+@router.get("/sessions/{session_id}/map.yaml")
+async def map_yaml(request: Request, session_id: str) -> Response:
+    """Return the map's description for map_server, which names map.pgm as its image."""
+    session = request.app.state.sessions.get(session_id)
+    return _download(yaml_text(session.view().geometry, "map.pgm").encode(), "map.yaml", "application/yaml")
+
+
+@router.get("/sessions/{session_id}/map.pgm")
+async def map_pgm(request: Request, session_id: str) -> Response:
+    """Return the map as an image that map_server reads."""
+    grid = await request.app.state.sessions.get(session_id).snapshot()
+    return _download(await asyncio.to_thread(pgm_bytes, grid), "map.pgm", "image/x-portable-graymap")
+
+
+@router.get("/sessions/{session_id}/map.png")
+async def map_png(request: Request, session_id: str) -> Response:
+    """Return the map as a picture for people."""
+    grid = await request.app.state.sessions.get(session_id).snapshot()
+    return _download(await asyncio.to_thread(png_bytes, grid), "map.png", "image/png")
+
+
+def _download(content: bytes, name: str, media_type: str) -> Response:
+    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
+    return Response(content, media_type=media_type, headers=headers)
+
+
+@router.get("/worlds")
+async def worlds() -> dict[str, Any]:
+    """List the worlds."""
+    return {
+        "worlds": [{"name": w.name, "title": w.title, "bounds": [float(v) for v in w.bounds]} for w in WORLDS.values()]
+    }
+
+
+@router.get("/parameters")
+async def parameters() -> dict[str, Any]:
+    """Return the table of mapping parameters, and that of the simulated sensor's."""
+    return {"parameters": [asdict(row) for row in PARAMETERS], "sensor": [asdict(row) for row in SENSOR_PARAMETERS]}

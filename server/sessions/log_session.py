@@ -1,0 +1,213 @@
+"""A recorded log: it plays, and its map fills in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import replace
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import LimitError
+from mapper.grid import OccupancyGrid
+from mapper.limits import Limits
+from mapper.parameters import BY_NAME, MappingConfig
+from mapper.replay import Replay
+from mapper.scan import ScanLog
+from server.sessions.outcome import Outcome
+from server.sessions.session import Moment, Pose, Session
+from server.stream.protocol import ProtocolError, integer, text
+
+FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
+MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
+DEFAULT_GAP_S = 0.1  #: between two scans whose stamps do not tell
+MAX_PATH_POINTS = 20_000  #: of the trajectory message
+COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try where a log's map is too large at the default one
+
+
+def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return when each scan is due (n,), in seconds of play from the first, never decreasing.
+
+    Stamps may be anything: a step back, none at all or a leap of years. A step back takes no time, a pause at most
+    :data:`MAX_GAP_S`; a log whose stamps tell nothing plays at :data:`DEFAULT_GAP_S` a scan.
+    """
+    # Differences in floats: those of absurd stamps do not fit into 64 bits.
+    gaps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
+    gaps = np.clip(gaps, 0.0, MAX_GAP_S)
+    if not gaps.any():
+        gaps = np.full(len(gaps), DEFAULT_GAP_S)
+    return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def first_replay(log: ScanLog, trajectory: str | None, limits: Limits) -> Replay:
+    """Return the replay that a session begins with: the default parameters, coarser where the map is too large."""
+    row = BY_NAME["range_max"]
+    config = MappingConfig(range_max=float(np.clip(min(log.range_max, row.initial), row.low, row.high)))
+    for resolution in COARSER:
+        try:
+            return Replay(log, config, trajectory, limits)
+        except LimitError:
+            config = replace(config, resolution=resolution)
+    return Replay(log, config, trajectory, limits)
+
+
+class LogSession(Session):
+    """A session of one log."""
+
+    kind: ClassVar[Literal["world", "log"]] = "log"
+
+    def __init__(
+        self,
+        replay: Replay,
+        *,
+        log_id: str,
+        title: str,
+        owner: str,
+        pool: Executor,
+        limits: Callable[[Session | None], Limits],
+    ) -> None:
+        self._replay = replay
+        self._log_id = log_id
+        self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
+        self._times = play_times(replay.log.stamps_ns)
+        self._time = 0.0  #: seconds of play
+        self._target = 0  #: the index that commands ask for
+        duration = float(self._times[-1])
+        self._speeds = (0.1, max(100.0, duration / 5.0))
+        speed = float(np.clip(float(f"{duration / FILL_S:.2g}"), 0.1, self._speeds[1]))
+        super().__init__(
+            owner=owner, title=title, grid=replay.grid, config=replay.config, speed=speed, pool=pool, limits=limits
+        )
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map."""
+        return self._replay.grid
+
+    @property
+    def log(self) -> ScanLog:
+        """The log."""
+        return self._replay.log
+
+    @property
+    def trajectory(self) -> str:
+        """The name of the trajectory in use."""
+        return self._replay.trajectory
+
+    @property
+    def speeds(self) -> tuple[float, float]:
+        """Seconds of the log's time in a second."""
+        return self._speeds
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """Scans in the map, scans of the log."""
+        return (self._replay.index, self.log.n_scans)
+
+    def moment(self) -> Moment:
+        """The scan that came last into the map; before the first, its place without readings."""
+        log, index = self.log, self._replay.index
+        newest = max(index - 1, 0)
+        # The beams of a laser that hangs upside down run the other way round, seen from above.
+        turn = -1.0 if log.upside_down else 1.0
+        scan = replace(log.scan(newest), angle_min=turn * log.angle_min, angle_increment=turn * log.angle_increment)
+        if index == 0:
+            scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
+        base = log.trajectory(self.trajectory).poses[newest]
+        sensor = self._sensor_poses[newest]
+        # Stamps are absolute and large: as seconds since the first scan they keep their digits.
+        stamp_s = (float(log.stamps_ns[newest]) - float(log.stamps_ns[0])) * 1e-9
+        return Moment(_pose(base), _pose(sensor), scan, stamp_s)
+
+    def particulars(self) -> dict[str, Any]:
+        """The log and its trajectories."""
+        log = self.log
+        return {
+            "log": {
+                "id": self._log_id,
+                "trajectory": self.trajectory,
+                "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
+                "n_beams": log.n_beams,
+                "n_scans": log.n_scans,
+                "duration_s": float(self._times[-1]),
+                "format": log.format,
+                "notes": list(log.notes),
+            }
+        }
+
+    def slots(self) -> list[dict[str, Any]]:
+        """The trajectory, besides what every session says."""
+        return [*super().slots(), self._trajectory_message()]
+
+    def _trajectory_message(self) -> dict[str, Any]:
+        poses = self.log.trajectory(self.trajectory).poses
+        every = -(-len(poses) // MAX_PATH_POINTS)
+        path = np.round(poses[::every, :2], 3).tolist()
+        return {"type": "trajectory", "name": self.trajectory, "every": every, "poses": path}
+
+    def remake(self, config: MappingConfig, outcome: Outcome) -> None:
+        """Make the map anew at the same scan."""
+        outcome.add(self._replay.reconfigure(config))
+
+    def advance(self, dt: float, outcome: Outcome) -> None:
+        """Play on, or go to where a command wants to be."""
+        replay, count = self._replay, self.log.n_scans
+        if dt > 0.0 and self._target < count:
+            self._time += dt * self.speed
+            self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
+        if self._target != replay.index:
+            outcome.add(replay.advance_to(self._target))
+        if self.playing and self._target == count:
+            self.playing = False
+            outcome.changed = True
+            outcome.notice("log.end", "The log has come to its end: all of its scans are in the map.")
+
+    def obey(self, command: dict[str, Any], outcome: Outcome) -> None:
+        """Carry out a command. Where to go is only noted: of many seeks that came meanwhile the last one counts."""
+        count = self.log.n_scans
+        match command["type"]:
+            case "seek":
+                index = integer(command, "index")
+                if not 0 <= index <= count:
+                    raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
+                self._go_to(index)
+            case "step":
+                self.playing = False
+                self._go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
+            case "restart":
+                self._go_to(0)
+                self.playing = True
+            case "trajectory":
+                self._choose(text(command, "name"), outcome)
+            case "teleport" | "drive" | "auto" | "world" | "sensor" as kind:
+                raise ProtocolError(
+                    "log.recorded", f"What a log recorded cannot be changed: {kind} is for live worlds."
+                )
+            case other:
+                raise ProtocolError("command.unknown", f"A log session knows no command {other!r:.80}.")
+
+    def play(self) -> None:
+        """Play on, from the start where the end was reached."""
+        if self._target == self.log.n_scans:
+            self._go_to(0)
+        super().play()
+
+    def _go_to(self, index: int) -> None:
+        self._target = index
+        self._time = float(self._times[max(index - 1, 0)])
+
+    def _choose(self, trajectory: str, outcome: Outcome) -> None:
+        old = self._replay
+        replay = Replay(self.log, self.config, trajectory, self.limits())
+        replay.advance_to(old.index)
+        self._sensor_poses = self.log.sensor_poses(trajectory)
+        self._replay = replay
+        outcome.new_grid = True
+        outcome.slot(self._trajectory_message())
+
+
+def _pose(row: NDArray[np.float64]) -> Pose:
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)

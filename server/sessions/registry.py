@@ -1,0 +1,187 @@
+"""All live sessions of the service, within their budgets: how many, for whom, how large, how long unwatched."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from typing import Protocol
+
+import structlog
+
+from mapper.errors import MapperError
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.scan import ScanLog
+from server.sessions.log_session import LogSession, first_replay
+from server.sessions.session import Session
+from server.sessions.world_session import DEFAULT_WORLD, WorldMapper, WorldSession, world_named
+from server.stream.hub import Traffic
+
+REAP_EVERY_S = 5.0
+
+_log = structlog.get_logger(__name__)
+
+
+class SessionBudgetError(MapperError):
+    """There is no room for another session now."""
+
+
+class SessionNotFoundError(MapperError):
+    """There is no such session: never was, or it has ended."""
+
+
+class RegistrySettings(Protocol):
+    """What the registry reads of :class:`server.settings.Settings`."""
+
+    max_sessions: int
+    max_sessions_per_visitor: int
+    session_idle_s: float
+    max_cells: int
+    max_total_cells: int
+    threads: int
+
+
+class SessionRegistry:
+    """Makes, finds and ends sessions. Lives on the event loop.
+
+    Call :meth:`start` before and :meth:`shutdown` after use.
+    """
+
+    def __init__(
+        self,
+        settings: RegistrySettings,
+        clock: Callable[[], float] = time.monotonic,
+        remake_seconds: Callable[[float], None] = lambda _: None,
+        traffic: Traffic | None = None,
+    ) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._remake_seconds = remake_seconds
+        self._traffic = traffic or Traffic()
+        self._sessions: dict[str, Session] = {}
+        self._making: list[str] = []  #: owners of the sessions that are being made: they count already
+        self._reaper: asyncio.Task[None] | None = None
+        self.pool = ThreadPoolExecutor(settings.threads, thread_name_prefix="session")
+
+    async def start(self) -> None:
+        """Begin to end sessions that nobody watches."""
+        self._reaper = asyncio.create_task(self._reap(), name="session reaper")
+
+    async def shutdown(self) -> None:
+        """End all sessions."""
+        if self._reaper is not None:
+            self._reaper.cancel()
+            await asyncio.gather(self._reaper, return_exceptions=True)
+        for session in list(self._sessions.values()):
+            await self._end(session)
+        await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)
+
+    def __len__(self) -> int:
+        return len(self._sessions)
+
+    def all(self) -> list[Session]:
+        """Return the live sessions."""
+        return list(self._sessions.values())
+
+    def get(self, session_id: str) -> Session:
+        """Return a session. Raises :class:`SessionNotFoundError`."""
+        session = self._sessions.get(session_id)
+        if session is None:
+            raise SessionNotFoundError("session.unknown", "There is no such session; it may have ended.")
+        return session
+
+    async def create_world(self, owner: str, world: str | None = None, seed: int | None = None) -> WorldSession:
+        """Start a live world for a visitor. Raises :class:`SessionBudgetError`, :class:`MapperError` for no world."""
+        chosen = world_named(DEFAULT_WORLD if world is None else world)
+        number = secrets.randbelow(2**31) if seed is None else seed
+
+        def make() -> WorldMapper:
+            return WorldMapper(chosen, number, limits=lambda: self.limits(None))
+
+        async with self._place(owner):
+            mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)
+            session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
+            self._begin(session)
+        return session
+
+    async def create_log(
+        self, owner: str, log: ScanLog, *, log_id: str = "", title: str = "", trajectory: str | None = None
+    ) -> LogSession:
+        """Start a session of a log for a visitor. Raises :class:`SessionBudgetError`, and as the mapper does."""
+        async with self._place(owner):
+            replay = await asyncio.get_running_loop().run_in_executor(
+                self.pool, first_replay, log, trajectory, self.limits(None)
+            )
+            session = LogSession(
+                replay,
+                log_id=log_id,
+                title=title or log.name,
+                owner=owner,
+                pool=self.pool,
+                limits=self.limits,
+            )
+            self._begin(session)
+        return session
+
+    def _begin(self, session: Session) -> None:
+        session.remake_seconds = self._remake_seconds
+        session.hub.traffic = self._traffic
+        self._sessions[session.id] = session
+        session.start()
+        _log.info("session began", kind=session.kind, cells=session.cells, sessions=len(self._sessions))
+
+    async def close(self, session_id: str) -> None:
+        """End a session. Raises :class:`SessionNotFoundError`."""
+        await self._end(self.get(session_id))
+
+    async def _end(self, session: Session) -> None:
+        self._sessions.pop(session.id, None)
+        await session.close()
+        _log.info("session ended", kind=session.kind, sessions=len(self._sessions))
+
+    def limits(self, session: Session | None) -> Limits:
+        """Return what the grid of ``session`` (None: of a new one) may be, given what the others hold."""
+        others = sum(s.cells for s in self._sessions.copy().values() if s is not session)
+        room = min(self._settings.max_cells, self._settings.max_total_cells - others)
+        return replace(DEFAULT_LIMITS, max_cells=max(room, 1))
+
+    # -- budgets ---------------------------------------------------------------------------------------------------
+
+    @asynccontextmanager
+    async def _place(self, owner: str) -> AsyncIterator[None]:
+        """Keep a place while a session is made on a worker thread; end one that nobody watches if there is none."""
+        self._making.append(owner)
+        try:
+            mine = [s for s in self._sessions.values() if s.owner == owner]
+            if len(mine) + self._making.count(owner) > self._settings.max_sessions_per_visitor:
+                message = f"You have {len(mine)} sessions open, as many as one visitor may: close one first."
+                await self._evict(mine, "session.too_many", message)
+            if len(self._sessions) + len(self._making) > self._settings.max_sessions:
+                message = "All places are taken and watched: try again in a minute."
+                await self._evict(self.all(), "session.full", message)
+            yield
+        finally:
+            self._making.remove(owner)
+
+    async def _evict(self, sessions: list[Session], code: str, message: str) -> None:
+        """End the session that was left the longest ago."""
+        idle = [s for s in sessions if not s.watched]
+        if not idle:
+            raise SessionBudgetError(code, message)
+        await self._end(min(idle, key=lambda s: s.unwatched_since))
+
+    async def _reap(self) -> None:
+        while True:
+            await asyncio.sleep(REAP_EVERY_S)
+            await self.reap()
+
+    async def reap(self) -> None:
+        """End the sessions that nobody has watched for too long."""
+        oldest = self._clock() - self._settings.session_idle_s
+        for session in self.all():
+            if not session.watched and session.unwatched_since <= oldest:
+                await self._end(session)

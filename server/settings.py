@@ -1,0 +1,83 @@
+"""The service's settings: read from the environment as GRIDBLOOM_*, each with the sentence that documents it."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import secrets
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, SecretStr, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+
+def _default_data_dir() -> Path:
+    """Return the folder that the XDG base directory specification gives an application for its data."""
+    home = os.environ.get("XDG_DATA_HOME", "")
+    return (Path(home) if home.startswith("/") else Path.home() / ".local" / "share") / "gridbloom"
+
+
+class Settings(BaseSettings):
+    """Every setting once; ``GRIDBLOOM_PORT=9000`` in the environment sets ``port``."""
+
+    model_config = SettingsConfigDict(env_prefix="GRIDBLOOM_", frozen=True, extra="forbid")
+
+    host: str = Field(
+        default="127.0.0.1", description="Address to listen on; any other than loopback asks for a token."
+    )
+    port: int = Field(default=8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    token: SecretStr | None = Field(
+        default=None, description="Secret that visitors must know; made at start where the address is not loopback."
+    )
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(),
+        description="Names, separated by commas, under which browsers may reach the service besides its own address; "
+        "* allows every name (then set a token).",
+    )
+    data_dir: Path = Field(default_factory=_default_data_dir, description="Folder for uploaded logs and their records.")
+    logs_dir: Path | None = Field(default=None, description="Folder whose logs everybody sees, read-only.")
+    max_sessions: int = Field(default=64, ge=1, description="Live sessions at one time.")
+    max_sessions_per_visitor: int = Field(default=8, ge=1, description="Live sessions of one browser at one time.")
+    max_clients_per_session: int = Field(default=64, ge=1, description="Browsers that watch one session at one time.")
+    session_idle_s: float = Field(
+        default=900.0, gt=0.0, description="Seconds after which a session that nobody watches is ended."
+    )
+    max_cells: int = Field(default=1 << 25, ge=1 << 12, description="Cells of one session's grid.")
+    max_total_cells: int = Field(default=1 << 27, ge=1 << 12, description="Cells of all sessions' grids together.")
+    max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
+    threads: int = Field(
+        default_factory=lambda: max(2, min(8, os.cpu_count() or 2)), ge=1, description="Threads that compute maps."
+    )
+    log_format: Literal["console", "json"] = Field(default="console", description="How log lines are written.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        default="info", description="The least that is logged."
+    )
+
+    @field_validator("allowed_hosts", mode="before")
+    @classmethod
+    def _split(cls, value: object) -> object:
+        return tuple(name.strip() for name in value.split(",") if name.strip()) if isinstance(value, str) else value
+
+    @field_validator("token")
+    @classmethod
+    def _some_token(cls, value: SecretStr | None) -> SecretStr | None:
+        if value is not None and len(value.get_secret_value()) < 8:
+            raise ValueError("a token has at least 8 characters")
+        return value
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine reaches the service."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host.strip("[]")).is_loopback
+        except ValueError:
+            return False
+
+    def with_token(self) -> Settings:
+        """Return settings that have a token where one is needed: the given one, or a new one off loopback."""
+        if self.token is not None or self.is_loopback:
+            return self
+        return self.model_copy(update={"token": SecretStr(secrets.token_urlsafe(24))})
