@@ -1,0 +1,110 @@
+"""``python -m tests.bench``: the mapping core's times beside those of the peers, in one run, as ratios."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from mapper.bench import bench_map
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import integrate_log
+from mapper.logs import open_log
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog, Trajectory
+from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
+
+RANGE_MAX = 30.0
+REAL_LOGS = ("intel-corrected", "aces-corrected", "fhw-corrected")
+
+
+def hall(n_scans: int = 1000, n_beams: int = 1080) -> ScanLog:
+    """A round of an empty hall of 40 m × 25 m with a 270° scanner: what each beam reads is a line through a box."""
+    random = np.random.default_rng(7)
+    round_trip = np.linspace(0, 2 * np.pi, n_scans)
+    poses = np.column_stack([20 + 12 * np.cos(round_trip), 12.5 + 6 * np.sin(round_trip), round_trip + np.pi / 2])
+    angle_min, increment = -np.deg2rad(135), np.deg2rad(270) / (n_beams - 1)
+    bearing = poses[:, 2:] + angle_min + increment * np.arange(n_beams)
+    cos, sin = np.cos(bearing), np.sin(bearing)
+    along_x = (np.where(cos > 0, 40.0, 0.0) - poses[:, :1]) / cos
+    along_y = (np.where(sin > 0, 25.0, 0.0) - poses[:, 1:2]) / sin
+    ranges = np.minimum(along_x, along_y) + random.normal(0, 0.01, bearing.shape)
+    stamps = np.arange(n_scans, dtype=np.int64)
+    return ScanLog(ranges.astype(np.float32), angle_min, increment, 0.05, 80.0, stamps, {"true": Trajectory(poses)})
+
+
+def logs() -> Iterator[tuple[str, ScanLog, float]]:
+    """Yield name, log and resolution of each case."""
+    folder = os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data")
+    for name in REAL_LOGS:
+        path = Path(folder) / "carmen" / f"{name}.log.gz"
+        if path.is_file():
+            log = open_log(path)
+            yield name, replace(log, range_min=max(log.range_min, 0.0501)), 0.05
+        else:
+            print(f"{name}: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
+    yield "hall, 1,080 beams", hall(), 0.025
+
+
+def memory_limit_ms(updates: int) -> float:
+    """Milliseconds for as many read-modify-writes on contiguous int8 as there were cell updates, best of five."""
+    cells = np.zeros(max(updates, 1), dtype=np.int8)
+    best = float("inf")
+    for _ in range(5):
+        began = time.perf_counter()
+        np.add(cells, 1, out=cells)
+        best = min(best, time.perf_counter() - began)
+    return 1e3 * best
+
+
+def side_by_side() -> None:
+    """Print each log's times and their ratio to the peer's."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            peer = build_mrpt(Path(folder))
+        except PeerAbsentError as absent:
+            peer = None
+            print(f"MRPT is left out: {absent}", file=sys.stderr)
+        print(
+            "| log | scans × beams | cell updates | per beam | ns/update | per scan | MRPT | per beam, ratio | per scan, ratio | int8 memory |"
+        )
+        print("|---|---|---|---|---|---|---|---|---|---|")
+        for name, log, resolution in logs():
+            ours = bench_map(log, MappingConfig(range_max=RANGE_MAX, resolution=resolution), repeats=7)
+            beam, scan, cells = ours["per_beam_ms"], ours["per_scan_ms"], int(ours["cells"])
+            theirs = mrpt_ms(peer, log, RANGE_MAX, resolution) if peer else None
+            against = f"{theirs:.1f} ms | {theirs / beam:.2f} × | {theirs / scan:.2f} ×" if theirs else "– | – | –"
+            print(
+                f"| {name} | {log.n_scans} × {log.n_beams} | {cells / 1e6:.1f} M | {beam:.1f} ms | "
+                f"{1e6 * beam / cells:.2f} | {scan:.1f} ms | {against} | {memory_limit_ms(cells):.1f} ms |"
+            )
+
+
+def cost_against_size() -> None:
+    """Print what the same scans cost in maps of growing size: it should not matter."""
+    log = hall(400, 360)
+    print("\n| side of the map | per beam | per scan |\n|---|---|---|")
+    for side in (50, 100, 250, 500, 1000):
+        cells = round(side / 0.1)
+        row = []
+        for update in ("per_beam", "per_scan"):
+            config = MappingConfig(update=update, range_max=RANGE_MAX, resolution=0.1)
+            best = float("inf")
+            grid = OccupancyGrid(GridGeometry(0.1, cells, cells, (20 - side / 2, 12 - side / 2, 0.0)))
+            for _ in range(5):
+                began = time.perf_counter()
+                integrate_log(grid, log, config)
+                best = min(best, time.perf_counter() - began)
+            row.append(f"{1e3 * best:.1f} ms")
+        print(f"| {side} m | {' | '.join(row)} |")
+
+
+if __name__ == "__main__":
+    side_by_side()
+    cost_against_size()

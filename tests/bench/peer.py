@@ -1,0 +1,75 @@
+"""The peers to measure beside: programs of others, built from the folder that GRIDBLOOM_PEERS names."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from mapper.scan import ScanLog
+
+LIBRARIES = [
+    "maps",
+    "obs",
+    "poses",
+    "math",
+    "core",
+    "serialization",
+    "rtti",
+    "io",
+    "containers",
+    "system",
+    "config",
+    "img",
+    "opengl",
+]
+
+
+class PeerAbsentError(Exception):
+    """The peer cannot be built here; the message says why."""
+
+
+def peers_dir() -> Path:
+    return Path(os.environ.get("GRIDBLOOM_PEERS", "../shared/peers"))
+
+
+def build_mrpt(into: Path) -> Path:
+    """Build the program that times MRPT's scan insertion; return it."""
+    source, headers = peers_dir() / "mrpt_insert.cpp", Path("/usr/include/mrpt")
+    if not source.is_file():
+        raise PeerAbsentError("no mrpt_insert.cpp in the folder that GRIDBLOOM_PEERS names")
+    compiler = shutil.which("g++")
+    if compiler is None:
+        raise PeerAbsentError("no g++")
+    if not headers.is_dir():
+        raise PeerAbsentError("no MRPT: apt-get install libmrpt-maps-dev libmrpt-obs-dev")
+    program = into / "mrpt_insert"
+    includes = [f"-I{folder}" for folder in sorted(headers.glob("*/include"))]
+    command = [compiler, "-O3", "-march=native", "-std=c++17", str(source), "-o", str(program), *includes]
+    command += ["-I/usr/include/eigen3", *(f"-lmrpt-{name}" for name in LIBRARIES)]
+    built = subprocess.run(command, capture_output=True, text=True, check=False)
+    if built.returncode != 0:
+        raise PeerAbsentError("MRPT's program does not build: " + built.stderr.strip().splitlines()[-1])
+    return program
+
+
+def pack(log: ScanLog, range_max: float, path: Path) -> None:
+    """Write a log as the peer reads it."""
+    poses = log.sensor_poses()
+    with path.open("wb") as file:
+        file.write(np.array([log.n_scans, log.n_beams], dtype="<i4").tobytes())
+        file.write(np.array([log.angle_min, log.angle_increment, range_max], dtype="<f8").tobytes())
+        for pose, ranges in zip(poses, log.ranges, strict=True):
+            file.write(pose.astype("<f8").tobytes())
+            file.write(ranges.astype("<f4").tobytes())
+
+
+def mrpt_ms(program: Path, log: ScanLog, range_max: float, resolution: float) -> float:
+    """Return the peer's milliseconds for the whole log, best of its five passes."""
+    packed = program.with_name("scans.bin")
+    pack(log, range_max, packed)
+    done = subprocess.run([str(program), str(packed), str(resolution)], capture_output=True, text=True, check=True)
+    return float(done.stdout)
