@@ -45,7 +45,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-bench_app = typer.Typer(help="Measure, in this process, without reading and start-up.", no_args_is_help=True)
+bench_app = typer.Typer(no_args_is_help=True)
 app.add_typer(bench_app, name="bench")
 
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or gzip.")]
@@ -214,7 +214,8 @@ def map_log(
     scans = read_log(log)
     with refusing(log):
         grid = OccupancyGrid(geometry_for(scans, config, trajectory), config.log_odds_prior)
-        integrate_log(grid, scans, config, trajectory, 0, 0)  # compiles the kernels where no cache has them
+        # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
+        integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
             start = time.perf_counter()
             updated = integrate_log(
@@ -289,6 +290,43 @@ def view(
         typer.echo(f"note: {note}")
     typer.echo("\n# occupied   . free   ? unknown\n" + pictures[0])
     typer.echo(f"\n{RAMP[0]} free … {RAMP[-1]} occupied, blank: never observed\n" + pictures[1])
+
+
+@bench_app.callback()
+def bench() -> None:
+    """Measure, in this process, without reading and start-up."""
+
+
+@bench_app.command("map")
+@with_parameter_options("resolution", "range_max")
+def bench_map_command(
+    log: LogPath,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    repeats: Annotated[int, typer.Option(help="Times each kind of update is measured; the best counts.")] = 5,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
+) -> None:
+    """Measure how long a log's map takes: the best of several runs, for each kind of update."""
+    from mapper.bench import bench_map  # noqa: PLC0415 - start-up
+
+    config = configured(parameters)
+    scans = read_log(log)
+    with refusing(log):
+        measured = bench_map(scans, config, repeats, trajectory)
+    facts = {
+        "log": scans.name,
+        "scans": scans.n_scans,
+        "beams": scans.n_beams,
+        "resolution": config.resolution,
+        "range_max": config.range_max,
+        **measured,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{scans.name}: {scans.n_scans} scans of {scans.n_beams} beams at {config.resolution:g} m a cell")
+    typer.echo(f"  per beam {measured['per_beam_ms']:.1f} ms, {measured['cells']} cell updates")
+    typer.echo(f"  per scan {measured['per_scan_ms']:.1f} ms, {measured['per_scan_cells']} cell updates")
 
 
 def main() -> None:
