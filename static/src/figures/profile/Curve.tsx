@@ -132,7 +132,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       {!noReturn && (
         <line class="profile-hit" x1={hitFrom - 1.5} x2={hitTo + 1.5} y1={y(model.hit)} y2={y(model.hit)} />
       )}
-      {curve.right - hitTo > 190 && (
+      {curve.right - hitTo > (narrow ? 160 : 190) && (
         <text class="label-prior" x={curve.right - 10} y={y0 - 9} text-anchor="end">
           {frees ? "beyond: nothing is learnt" : "nothing is learnt"}
         </text>
@@ -237,7 +237,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       )}
       {noReturn && (
         <text class="label-beam" x={curve.right - 10} y={curve.bottom + 18} text-anchor="end">
-          no return: the beam found nothing within the max range
+          {narrow ? "no return" : "no return: the beam found nothing within the max range"}
         </text>
       )}
       {rangeShown && (

@@ -18,7 +18,8 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord) => void }) {
   useEffect(() => {
     void refresh();
   }, []);
-  const list = logs.value;
+  const order: readonly LogRecord["source"][] = ["upload", "sample", "folder"];
+  const list = logs.value?.toSorted((a, b) => order.indexOf(a.source) - order.indexOf(b.source)) ?? null;
   return (
     <div class="library">
       <div class="library-head">

@@ -1,0 +1,86 @@
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../state";
+import { Button } from "../../ui/Button";
+import { clock } from "../../ui/numbers";
+import { Timeline } from "../../ui/Timeline";
+
+const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
+
+/** The speeds on offer: round ones within the session's limits, and the one of the moment. */
+function speeds(now: number, [low, high]: readonly [number, number]): readonly number[] {
+  const round = SPEEDS.filter((speed) => speed >= low && speed <= high);
+  return [...new Set([...round, now])].sort((a, b) => a - b);
+}
+
+const isTyping = (target: EventTarget | null): boolean =>
+  target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
+
+/** Play, step, seek: where in the log the map stands. */
+export function Transport({ store }: { store: Store }) {
+  const frame = store.frame.value;
+  const hello = store.hello.value;
+  const playing = frame?.playing ?? false;
+  const toggle = (): void => store.send({ type: store.frame.peek()?.playing ? "pause" : "play" });
+  useEffect(() => {
+    const onKey = (event: KeyboardEvent): void => {
+      if (event.key !== " " || isTyping(event.target)) return;
+      event.preventDefault();
+      store.send({ type: store.frame.peek()?.playing ? "pause" : "play" });
+    };
+    addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, [store]);
+
+  const count = frame?.count ?? 0;
+  const index = frame?.index ?? 0;
+  const duration = hello?.log?.duration_s ?? 0;
+  const speed = frame?.speed ?? 1;
+  return (
+    <section class="viewer-transport" aria-label="Playback">
+      <Button
+        kind="primary"
+        icon={playing ? "pause" : index >= count && count > 0 ? "restart" : "play"}
+        label={playing ? "Pause" : index >= count && count > 0 ? "Play again" : "Play"}
+        disabled={!frame}
+        onClick={toggle}
+      />
+      <Button
+        icon="stepBack"
+        label="One scan back"
+        disabled={!frame}
+        onClick={() => store.send({ type: "step", scans: -1 })}
+      />
+      <Button
+        icon="stepForward"
+        label="One scan on"
+        disabled={!frame}
+        onClick={() => store.send({ type: "step", scans: 1 })}
+      />
+      <Timeline
+        index={index}
+        count={count}
+        duration={duration}
+        onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
+      />
+      <output class="viewer-position" data-index={index} data-count={count}>
+        {index} of {count}
+        {duration > 0 && frame ? ` · ${clock(frame.stamp)}` : ""}
+      </output>
+      <label class="speed">
+        <span class="visually-hidden">Speed</span>
+        <select
+          class="select"
+          disabled={!frame}
+          value={String(speed)}
+          onChange={(event) => store.send({ type: "speed", value: Number(event.currentTarget.value) })}
+        >
+          {speeds(speed, hello?.speeds ?? [0.1, 100]).map((one) => (
+            <option key={one} value={String(one)} selected={one === speed}>
+              {one}×
+            </option>
+          ))}
+        </select>
+      </label>
+    </section>
+  );
+}

@@ -1,0 +1,181 @@
+import { computed, useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { type Connection, connect } from "../../connect";
+import { BeliefFigure, Readout } from "../../figures/belief";
+import { Profile } from "../../figures/profile/Profile";
+import type { Store } from "../../state";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { Icon } from "../../ui/Icon";
+import { written } from "../../ui/numbers";
+import { Panel } from "../../ui/Panel";
+import { ParameterPanel } from "../../ui/ParameterPanel";
+import { toast } from "../../ui/Toast";
+import { Transport } from "./Transport";
+
+interface ViewerProps {
+  readonly session: string;
+  readonly onClose: () => void;
+  /** The session has ended on the server: begin another on the same log. */
+  readonly onGone: () => void;
+}
+
+/** One log: its map filling in, and everything that shapes it. */
+export function Viewer({ session, onClose, onGone }: ViewerProps) {
+  const connection = useMemo(() => connect(session), [session]);
+  useEffect(() => {
+    connection.start();
+    return () => connection.stop();
+  }, [connection]);
+  const { store, status } = connection;
+  useSignalEffect(() => {
+    const notice = store.notice.value;
+    // That the log has come to its end is plain to see.
+    if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
+  });
+  const hello = store.hello.value;
+  useEffect(() => {
+    if (hello) document.title = `${hello.title} · Gridbloom`;
+  }, [hello]);
+
+  if (status.value === "gone") {
+    return (
+      <div class="viewer-message" role="alert">
+        <h1>This view has ended</h1>
+        <p class="prose">The server closes views that nobody has looked at for a while. The log is still there.</p>
+        <div class="actions">
+          <Button kind="primary" icon="restart" onClick={onGone}>
+            Open the log again
+          </Button>
+          <Button onClick={onClose}>All logs</Button>
+        </div>
+      </div>
+    );
+  }
+  return (
+    <div class="viewer">
+      <Head connection={connection} session={session} onClose={onClose} />
+      <div class="viewer-map">
+        <BeliefFigure store={store} />
+        {!hello && (
+          <p class="viewer-over" role="status">
+            Opening the log …
+          </p>
+        )}
+        {hello && status.value !== "live" && status.value !== "away" && (
+          <p class="viewer-over" role="status">
+            <Icon name="warning" /> The server does not answer. The view goes on by itself when it does.
+          </p>
+        )}
+      </div>
+      <Transport store={store} />
+      <Side store={store} session={session} />
+      <ProfileBox store={store} />
+    </div>
+  );
+}
+
+function Head({ connection, session, onClose }: { connection: Connection; session: string; onClose: () => void }) {
+  const hello = connection.store.hello.value;
+  const share = async (): Promise<void> => {
+    try {
+      await navigator.clipboard.writeText(location.href);
+      toast("The link is copied. Whoever opens it sees this very view, and can steer it too.");
+    } catch {
+      toast("Copy the address of this page: it opens this very view.");
+    }
+  };
+  return (
+    <header class="viewer-head">
+      <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
+      <h1>{hello?.title ?? "…"}</h1>
+      <Remade store={connection.store} />
+      <Button icon="cube" href={`/3d?session=${encodeURIComponent(session)}`}>
+        3D
+      </Button>
+      <Button icon="link" onClick={() => void share()}>
+        Share
+      </Button>
+    </header>
+  );
+}
+
+/** How long the server took to make the whole map again. */
+function Remade({ store }: { store: Store }) {
+  const last = useSignal<{ ms: number; scans: number } | null>(null);
+  useSignalEffect(() => {
+    const frame = store.frame.value;
+    if (frame?.remade_ms !== undefined) last.value = { ms: frame.remade_ms, scans: frame.index };
+  });
+  if (!last.value) return null;
+  const { ms, scans } = last.value;
+  return (
+    <output class="viewer-badge" data-remade={ms}>
+      {scans} scans re-mapped in {ms < 10 ? written(ms, 1) : Math.round(ms)} ms
+    </output>
+  );
+}
+
+function Side({ store, session }: { store: Store; session: string }) {
+  const hello = store.hello.value;
+  const picked = useSignal<string | null>(null);
+  if (!hello) return <aside class="viewer-side" />;
+  const file = (kind: string): string => `/api/sessions/${encodeURIComponent(session)}/map.${kind}`;
+  const trajectories = hello.log?.trajectories ?? [];
+  const trajectory = picked.value ?? hello.log?.trajectory ?? "";
+  const chosen = trajectories.find((one) => one.name === trajectory);
+  return (
+    <aside class="viewer-side" aria-label="Settings">
+      <Readout store={store} />
+      {trajectories.length > 1 && (
+        <Panel title="Trajectory">
+          <Choice
+            label="Where the robot was, according to"
+            options={trajectories.map((one) => ({ value: one.name, label: one.name }))}
+            value={trajectory}
+            onChange={(name) => {
+              picked.value = name;
+              store.send({ type: "trajectory", name });
+            }}
+          />
+          {chosen?.description && <p class="quiet">{chosen.description}</p>}
+        </Panel>
+      )}
+      <ParameterPanel
+        table={hello.parameters.table}
+        values={store.mapping.values}
+        set={(name, value) => store.setParameter(name, value)}
+      />
+      <Panel title="Take the map away">
+        <div class="downloads">
+          <Button icon="download" href={file("pgm")} download>
+            pgm
+          </Button>
+          <Button icon="download" href={file("yaml")} download>
+            yaml
+          </Button>
+          <Button icon="download" href={file("png")} download>
+            png
+          </Button>
+        </div>
+        <p class="quiet">pgm and yaml together open in map_server and Nav2; png is for people.</p>
+      </Panel>
+    </aside>
+  );
+}
+
+function ProfileBox({ store }: { store: Store }) {
+  const reading = useMemo(() => computed(() => store.inspectedBeam.value?.range), [store]);
+  const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
+  const pointed = store.probe.value !== null;
+  return (
+    <section class="viewer-profile" aria-label="Inverse sensor model">
+      <Profile
+        parameters={store.mapping.values}
+        setParameter={set}
+        reading={reading}
+        beamName={pointed ? "the beam towards the pointer" : "the beam straight ahead"}
+      />
+    </section>
+  );
+}

@@ -1,0 +1,21 @@
+const KEY = "gridbloom.world";
+
+async function created(): Promise<string> {
+  const answer = await fetch("/api/sessions", {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ kind: "world" }),
+  });
+  const body = (await answer.json()) as { id?: string; message?: string };
+  if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);
+  return body.id;
+}
+
+/** The id of this tab's live world: the one it had before, where the server still has it, or a new one. */
+export async function worldSession(): Promise<string> {
+  const before = sessionStorage.getItem(KEY);
+  if (before && (await fetch(`/api/sessions/${encodeURIComponent(before)}`)).ok) return before;
+  const id = await created();
+  sessionStorage.setItem(KEY, id);
+  return id;
+}
