@@ -46,17 +46,8 @@ def running_server(data_dir: Path, *arguments: str, environment: dict[str, str] 
     address = f"http://127.0.0.1:{port}"
     data_dir.mkdir(parents=True, exist_ok=True)
     log = data_dir / "server.log"
-    command = [
-        sys.executable,
-        "-m",
-        "server.cli",
-        "serve",
-        "--port",
-        str(port),
-        "--data-dir",
-        str(data_dir),
-        *arguments,
-    ]
+    gridbloom = str(Path(sys.executable).with_name("gridbloom"))
+    command = [gridbloom, "serve", "--port", str(port), "--data-dir", str(data_dir), *arguments]
     with log.open("ab") as output:
         process = subprocess.Popen(
             command, stdout=output, stderr=subprocess.STDOUT, env=os.environ | (environment or {})
