@@ -95,6 +95,7 @@ export interface Frame {
 export interface WorldMessage {
   readonly type: "world";
   readonly name: string;
+  readonly title?: string;
   readonly names: readonly string[];
   readonly bounds: readonly [number, number, number, number];
   readonly polygons: readonly (readonly Point[])[];

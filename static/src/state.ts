@@ -70,6 +70,11 @@ export class Store implements Receiver {
   /** Where the robot was last sent by hand, and when (performance.now). */
   readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
 
+  /** Where the hand has the robot while it drags it. */
+  readonly carried = signal<Point | null>(null);
+  /** Counts the moves of the keyboard's cursor: what it looks at is then spoken. */
+  readonly cursorMoved = signal(0);
+
   /** The place that is looked at. */
   readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
   /** The cell that is looked at; null outside the grid. */
@@ -104,10 +109,8 @@ export class Store implements Receiver {
     });
     this.cell = computed(() => {
       const probe = this.probe.value;
-      const map = this.map.value;
-      if (!probe || !map) return null;
-      const cell = cellAt(map.geometry, probe[0], probe[1]);
-      return contains(map.geometry, cell) ? cell : null;
+      void this.map.value;
+      return probe && this.cellOf(probe);
     });
     this.inspectedBeam = computed(() => {
       const frame = this.frame.value;
@@ -125,6 +128,26 @@ export class Store implements Receiver {
       const map = this.map.value;
       return world ? world.bounds : union(null, map && extent(map.geometry));
     });
+  }
+
+  /** The cell of the map on show that holds a place; null outside the grid. */
+  cellOf(point: Point): Cell | null {
+    const map = this.map.peek();
+    if (!map) return null;
+    const cell = cellAt(map.geometry, point[0], point[1]);
+    return contains(map.geometry, cell) ? cell : null;
+  }
+
+  /** Show a part of the world that a person chose. */
+  look(view: View): void {
+    batch(() => {
+      this.viewHeld.value = true;
+      this.view.value = view;
+    });
+  }
+
+  togglePlaying(): void {
+    this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
   /** Send a command at once. */

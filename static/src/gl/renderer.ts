@@ -65,6 +65,11 @@ export class MapRenderer {
     canvas.addEventListener("webglcontextrestored", redraw);
   }
 
+  /** False after the context was lost, until the next drawing: nothing of what was drawn is left. */
+  get isCurrent(): boolean {
+    return this.#resources !== null;
+  }
+
   /** Colours are read from the page's tokens anew with the next drawing. */
   recolour(): void {
     this.#paletteKey = "";

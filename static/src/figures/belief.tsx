@@ -1,0 +1,129 @@
+/** What the robot believes: its map, cell by cell, as it fills in. */
+
+import { signal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { cellsOf } from "../beams";
+import { MapRenderer } from "../gl/renderer";
+import { centreOf } from "../lattice";
+import type { Point } from "../protocol";
+import type { Store } from "../state";
+import { paintBeamCells } from "./picture/beamCells";
+import {
+  type Brush,
+  brushOn,
+  paintBeam,
+  paintBeams,
+  paintCell,
+  paintCrosshair,
+  paintRobot,
+  tracePath,
+} from "./picture/brush";
+import { inks } from "./picture/inks";
+import { LinkedPicture } from "./picture/LinkedPicture";
+import type { Picture } from "./picture/Picture";
+import { pulse, stillness } from "./picture/pulse";
+
+interface BeliefProps {
+  readonly store: Store;
+  /** What a click on the map does; without it the cell is pinned, and looked at until the next click. */
+  readonly onTap?: (point: Point) => void;
+  /** Hears of the picture, for whoever wants to read its pixels. */
+  readonly onPicture?: (picture: Picture) => void;
+}
+
+function pin(store: Store, point: Point): void {
+  const cell = store.cellOf(point);
+  const pinned = store.pinned.peek() && store.cell.peek();
+  const isSame = cell && pinned && cell.row === pinned.row && cell.col === pinned.col;
+  store.pinned.value = isSame ? null : point;
+}
+
+export function Belief({ store, onTap, onPicture }: BeliefProps) {
+  const failure = useMemo(() => signal(""), []);
+  return (
+    <LinkedPicture
+      store={store}
+      label="The robot's map. Shift and arrow keys move the cell cursor, Escape lets it go; plus and minus zoom, 0 shows everything."
+      layers={2}
+      onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
+      {...(onPicture ? { onPicture } : {})}
+      setUp={(canvases, invalidate) => {
+        const [mapCanvas, overlay] = canvases as [HTMLCanvasElement, HTMLCanvasElement];
+        let renderer: MapRenderer | null = null;
+        try {
+          renderer = new MapRenderer(mapCanvas, invalidate);
+        } catch (error) {
+          failure.value = error instanceof Error ? error.message : String(error);
+        }
+        const glow = renderer?.glow;
+        store.onBloom = (row, col) => {
+          if (!stillness.peek()) glow?.add(row, col, performance.now());
+        };
+        const beat = pulse();
+        let mapBasis: readonly unknown[] = [];
+        let colours: unknown = null;
+        let glows = false;
+        return {
+          watch: () => {
+            void store.map.value;
+            void store.mapVersion.value;
+            void store.frame.value;
+            void store.trajectory.value;
+            void store.cell.value;
+            void store.inspectedBeam.value;
+            void store.carried.value;
+            void inks.value;
+          },
+          paint: (size, ratio, now) => {
+            const view = store.view.peek();
+            const map = store.map.peek();
+            if (!view) return false;
+            if (map && renderer) {
+              if (colours !== inks.peek()) {
+                colours = inks.peek();
+                renderer.recolour();
+              }
+              const basis = [map, store.mapVersion.peek(), view, colours, size.width, size.height, ratio];
+              if (glows || !renderer.isCurrent || basis.some((value, i) => value !== mapBasis[i])) {
+                mapBasis = basis;
+                glows = renderer.draw(map, view, size, now);
+              }
+            }
+            const brush = brushOn(overlay, size, ratio, view, inks.peek());
+            return brush ? paintOverlay(store, brush, beat, now) || glows : glows;
+          },
+          dispose: () => {
+            store.onBloom = null;
+          },
+        };
+      }}
+    >
+      {failure.value && <p class="picture-failure">{failure.value}</p>}
+    </LinkedPicture>
+  );
+}
+
+function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
+  const frame = store.frame.peek();
+  const from = store.beliefPose.peek();
+  const map = store.map.peek();
+  const trajectory = store.trajectory.peek();
+  if (trajectory.length > 1) tracePath(brush, trajectory, frame?.index ?? trajectory.length);
+  let strength = 0;
+  if (frame && from) {
+    strength = beat(frame.index, now);
+    paintBeams(brush, from, frame, frame.range_max, strength);
+    const beam = store.inspectedBeam.peek();
+    if (beam && map && store.probe.peek()) {
+      paintBeamCells(brush, map.geometry, cellsOf(map.geometry, from, beam, frame.range_max), beam, frame.range_max);
+      paintBeam(brush, from, beam, frame.range_max);
+    }
+    paintRobot(brush, frame.pose, store.carried.peek() !== null);
+  }
+  const cell = store.cell.peek();
+  if (cell && map) {
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(map.geometry, cell));
+  }
+  return strength > 0;
+}

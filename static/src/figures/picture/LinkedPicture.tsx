@@ -1,0 +1,110 @@
+/** A picture of the world that shares view, pointer and robot with every other one of the same store. */
+
+import { effect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import type { Store } from "../../state";
+import { fitted, panned, type Size, toScreen, toWorld, zoomedAt } from "../../view";
+import { robotPx } from "./brush";
+import { listen } from "./gestures";
+import { listenToKeys } from "./keys";
+import { type Paint, Picture } from "./Picture";
+import "./picture.css";
+
+interface LinkedPictureProps {
+  readonly store: Store;
+  /** What the picture is, for who does not see it. */
+  readonly label: string;
+  /** How many canvases lie over one another. */
+  readonly layers: number;
+  /** Called once with the canvases. `paint` paints them; `watch` reads every signal that the picture shows. */
+  readonly setUp: (
+    canvases: readonly HTMLCanvasElement[],
+    invalidate: () => void,
+  ) => { readonly paint: Paint; readonly watch: () => void; readonly dispose?: () => void };
+  /** A tap or click on a place of the world. */
+  readonly onTap: (point: readonly [number, number]) => void;
+  readonly onPicture?: (picture: Picture) => void;
+  readonly children?: ComponentChildren;
+}
+
+export function LinkedPicture({ store, label, layers, setUp, onTap, onPicture, children }: LinkedPictureProps) {
+  const frame = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const element = frame.current;
+    if (!element) return;
+    let invalidate = (): void => undefined;
+    const made = setUp([...element.querySelectorAll("canvas")], () => invalidate());
+    const follow = (size: Size): void => {
+      const bounds = store.bounds.peek();
+      if (bounds && !store.viewHeld.peek()) store.view.value = fitted(bounds, size);
+    };
+    const picture = new Picture(element, [...element.querySelectorAll("canvas")], made.paint, follow);
+    invalidate = picture.invalidate;
+    onPicture?.(picture);
+
+    const inWorld = (x: number, y: number): readonly [number, number] | null => {
+      const view = store.view.peek();
+      return view && toWorld(view, picture.size, x, y);
+    };
+    const stops = [
+      effect(() => {
+        void store.bounds.value;
+        if (!store.viewHeld.value && picture.size.width > 0) follow(picture.size);
+      }),
+      effect(() => {
+        void store.view.value;
+        made.watch();
+        picture.invalidate();
+      }),
+      listen(element, {
+        grabs: (x, y, reach) => {
+          const view = store.view.peek();
+          const pose = store.frame.peek()?.pose;
+          if (!view || !pose || store.hello.peek()?.kind !== "world") return false;
+          const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
+          return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;
+        },
+        tap: (x, y) => {
+          const point = inWorld(x, y);
+          if (point) onTap(point);
+        },
+        doubleTap: () => {
+          store.viewHeld.value = false;
+        },
+        carry: (at) => {
+          const point = at && inWorld(at[0], at[1]);
+          store.carried.value = point;
+          if (point) store.sendSoon({ type: "teleport", x: point[0], y: point[1] });
+        },
+        pan: (dx, dy) => {
+          const view = store.view.peek();
+          if (view) store.look(panned(view, dx, dy));
+        },
+        zoom: (x, y, factor) => {
+          const view = store.view.peek();
+          if (view) store.look(zoomedAt(view, picture.size, x, y, factor));
+        },
+        hover: (at) => {
+          store.pointer.value = at && inWorld(at[0], at[1]);
+        },
+      }),
+      listenToKeys(element, store, () => picture.size),
+      () => picture.dispose(),
+      () => made.dispose?.(),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [store]);
+
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it is an application: keys drive the robot and move the cursor
+    <div class="picture" ref={frame} role="application" aria-label={label} tabIndex={0}>
+      {Array.from({ length: layers }, (_, i) => (
+        <canvas key={i} />
+      ))}
+      {children}
+    </div>
+  );
+}

@@ -1,0 +1,99 @@
+/** A stack of canvases over one another that is repainted when something asked for it, and only while it is seen. */
+
+import type { Size } from "../../view";
+
+/** Paints the whole stack; says whether something still moves and the next animation frame should paint again. */
+export type Paint = (size: Size, pixelRatio: number, now: number) => boolean;
+
+/** How fast pictures are painted: for the debugging hook. */
+export const paintStats = { paints: 0, milliseconds: 0, slowest: 0 };
+
+export class Picture {
+  readonly #canvases: readonly HTMLCanvasElement[];
+  readonly #paint: Paint;
+  readonly #resized: ResizeObserver;
+  readonly #seen: IntersectionObserver;
+  readonly #onSize: (size: Size) => void;
+  #size: Size = { width: 0, height: 0 };
+  #device: Size = { width: 0, height: 0 };
+  #isSeen = true;
+  #scheduled = 0;
+
+  constructor(
+    frame: HTMLElement,
+    canvases: readonly HTMLCanvasElement[],
+    paint: Paint,
+    onSize: (size: Size) => void = () => undefined,
+  ) {
+    this.#canvases = canvases;
+    this.#paint = paint;
+    this.#onSize = onSize;
+    this.#resized = new ResizeObserver(([entry]) => entry && this.#resize(entry));
+    this.#resized.observe(frame);
+    this.#seen = new IntersectionObserver(([entry]) => {
+      this.#isSeen = entry?.isIntersecting ?? true;
+      if (this.#isSeen) this.invalidate();
+    });
+    this.#seen.observe(frame);
+  }
+
+  get size(): Size {
+    return this.#size;
+  }
+
+  /** Ask for a repaint with the next animation frame. */
+  readonly invalidate = (): void => {
+    if (this.#scheduled !== 0 || !this.#isSeen) return;
+    this.#scheduled = requestAnimationFrame((now) => this.#run(now));
+  };
+
+  /** Paint anew and read the lowest canvas, red, green, blue, alpha, at a CSS pixel; null outside. */
+  readPixel(x: number, y: number): readonly number[] | null {
+    const { width, height } = this.#size;
+    const canvas = this.#canvases[0];
+    if (!canvas || x < 0 || y < 0 || x >= width || y >= height) return null;
+    this.#run(performance.now());
+    const copy = document.createElement("canvas");
+    copy.width = copy.height = 1;
+    const ctx = copy.getContext("2d");
+    const ratio = canvas.width / width;
+    ctx?.drawImage(canvas, Math.floor(x * ratio), Math.floor(y * ratio), 1, 1, 0, 0, 1, 1);
+    return ctx ? [...ctx.getImageData(0, 0, 1, 1).data] : null;
+  }
+
+  dispose(): void {
+    this.#resized.disconnect();
+    this.#seen.disconnect();
+    cancelAnimationFrame(this.#scheduled);
+    this.#scheduled = -1;
+  }
+
+  #resize(entry: ResizeObserverEntry): void {
+    const { width, height } = entry.contentRect;
+    if (width < 1 || height < 1) return;
+    const ratio = devicePixelRatio;
+    this.#size = { width, height };
+    this.#device = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+    this.#onSize(this.#size);
+    // Setting a canvas's size clears it: paint in the same frame, so that it never shows empty.
+    cancelAnimationFrame(this.#scheduled);
+    this.#run(performance.now());
+  }
+
+  #run(now: number): void {
+    this.#scheduled = 0;
+    const { width, height } = this.#device;
+    if (width < 1 || height < 1) return;
+    for (const canvas of this.#canvases) {
+      if (canvas.width !== width) canvas.width = width;
+      if (canvas.height !== height) canvas.height = height;
+    }
+    const before = performance.now();
+    const moves = this.#paint(this.#size, width / this.#size.width, now);
+    const took = performance.now() - before;
+    paintStats.paints++;
+    paintStats.milliseconds += took;
+    paintStats.slowest = Math.max(paintStats.slowest, took);
+    if (moves) this.invalidate();
+  }
+}

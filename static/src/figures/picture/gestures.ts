@@ -1,0 +1,153 @@
+/** Pointers on a picture: tap, drag the robot, pan, pinch, wheel. What they mean is told to the handlers. */
+
+export interface Gestures {
+  /** Whether a drag that begins here takes the robot along. `reach` is how far off a finger may be, pixels. */
+  grabs(x: number, y: number, reach: number): boolean;
+  tap(x: number, y: number): void;
+  doubleTap(): void;
+  /** The robot is dragged; null when it is let go. */
+  carry(at: readonly [x: number, y: number] | null): void;
+  pan(dx: number, dy: number): void;
+  zoom(x: number, y: number, factor: number): void;
+  /** Where a mouse rests or a finger touches; null when it has left. */
+  hover(at: readonly [x: number, y: number] | null): void;
+}
+
+const SLOP_MOUSE = 4;
+const SLOP_TOUCH = 10;
+const DOUBLE_TAP_MS = 320;
+const DOUBLE_TAP_PX = 24;
+
+interface Contact {
+  x: number;
+  y: number;
+}
+
+type Mode = "idle" | "pressed" | "robot" | "pan" | "pinch";
+
+/**
+ * Listen to a picture; the result stops it. The element has `touch-action: pan-y`: one finger that moves up or down
+ * scrolls the page, unless it holds the robot; two fingers always belong to the picture.
+ */
+export function listen(element: HTMLElement, gestures: Gestures): () => void {
+  const contacts = new Map<number, Contact>();
+  let mode: Mode = "idle";
+  let start: Contact = { x: 0, y: 0 };
+  let lastTap = { at: Number.NEGATIVE_INFINITY, x: 0, y: 0 };
+
+  const where = (event: { clientX: number; clientY: number }): Contact => {
+    const box = element.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  const reachOf = (type: string): number => (type === "mouse" ? 6 : 18);
+
+  const down = (event: PointerEvent): void => {
+    if (event.pointerType === "mouse" && event.button > 1) return;
+    const at = where(event);
+    contacts.set(event.pointerId, at);
+    element.setPointerCapture(event.pointerId);
+    if (contacts.size === 1) {
+      start = at;
+      mode = event.button === 0 && gestures.grabs(at.x, at.y, reachOf(event.pointerType)) ? "robot" : "pressed";
+      element.dataset.mode = mode;
+      gestures.hover([at.x, at.y]);
+    } else {
+      if (mode === "robot") gestures.carry(null);
+      mode = "pinch";
+    }
+  };
+
+  const move = (event: PointerEvent): void => {
+    const at = where(event);
+    const before = contacts.get(event.pointerId);
+    if (!before) {
+      if (event.pointerType === "mouse") {
+        gestures.hover([at.x, at.y]);
+        element.dataset.over = gestures.grabs(at.x, at.y, reachOf("mouse")) ? "robot" : "";
+      }
+      return;
+    }
+    if (mode === "pinch") pinch(event.pointerId, before, at);
+    contacts.set(event.pointerId, at);
+    if (mode === "pressed") {
+      const slop = event.pointerType === "mouse" ? SLOP_MOUSE : SLOP_TOUCH;
+      if (Math.hypot(at.x - start.x, at.y - start.y) < slop) return;
+      mode = "pan";
+      element.dataset.mode = mode;
+      gestures.pan(at.x - start.x, at.y - start.y);
+      return;
+    }
+    if (mode === "pan") gestures.pan(at.x - before.x, at.y - before.y);
+    if (mode === "robot") {
+      gestures.carry([at.x, at.y]);
+      gestures.hover([at.x, at.y]);
+    }
+  };
+
+  const pinch = (id: number, before: Contact, at: Contact): void => {
+    const other = [...contacts].find(([key]) => key !== id)?.[1];
+    if (!other) return;
+    const middle = { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 };
+    gestures.pan((at.x - before.x) / 2, (at.y - before.y) / 2);
+    const distance = Math.hypot(before.x - other.x, before.y - other.y);
+    if (distance > 8) gestures.zoom(middle.x, middle.y, Math.hypot(at.x - other.x, at.y - other.y) / distance);
+  };
+
+  const up = (event: PointerEvent): void => {
+    if (!contacts.delete(event.pointerId)) return;
+    const at = where(event);
+    if (mode === "robot") gestures.carry(null);
+    if (mode === "pressed" || (mode === "robot" && Math.hypot(at.x - start.x, at.y - start.y) < SLOP_MOUSE)) {
+      const isDouble =
+        event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
+      lastTap = { at: isDouble ? Number.NEGATIVE_INFINITY : event.timeStamp, ...at };
+      if (isDouble) gestures.doubleTap();
+      else if (mode === "pressed") gestures.tap(at.x, at.y);
+    }
+    if (contacts.size === 0) settle();
+  };
+
+  const settle = (): void => {
+    mode = "idle";
+    element.dataset.mode = mode;
+  };
+
+  const cancel = (event: PointerEvent): void => {
+    contacts.delete(event.pointerId);
+    if (mode === "robot") gestures.carry(null);
+    if (contacts.size === 0) settle();
+  };
+
+  const leave = (event: PointerEvent): void => {
+    if (event.pointerType === "mouse" && contacts.size === 0) gestures.hover(null);
+  };
+
+  const wheel = (event: WheelEvent): void => {
+    event.preventDefault();
+    const at = where(event);
+    const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
+    gestures.zoom(at.x, at.y, Math.exp(-Math.max(-240, Math.min(240, pixels)) * (event.ctrlKey ? 0.01 : 0.002)));
+  };
+
+  // The only place that can keep the browser from scrolling when a finger takes the robot.
+  const touch = (event: TouchEvent): void => {
+    const first = event.touches[0];
+    if (!first) return;
+    const at = where(first);
+    if (event.touches.length > 1 || mode === "robot" || gestures.grabs(at.x, at.y, reachOf("touch"))) {
+      event.preventDefault();
+    }
+  };
+
+  const stop = new AbortController();
+  const { signal } = stop;
+  element.addEventListener("pointerdown", down, { signal });
+  element.addEventListener("pointermove", move, { signal });
+  element.addEventListener("pointerup", up, { signal });
+  element.addEventListener("pointercancel", cancel, { signal });
+  element.addEventListener("pointerleave", leave, { signal });
+  element.addEventListener("wheel", wheel, { passive: false, signal });
+  element.addEventListener("touchstart", touch, { passive: false, signal });
+  element.addEventListener("touchmove", touch, { passive: false, signal });
+  return () => stop.abort();
+}

@@ -1,0 +1,33 @@
+import { computed } from "@preact/signals";
+import { tokenRgb } from "../../style/colour";
+import { isDark } from "../../ui/theme";
+
+/** A colour token with an opacity, as a canvas takes it. */
+const ink = (token: `--${string}`, alpha = 1): string => {
+  const [red, green, blue] = tokenRgb(token);
+  return `rgb(${red} ${green} ${blue} / ${alpha})`;
+};
+
+/** The colours of the pictures in the theme of the moment. */
+export const inks = computed(() => {
+  void isDark.value;
+  return {
+    floor: ink("--surface"),
+    outside: ink("--surface-sunk"),
+    solid: ink("--map-solid"),
+    line: ink("--line-strong"),
+    edge: ink("--line-strong", 0.5),
+    ink: ink("--ink"),
+    halo: ink("--surface", 0.85),
+    beam: ink("--beam"),
+    beamFill: ink("--beam-fill"),
+    fan: ink("--beam-fill", 0.13),
+    robot: ink("--robot"),
+    robotFill: ink("--robot-fill"),
+    hit: ink("--hit"),
+    miss: ink("--miss"),
+    trail: ink("--robot", 0.7),
+  };
+});
+
+export type Inks = typeof inks.value;

@@ -1,0 +1,112 @@
+/** The cell that is looked at, in numbers. */
+
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { logOddsAt, probability, stateAt } from "../belief";
+import type { CellState } from "../protocol";
+import type { Store } from "../state";
+import { signed, written } from "../ui/numbers";
+
+/** What is believed of the cell that is looked at. */
+interface Reading {
+  readonly row: string;
+  readonly col: string;
+  readonly logOdds: string;
+  readonly p: string;
+  readonly state: CellState | "never observed" | "";
+}
+
+const NOTHING: Reading = { row: "–", col: "–", logOdds: "–", p: "–", state: "" };
+
+function readingOf(store: Store): ReadonlySignal<Reading> {
+  return computed(() => {
+    const map = store.map.value;
+    const cell = store.cell.value;
+    void store.mapVersion.value;
+    if (!map || !cell) return NOTHING;
+    const place = { row: String(cell.row), col: String(cell.col) };
+    const byte = map.cells.at(cell.row, cell.col);
+    if (byte === 0) return { ...place, logOdds: "–", p: "–", state: "never observed" };
+    const { geometry } = map;
+    const coarse = logOddsAt(byte, geometry);
+    // The server's exact value, as long as it is the one that is shown.
+    const exact = store.inspected.value;
+    const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
+    const step = (geometry.log_odds_max - geometry.log_odds_min) / 254;
+    const value = isExact && Math.abs(exact.log_odds - coarse) <= step ? exact.log_odds : coarse;
+    return { ...place, logOdds: signed(value, 2), p: written(probability(value), 3), state: stateAt(byte, geometry) };
+  });
+}
+
+/** How often the exact value of a cell is asked for while it changes. */
+const ASK_MS = 150;
+
+/** The cell that is looked at, in numbers, in a place that does not jump; spoken when the keyboard moves it. */
+export function Readout({ store }: { readonly store: Store }) {
+  const reading = useMemo(() => readingOf(store), [store]);
+  const spoken = useMemo(() => signal(""), []);
+  useEffect(() => {
+    let asked = "";
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const ask = effect(() => {
+      const { row, col, logOdds } = reading.value;
+      void [row, col, logOdds];
+      timer ??= setTimeout(() => {
+        timer = undefined;
+        const cell = store.cell.peek();
+        const map = store.map.peek();
+        if (!cell || !map) return;
+        const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
+        if (question === asked) return;
+        asked = question;
+        store.inspect(cell);
+      }, ASK_MS);
+    });
+    const speak = effect(() => {
+      if (store.cursorMoved.value === 0) return;
+      const words = reading.peek();
+      const value = words.logOdds === "–" ? "" : `, log-odds ${words.logOdds}, probability ${words.p}`;
+      spoken.value = `Row ${words.row}, column ${words.col}: ${words.state}${value}`;
+    });
+    return () => {
+      clearTimeout(timer);
+      ask();
+      speak();
+    };
+  }, [store, reading, spoken]);
+  const field = (name: keyof Reading): ReadonlySignal<string> => computed(() => reading.value[name]);
+  const texts = useMemo(
+    () => ({ row: field("row"), col: field("col"), logOdds: field("logOdds"), p: field("p"), state: field("state") }),
+    [reading],
+  );
+  const kind = useMemo(() => computed(() => `readout-state ${reading.value.state.replace(" ", "-")}`), [reading]);
+  return (
+    <div class="readout">
+      <dl>
+        <div>
+          <dt>row</dt>
+          <dd class="number">{texts.row}</dd>
+        </div>
+        <div>
+          <dt>col</dt>
+          <dd class="number">{texts.col}</dd>
+        </div>
+        <div>
+          <dt>log-odds</dt>
+          <dd class="number">{texts.logOdds}</dd>
+        </div>
+        <div>
+          <dt>p</dt>
+          <dd class="number">{texts.p}</dd>
+        </div>
+        <div class="readout-last">
+          <dt class="visually-hidden">state</dt>
+          <dd class={kind}>{texts.state}</dd>
+        </div>
+      </dl>
+      <p class="visually-hidden" role="status" aria-live="polite">
+        {spoken}
+      </p>
+    </div>
+  );
+}

@@ -1,0 +1,115 @@
+/** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
+
+import { scanPose } from "../beams";
+import { centreOf } from "../lattice";
+import type { Store } from "../state";
+import { toScreen } from "../view";
+import {
+  brushOn,
+  paintBeam,
+  paintBeams,
+  paintCell,
+  paintCrosshair,
+  paintRipple,
+  paintRobot,
+  tracePolygon,
+} from "./picture/brush";
+import { inks } from "./picture/inks";
+import { LinkedPicture } from "./picture/LinkedPicture";
+import { type Pulse, pulse, stillness } from "./picture/pulse";
+
+/** The floor plan: painted only when the view, the world or the theme changes. */
+function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: number; height: number }, ratio: number) {
+  const view = store.view.peek();
+  const world = store.world.peek();
+  if (!view) return;
+  const colours = inks.peek();
+  const brush = brushOn(canvas, size, ratio, view, colours);
+  if (!brush || !world) return;
+  const { ctx } = brush;
+  const [x0, y0, x1, y1] = world.bounds;
+  ctx.beginPath();
+  tracePolygon(brush, [
+    [x0, y0],
+    [x1, y0],
+    [x1, y1],
+    [x0, y1],
+  ]);
+  ctx.fillStyle = colours.floor;
+  ctx.fill();
+  ctx.lineWidth = 2;
+  ctx.strokeStyle = colours.solid;
+  ctx.stroke();
+  ctx.beginPath();
+  for (const polygon of world.polygons) tracePolygon(brush, polygon);
+  ctx.fillStyle = colours.solid;
+  ctx.fill("nonzero");
+}
+
+export function TrueWorld({ store }: { readonly store: Store }) {
+  return (
+    <LinkedPicture
+      store={store}
+      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there; plus and minus zoom, 0 shows everything."
+      layers={2}
+      onTap={(point) => store.teleport(point)}
+      setUp={(canvases) => {
+        const [plan, overlay] = canvases as [HTMLCanvasElement, HTMLCanvasElement];
+        const beat: Pulse = pulse();
+        let painted: readonly unknown[] = [];
+        return {
+          watch: () => {
+            void store.world.value;
+            void store.frame.value;
+            void store.probe.value;
+            void store.pointer.value;
+            void store.inspectedBeam.value;
+            void store.teleported.value;
+            void store.carried.value;
+            void inks.value;
+          },
+          paint: (size, ratio, now) => {
+            const view = store.view.peek();
+            const frame = store.frame.peek();
+            if (!view) return false;
+            const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
+            if (basis.some((value, i) => value !== painted[i])) {
+              painted = basis;
+              paintPlan(store, plan, size, ratio);
+            }
+            const brush = brushOn(overlay, size, ratio, view, inks.peek());
+            if (!brush || !frame) return false;
+            const strength = beat(frame.index, now);
+            const from = scanPose(frame);
+            paintBeams(brush, from, frame, frame.range_max, strength);
+            const beam = store.inspectedBeam.peek();
+            if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
+            const map = store.map.peek();
+            const cell = store.cell.peek();
+            if (cell && map) {
+              paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+              paintCrosshair(brush, centreOf(map.geometry, cell));
+            }
+            const carried = store.carried.peek();
+            paintRobot(brush, frame.pose, carried !== null);
+            if (carried) paintHand(brush.ctx, toScreen(view, size, ...carried), brush.inks.robot);
+            const sent = store.teleported.peek();
+            const ripples = sent !== null && !stillness.peek() && paintRipple(brush, sent.point, now - sent.at);
+            return ripples || strength > 0;
+          },
+        };
+      }}
+    />
+  );
+}
+
+/** Where the hand is while it drags the robot: the robot itself stays out of walls. */
+function paintHand(ctx: CanvasRenderingContext2D, [x, y]: readonly [number, number], style: string): void {
+  ctx.beginPath();
+  ctx.arc(x, y, 15, 0, 2 * Math.PI);
+  ctx.setLineDash([4, 4]);
+  ctx.lineWidth = 1.5;
+  ctx.strokeStyle = style;
+  ctx.stroke();
+  ctx.setLineDash([]);
+}

@@ -1,0 +1,112 @@
+import type { ReadonlySignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../state";
+import type { Status } from "../../stream";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
+
+const isTyping = (target: EventTarget | null): boolean =>
+  target instanceof Element &&
+  target.closest("input, select, button, a, summary, textarea, [role=slider], [role=application]") !== null;
+
+/** Time and the world: play, step, start over, how fast, which world, who drives. */
+export function Controls({ store }: { readonly store: Store | null }) {
+  const frame = store?.frame.value;
+  const world = store?.world.value;
+  const playing = frame?.playing ?? true;
+  const off = !frame;
+  useEffect(() => {
+    const onKey = (event: KeyboardEvent): void => {
+      if (event.key !== " " || isTyping(event.target)) return;
+      event.preventDefault();
+      store?.togglePlaying();
+    };
+    addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, [store]);
+  return (
+    <div class="lab-controls">
+      <div class="lab-buttons">
+        <Button
+          kind="primary"
+          icon={playing ? "pause" : "play"}
+          label={playing ? "Pause" : "Play"}
+          disabled={off}
+          onClick={() => store?.togglePlaying()}
+        />
+        <Button
+          icon="stepForward"
+          label="One scan on"
+          disabled={off}
+          onClick={() => store?.send({ type: "step", scans: 1 })}
+        />
+        <Button
+          icon="restart"
+          label="Clear the map and start over"
+          disabled={off}
+          onClick={() => store?.send({ type: "restart" })}
+        />
+        <Button
+          icon="robot"
+          pressed={frame?.auto ?? true}
+          disabled={off}
+          onClick={() => store?.send({ type: "auto", value: !frame?.auto })}
+        >
+          Walks by itself
+        </Button>
+      </div>
+      <label class="lab-choice">
+        <span>Speed</span>
+        <select
+          class="select"
+          disabled={off}
+          value={String(frame?.speed ?? 1)}
+          onChange={(event) => store?.send({ type: "speed", value: Number(event.currentTarget.value) })}
+        >
+          {SPEEDS.map((speed) => (
+            <option key={speed} value={String(speed)} selected={speed === (frame?.speed ?? 1)}>
+              {written(speed, speed < 1 ? (speed === 0.25 ? 2 : 1) : 0)}×
+            </option>
+          ))}
+        </select>
+      </label>
+      <label class="lab-choice">
+        <span>World</span>
+        <select
+          class="select"
+          disabled={!world}
+          value={world?.name ?? ""}
+          onChange={(event) => store?.send({ type: "world", name: event.currentTarget.value })}
+        >
+          {(world?.names ?? [""]).map((name) => (
+            <option key={name} value={name} selected={name === world?.name}>
+              {name === world?.name ? (world.title ?? name) : titled(name)}
+            </option>
+          ))}
+        </select>
+      </label>
+    </div>
+  );
+}
+
+const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1).replaceAll("_", " ");
+
+const WORDS: Readonly<Record<Status, string>> = {
+  connecting: "connecting",
+  live: "live",
+  reconnecting: "reconnecting",
+  away: "asleep",
+  gone: "ended",
+};
+
+/** Whether the page hears from its session. */
+export function Connected({ status }: { readonly status: ReadonlySignal<Status> | null }) {
+  const now = status?.value ?? "connecting";
+  return (
+    <span class={`lab-status ${now}`} role="status">
+      {WORDS[now]}
+    </span>
+  );
+}
