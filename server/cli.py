@@ -251,6 +251,8 @@ def map_log(
     typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
     for path in written:
         typer.echo(f"  wrote {path}")
+    for note in scans.notes:
+        typer.echo(f"  note: {note}")
 
 
 def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller

@@ -38,8 +38,8 @@ class TextLines:
     ``cut_after`` is afterwards the number of whole lines before the place where a gzip file ends too early, or None;
     the piece of a line that it ends in is never handed out.
 
-    Raises :class:`LimitError` for more bytes than ``limits`` allow, after decompression, in the file or in one line,
-    and :class:`ReadError` for a file that cannot be opened, is empty or holds damaged gzip data.
+    Raises :class:`LimitError` for more lines than ``limits`` allow, or for more bytes, after decompression, in the file
+    or in one line, and :class:`ReadError` for a file that cannot be opened, is empty or holds damaged gzip data.
     """
 
     def __init__(self, path: Path, limits: Limits, progress: Progress | None = None) -> None:
@@ -63,6 +63,10 @@ class TextLines:
                 )
             lines = (rest + piece).split(b"\n")
             rest = lines.pop()
+            if self.number + len(lines) > self.limits.max_lines:
+                raise LimitError(
+                    "log.too_many_lines", f"The log has more lines than the limit of {self.limits.max_lines}."
+                )
             for line in lines:
                 self.number += 1
                 if len(line) > self.limits.max_line_bytes:

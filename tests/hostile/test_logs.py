@@ -94,6 +94,12 @@ def test_too_many_beams_scans_or_readings_exceed_the_limits(tmp_path):
         assert "Line 10" in error.message
 
 
+def test_more_lines_than_the_limit_are_refused_before_they_are_read(tmp_path):
+    text = f"{GOOD}\n".encode() + b"\n" * 1000
+    error = refused(tmp_path, text, replace(DEFAULT_LIMITS, max_lines=1000))
+    assert (type(error), error.code) == (LimitError, "log.too_many_lines")
+
+
 def test_an_empty_file(tmp_path):
     assert refused(tmp_path, b"").code == "log.empty"
     assert refused(tmp_path, gzip.compress(b"")).code == "log.empty"
