@@ -6,6 +6,7 @@ import { logOddsAt, probability, stateAt } from "../belief";
 import type { CellState } from "../protocol";
 import type { Store } from "../state";
 import { signed, written } from "../ui/numbers";
+import "./readout.css";
 
 /** What is believed of the cell that is looked at. */
 interface Reading {

@@ -4,10 +4,11 @@ import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
 import { type Connection, connect } from "../connect";
-import { BeliefFigure } from "../figures/belief";
+import { Belief } from "../figures/belief";
 import { Cell } from "../figures/cell/Cell";
 import { INITIAL } from "../figures/profile/model";
 import { Profile } from "../figures/profile/Profile";
+import { tellingReading } from "../figures/profile/reading";
 import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
@@ -49,7 +50,7 @@ function Hero() {
   return (
     <section class="hero" aria-label="A live map">
       <div class="hero-map">
-        {store && <BeliefFigure store={store} onTap={(point) => store.teleport(point)} />}
+        {store && <Belief store={store} onTap={(point) => store.teleport(point)} />}
         <p class={`hero-hint${store?.teleported.value ? " used" : ""}`}>
           <Icon name="target" /> Click anywhere: the robot goes there
         </p>
@@ -105,7 +106,10 @@ function setParameter(name: string, value: number): void {
   else own.value = { ...own.peek(), [name]: value };
 }
 
-const reading = computed(() => connection.value?.store.inspectedBeam.value?.range);
+const reading = computed(() => {
+  const store = connection.value?.store;
+  return store && tellingReading(store);
+});
 
 function Page() {
   useEffect(() => {
@@ -132,7 +136,7 @@ function Page() {
             parameters={parameters}
             setParameter={setParameter}
             reading={reading}
-            beamName="the beam straight ahead"
+            beamName="a beam about straight ahead"
           />
         </div>
       </section>

@@ -18,6 +18,7 @@ const PATHS = {
   target: "M12 3v4M12 17v4M3 12h4M17 12h4M7.5 12a4.5 4.5 0 1 0 9 0 4.5 4.5 0 1 0-9 0",
   fit: "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5",
   cube: "M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9",
+  robot: "M12 4a8 8 0 1 0 0 16 8 8 0 1 0 0-16M12 12l5.5-3.5M12 12v.1",
   file: "M6 3h8l4 4v14H6zM14 3v4h4",
   map: "M4 6l5-2 6 2 5-2v14l-5 2-6-2-5 2zM9 4v14M15 6v14",
   bloom: "M4 4h4v4H4zM10 4h4v4h-4zM4 10h4v4H4zM10 10h4v4h-4zM16 10h4v4h-4zM10 16h4v4h-4z",

@@ -1,25 +1,21 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { clock } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 
 interface TimelineProps {
   readonly index: number;
   readonly count: number;
-  /** Length of the log in seconds, where known: labels then show the time beside the scan. */
-  readonly duration: number;
   readonly onSeek: (index: number) => void;
 }
 
 /** A seek bar over scans. While it is dragged the thumb stays under the finger, whatever the server has reached. */
-export function Timeline({ index, count, duration, onSeek }: TimelineProps) {
+export function Timeline({ index, count, onSeek }: TimelineProps) {
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
   const hovered = useSignal<number | null>(null);
   const shown = dragged.value ?? index;
   const place = placeOf(shown, count);
-  const label = (at: number): string =>
-    duration > 0 ? `scan ${at} · ${clock((duration * at) / Math.max(1, count))}` : `scan ${at}`;
+  const label = (at: number): string => `scan ${at}`;
   const preview = dragged.value ?? hovered.value;
 
   const at = (event: PointerEvent): number => {

@@ -56,12 +56,7 @@ export function Transport({ store }: { store: Store }) {
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: 1 })}
       />
-      <Timeline
-        index={index}
-        count={count}
-        duration={duration}
-        onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
-      />
+      <Timeline index={index} count={count} onSeek={(to) => store.sendSoon({ type: "seek", index: to })} />
       <output class="viewer-position" data-index={index} data-count={count}>
         {index} of {count}
         {duration > 0 && frame ? ` · ${clock(frame.stamp)}` : ""}

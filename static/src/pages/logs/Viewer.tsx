@@ -1,8 +1,10 @@
 import { computed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { type Connection, connect } from "../../connect";
-import { BeliefFigure, Readout } from "../../figures/belief";
+import { Belief } from "../../figures/belief";
 import { Profile } from "../../figures/profile/Profile";
+import { tellingReading } from "../../figures/profile/reading";
+import { Readout } from "../../figures/readout";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -56,7 +58,7 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
     <div class="viewer">
       <Head connection={connection} session={session} onClose={onClose} />
       <div class="viewer-map">
-        <BeliefFigure store={store} />
+        <Belief store={store} />
         {!hello && (
           <p class="viewer-over" role="status">
             Opening the log …
@@ -69,6 +71,9 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
         )}
       </div>
       <Transport store={store} />
+      <div class="viewer-readout">
+        <Readout store={store} />
+      </div>
       <Side store={store} session={session} />
       <ProfileBox store={store} />
     </div>
@@ -126,7 +131,6 @@ function Side({ store, session }: { store: Store; session: string }) {
   const chosen = trajectories.find((one) => one.name === trajectory);
   return (
     <aside class="viewer-side" aria-label="Settings">
-      <Readout store={store} />
       {trajectories.length > 1 && (
         <Panel title="Trajectory">
           <Choice
@@ -165,7 +169,7 @@ function Side({ store, session }: { store: Store; session: string }) {
 }
 
 function ProfileBox({ store }: { store: Store }) {
-  const reading = useMemo(() => computed(() => store.inspectedBeam.value?.range), [store]);
+  const reading = useMemo(() => computed(() => tellingReading(store)), [store]);
   const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
   const pointed = store.probe.value !== null;
   return (
@@ -174,7 +178,7 @@ function ProfileBox({ store }: { store: Store }) {
         parameters={store.mapping.values}
         setParameter={set}
         reading={reading}
-        beamName={pointed ? "the beam towards the pointer" : "the beam straight ahead"}
+        beamName={pointed ? "the beam towards the pointer" : "a beam about straight ahead"}
       />
     </section>
   );
