@@ -121,8 +121,9 @@ export class ProfileView {
       near(shownLens.span, lens.span, lens.span) &&
       near(shownExtents.up, up, up) &&
       near(shownExtents.down, down, down);
-    // A jump by many lens widths would only blur: it is made at once.
-    const far = Math.abs(shownLens.start - lens.start) > 3 * lens.span;
+    // Where the reading has left the lens, easing after it would show a part of the beam where it is not.
+    const point = this.noReturn.peek() ? this.values.peek().range_max : this.z.peek();
+    const far = point < shownLens.start || point > shownLens.start + shownLens.span;
     if (there || calm.matches) {
       if (shownLens !== lens) this.lens.value = lens;
       if (shownExtents !== this.#extentsWanted) this.extents.value = this.#extentsWanted;

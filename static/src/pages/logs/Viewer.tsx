@@ -95,11 +95,11 @@ function Head({ connection, session, onClose }: { connection: Connection; sessio
       <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
       <h1>{hello?.title ?? "…"}</h1>
       <Remade store={connection.store} />
-      <Button icon="cube" href={`/3d?session=${encodeURIComponent(session)}`}>
-        3D
+      <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
+        <span class="button-text">3D</span>
       </Button>
-      <Button icon="link" onClick={() => void share()}>
-        Share
+      <Button icon="link" label="Share this view" onClick={() => void share()}>
+        <span class="button-text">Share</span>
       </Button>
     </header>
   );
