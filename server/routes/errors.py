@@ -31,7 +31,15 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (ReadError, 422),
     (MapperError, 409),
 )
-_STATUS_OF_CODE = {"session.full": 503, "session.not_yours": 403}
+_STATUS_OF_CODE = {
+    "session.full": 503,
+    "session.not_yours": 403,
+    "library.busy": 503,
+    "library.full": 507,
+    "library.too_many": 409,
+    "log.stalled": 408,
+    "log.storage": 507,
+}
 
 
 def error_response(

@@ -16,7 +16,7 @@ from server.scenes.shapes import Mesh, boxes
 
 MAX_SIDE = 1024  #: cells a side that are drawn; a larger grid is drawn by blocks of cells
 STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
-HEIGHTS = np.array([0.0, 0.25, 0.45, 0.6, 0.7])  #: metres of a column of level 0 … 4
+HEIGHTS = np.array([0.0, 0.2, 0.35, 0.45, 0.5])  #: metres of a column of level 0 … 4
 # The floor's colours at p_occ = 0, 0.5 and 1: free, undecided, occupied.
 _FLOOR_P = (0.0, 0.5, 1.0)
 _FLOOR_RGB = np.array([(191, 220, 243), (241, 238, 230), (201, 104, 42)], dtype=np.float64)

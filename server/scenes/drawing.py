@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from mapper.geometry import compose
+from mapper.geometry import compose, inverse
 from mapper.grid import GridGeometry
 from mapper.world import World
 from server.scenes.belief import Picture, changed_tiles, picture, tile_columns
@@ -24,12 +24,12 @@ NOSE = (236, 250, 246)
 BEAM = (216, 137, 198)
 PATH = (71, 78, 96)
 
-WALL_HEIGHT = 0.22  #: metres: the map's columns stand above the true walls
+WALL_HEIGHT = 0.16  #: metres: the map's columns stand above the true walls
 GROUND_DEPTH = 0.1
 FLOOR_Z = 0.01
-MAX_BEAMS = 180  #: beams drawn of one scan
+MAX_BEAMS = 120  #: beams drawn of one scan
 MAX_PATH = 4000  #: segments drawn of a trajectory
-LASER_Z = 0.2
+LASER_Z = 0.2  #: metres: where beams are drawn
 BEAM_START = 0.35  #: metres from the sensor at which a beam is drawn: close to it they would hide the robot
 
 
@@ -127,31 +127,34 @@ class MapDrawing:
 
 
 class RobotDrawing:
-    """The robot's body with an arrow for its heading, and the beams of the newest scan."""
+    """The robot's body with an arrow for its heading, and the beams of the newest scan, which move with it."""
 
     def __init__(self, scene: viser.SceneApi, radius: float = 0.25) -> None:
-        self.node = scene.add_frame("/robot", show_axes=False)
-        scene.add_cylinder("/robot/body", radius, 0.14, color=ROBOT, position=(0.0, 0.0, 0.11))
-        scene.add_cylinder("/robot/laser", 0.45 * radius, 0.08, color=PATH, position=(0.0, 0.0, LASER_Z))
+        self._base = scene.add_frame("/robot", show_axes=False)
+        self.node = scene.add_frame("/robot/body", show_axes=False)
+        scene.add_cylinder("/robot/body/base", radius, 0.14, color=ROBOT, position=(0.0, 0.0, 0.11))
+        scene.add_cylinder("/robot/body/laser", 0.45 * radius, 0.08, color=PATH, position=(0.0, 0.0, LASER_Z))
         vertices, faces = arrow(1.5 * radius, 1.1 * radius, 0.02)
-        scene.add_mesh_simple("/robot/heading", vertices, faces, color=NOSE, flat_shading=True, position=(0, 0, 0.245))
+        scene.add_mesh_simple(
+            "/robot/body/heading", vertices, faces, color=NOSE, flat_shading=True, position=(0, 0, 0.245)
+        )
         self.beams = scene.add_line_segments(
-            "/beams", np.zeros((0, 2, 3), np.float32), BEAM, thickness=1.2, thickness_units="screen"
+            "/robot/beams", np.zeros((0, 2, 3), np.float32), BEAM, thickness=1.0, thickness_units="screen"
         )
 
     def show(self, view: SessionView) -> None:
         """Move the robot and its beams to the view's."""
         x, y, yaw = view.pose
-        self.node.position = (x, y, 0.0)
-        self.node.wxyz = wxyz(yaw)
+        self._base.position = (x, y, 0.0)
+        self._base.wxyz = wxyz(yaw)
         self.beams.points = beam_segments(view)
 
 
 def beam_segments(view: SessionView) -> NDArray[np.float32]:
-    """Return the beams that hit something as segments (n, 2, 3) in the map frame, at most :data:`MAX_BEAMS`."""
+    """Return the beams that hit something as segments (n, 2, 3) in the base frame, at most :data:`MAX_BEAMS`."""
     step = -(-len(view.ranges) // MAX_BEAMS) or 1
     ranges = np.asarray(view.ranges, dtype=np.float64)[::step]
-    x, y, yaw = compose(view.sensor_pose, view.config.mount)
+    x, y, yaw = compose(inverse(view.pose), compose(view.sensor_pose, view.config.mount))
     angles = yaw + view.angle_min + view.angle_increment * step * np.arange(len(ranges))
     hit = np.isfinite(ranges) & (ranges > BEAM_START) & (ranges <= view.range_max)
     ranges, angles = ranges[hit], angles[hit]

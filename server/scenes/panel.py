@@ -167,7 +167,7 @@ class NamedChoice:
 
 def add_layers(gui: viser.GuiApi, layers: Mapping[str, viser.SceneNodeHandle]) -> None:
     """Add a switch for each named layer of the scene (a scene node handle)."""
-    with gui.add_folder("Show"):
+    with gui.add_folder("Show", expand_by_default=False):
         for title, node in layers.items():
             _add_switch(gui, title, node)
 

@@ -27,6 +27,7 @@ from server.sessions import LogSession, Session, SessionView
 POSE_HZ = 15.0
 MAP_HZ = 4.0
 MAP_SHARE = 0.1  #: most of the time that drawing the map may take
+WIDE = 1.3  #: width over height of a picture in which the first camera has the whole world in view
 SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
 
 _log = structlog.get_logger(__name__)
@@ -100,47 +101,64 @@ class Scene:
     # -- building -----------------------------------------------------------------------------------------------
 
     def _build(self, view: SessionView) -> None:
-        server, scene, gui = self._server, self._server.scene, self._server.gui
-        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
-        gui.set_panel_label("Gridbloom")
-        gui.main_panel.dock_right()  # beside the scene, not over it
+        self._build_scene(view)
+        self._build_panels(view)
+        self._server.scene.on_click()(self._clicked)
+        self._server.on_client_connect(self._welcome)
+
+    def _build_scene(self, view: SessionView) -> None:
+        scene = self._server.scene
         # Two lights of our own: the environment map is a photograph that takes long to light up on a slow machine.
         scene.configure_environment_map(None)
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_hemisphere("/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
         scene.world_axes.visible = False
         self._map = MapDrawing(scene)
+        self._map.show(view)
         self._robot = RobotDrawing(scene)
-        layers: dict[str, viser.SceneNodeHandle] = {"Map": self._map.node}
+        self._robot.show(view)
+        self._layers: dict[str, viser.SceneNodeHandle] = {"Map": self._map.node}
         if view.world is not None:
             self._world = WorldDrawing(scene)
             self._world.show(view.world)
-            layers["True world"] = self._world.node
-        layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
+            self._layers["True world"] = self._world.node
+        self._layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
         if self._path is not None:
             self._trajectory = scene.add_line_segments(
                 "/trajectory", path_segments(self._path), PATH, thickness=1.5, thickness_units="screen"
             )
-            layers["Path"] = self._trajectory
+            self._layers["Path"] = self._trajectory
         self._aim(view)
 
+    def _build_panels(self, view: SessionView) -> None:
+        gui = self._server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
+        gui.set_panel_label("Gridbloom")
+        gui.main_panel.dock_right()  # beside the scene, not over it
         is_log = view.world is None
         hint = "Click near the path to go to that moment." if is_log else "Click the floor to put the robot there."
         gui.add_markdown(hint)
         self._clock = Clock(
             gui, self._post, count=view.count if is_log else None, playing=view.playing, index=view.index
         )
-        add_layers(gui, layers)
         self._choice = _choice_of(self._session, gui, self._post)
-        self._controls = [
-            ParameterControls(gui, PARAMETERS, asdict(view.config), self._post, "parameters", open_groups=("model",))
-        ]
+        add_layers(gui, self._layers)
+        # The parameters have a panel of their own: on a phone it stays folded, and the scene in view.
+        panel = gui.add_panel()
+        with panel.add_tab("Mapping"):
+            self._controls = [
+                ParameterControls(
+                    gui, PARAMETERS, asdict(view.config), self._post, "parameters", open_groups=("model",)
+                )
+            ]
         if view.sensor is not None:
-            self._controls.append(ParameterControls(gui, SENSOR_PARAMETERS, asdict(view.sensor), self._post, "sensor"))
-        self._robot.show(view)
-        self._map.show(view)
-        server.scene.on_click()(self._clicked)
-        server.on_client_connect(self._welcome)
+            with panel.add_tab("Sensor"):
+                self._controls.append(
+                    ParameterControls(
+                        gui, SENSOR_PARAMETERS, asdict(view.sensor), self._post, "sensor", open_groups=("sensor",)
+                    )
+                )
+        panel.dock_below(gui.main_panel)
 
     def _aim(self, view: SessionView) -> None:
         """Point new cameras from the south, high up, at the middle of the world (of the map, for a log)."""
@@ -155,19 +173,16 @@ class Scene:
         camera.up = (0.0, 0.0, 1.0)
         camera.fov = 0.8
         camera.look_at = (x, y, 0.0)
-        camera.position = (x, y - 0.7 * size, 0.85 * size)
+        camera.position = (x, y - 0.75 * size, 0.95 * size)
         camera.far = max(1000.0, 10.0 * size)
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
-        """Give a new browser a switch of its own for dark and light."""
-        dark = client.gui.add_checkbox("Dark", False)
-
-        async def switched(_: viser.GuiEvent[Any]) -> None:
-            client.gui.configure_theme(
-                dark_mode=dark.value, show_logo=False, show_share_button=False, brand_color=(47, 150, 130)
-            )
-
-        dark.on_update(switched)
+        """Step back where the picture is narrow, so that the whole world is in view."""
+        aim = self._server.initial_camera
+        if client.camera.aspect < WIDE:
+            back = min(WIDE / client.camera.aspect, 4.0)
+            client.camera.position = aim.look_at + (aim.position - aim.look_at) * back
+            client.camera.look_at = aim.look_at  # viser moved it along with the position
 
     # -- from the browser ---------------------------------------------------------------------------------------
 

@@ -36,7 +36,7 @@ async def changed(session: Session, wanted: Any, seconds: float = 10.0) -> None:
 async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
     session = await service.sessions.create_world("ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
-        for name in ("/world/solids", "/map/floor", "/robot/body", "/beams"):
+        for name in ("/world/solids", "/map/floor", "/robot/body/base", "/robot/beams"):
             await client.until(lambda m, name=name: m.get("name") == name)
         first = await client.until(lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/robot")
         await client.until(
