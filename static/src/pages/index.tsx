@@ -6,7 +6,7 @@ import { useEffect } from "preact/hooks";
 import { type Connection, connect } from "../connect";
 import { Belief } from "../figures/belief";
 import { Cell } from "../figures/cell/Cell";
-import { INITIAL } from "../figures/profile/model";
+import { beamModel, INITIAL } from "../figures/profile/model";
 import { Profile } from "../figures/profile/Profile";
 import { tellingReading } from "../figures/profile/reading";
 import { Button } from "../ui/Button";
@@ -111,6 +111,19 @@ const reading = computed(() => {
   return store && tellingReading(store);
 });
 
+/** What the clamp is for, with the increments of the moment. */
+function Stubborn() {
+  const { hit, miss } = beamModel({ ...INITIAL, ...parameters.value });
+  const needed = miss < 0 ? Math.ceil((1000 * hit) / -miss).toLocaleString("en") : null;
+  return (
+    <>
+      Without them, a cell that was hit 1,000 times{" "}
+      {needed ? `would need ${needed} misses` : "could never be talked out of it,"}{" "}
+      {needed ? "to forget it." : "whatever came."}
+    </>
+  );
+}
+
 function Page() {
   useEffect(() => {
     void begin();
@@ -145,12 +158,11 @@ function Page() {
           <h2>What one cell believes</h2>
           <p>
             Each cell keeps one number, the log-odds ℓ of being occupied. A <b class="noun-hit">hit</b> adds to it, a{" "}
-            <b class="noun-miss">miss</b> takes away, and that is all: adding log-odds is multiplying probabilities, so
-            the sum is Bayes’ rule.
+            <b class="noun-miss">miss</b> takes away, and that is all: adding log-odds is multiplying odds, so the sum
+            is Bayes’ rule.
           </p>
           <p>
-            The dashed lines clamp it. A cell that could grow certain without end could never again be talked out of it;
-            with the clamp, a table that is carried away also leaves the map.
+            The dashed lines clamp it. <Stubborn /> With the clamp, a table that is carried away also leaves the map.
           </p>
         </div>
         <div class="figure-box small">

@@ -1,6 +1,7 @@
 const KEY = "gridbloom.world";
 
-async function created(): Promise<string> {
+/** Ask the server for a new live world; the id of its session. */
+export async function createWorld(): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
@@ -11,11 +12,20 @@ async function created(): Promise<string> {
   return body.id;
 }
 
+/** The tab's memory; null where the person forbids it. */
+function storage(): Storage | null {
+  try {
+    return sessionStorage;
+  } catch {
+    return null;
+  }
+}
+
 /** The id of this tab's live world: the one it had before, where the server still has it, or a new one. */
 export async function worldSession(): Promise<string> {
-  const before = sessionStorage.getItem(KEY);
+  const before = storage()?.getItem(KEY);
   if (before && (await fetch(`/api/sessions/${encodeURIComponent(before)}`)).ok) return before;
-  const id = await created();
-  sessionStorage.setItem(KEY, id);
+  const id = await createWorld();
+  storage()?.setItem(KEY, id);
   return id;
 }
