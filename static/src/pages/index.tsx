@@ -149,7 +149,9 @@ function Page() {
             parameters={parameters}
             setParameter={setParameter}
             reading={reading}
-            beamName="a beam about straight ahead"
+            beamName={
+              connection.value?.store.probe.value ? "the beam towards the pointer" : "a beam about straight ahead"
+            }
           />
         </div>
       </section>
