@@ -17,7 +17,7 @@ from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
 from server.sessions.outcome import Outcome
-from server.sessions.session import Moment, Pose, Session
+from server.sessions.session import Moment, Session, as_pose
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
@@ -115,11 +115,11 @@ class LogSession(Session):
         scan = replace(log.scan(newest), angle_min=turn * log.angle_min, angle_increment=turn * log.angle_increment)
         if index == 0:
             scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
-        base = log.trajectory(self.trajectory).poses[newest]
-        sensor = self._sensor_poses[newest]
+        base = as_pose(log.trajectory(self.trajectory).poses[newest])
+        sensor = as_pose(self._sensor_poses[newest])
         # Stamps are absolute and large: as seconds since the first scan they keep their digits.
         stamp_s = (float(log.stamps_ns[newest]) - float(log.stamps_ns[0])) * 1e-9
-        return Moment(_pose(base), _pose(sensor), scan, stamp_s)
+        return Moment(base, sensor, sensor, scan, stamp_s)
 
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""
@@ -206,8 +206,3 @@ class LogSession(Session):
         self._replay = replay
         outcome.new_grid = True
         outcome.slot(self._trajectory_message())
-
-
-def _pose(row: NDArray[np.float64]) -> Pose:
-    x, y, yaw = (float(v) for v in row)
-    return (x, y, yaw)

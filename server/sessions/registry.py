@@ -163,9 +163,18 @@ class SessionRegistry:
             if len(self._sessions) + len(self._making) > self._settings.max_sessions:
                 message = "All places are taken and watched: try again in a minute."
                 await self._evict(self.all(), "session.full", message)
+            await self._free_cells()
             yield
         finally:
             self._making.remove(owner)
+
+    async def _free_cells(self) -> None:
+        """End sessions that nobody watches, until a grid of the largest size finds room or all are watched."""
+        while self.limits(None).max_cells < self._settings.max_cells:
+            idle = [s for s in self._sessions.values() if not s.watched]
+            if not idle:
+                return
+            await self._end(min(idle, key=lambda s: s.unwatched_since))
 
     async def _evict(self, sessions: list[Session], code: str, message: str) -> None:
         """End the session that was left the longest ago."""

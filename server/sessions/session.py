@@ -43,7 +43,10 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class SessionView:
-    """What a session shows now. The arrays are the session's own: read them at once, write nothing."""
+    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
+
+    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``.
+    """
 
     geometry: GridGeometry
     log_odds: NDArray[np.float32]
@@ -64,13 +67,14 @@ class SessionView:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """The newest scan and where it was taken: ``pose`` is T_map_base, ``sensor_pose`` T_map_laser as stated.
+    """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
 
-    The correction of the mount among the parameters is not in ``sensor_pose``: it is composed onto it in the map.
+    The correction of the mount among the parameters is in neither: the map composes it onto them.
     """
 
     pose: Pose
     sensor_pose: Pose
+    scan_pose: Pose
     scan: LaserScan
     stamp_s: float
 
@@ -243,6 +247,11 @@ class Session(ABC):
         self._orders.append(Order(command, client))
         self._wake.set()
 
+    @property
+    def has_orders(self) -> bool:
+        """Whether commands wait to be carried out."""
+        return bool(self._orders)
+
     def post(self, command: dict[str, Any]) -> None:
         """Take a command from any thread; one that is refused is only logged."""
         self._loop.call_soon_threadsafe(self._post, command)
@@ -262,7 +271,7 @@ class Session(ABC):
             log_odds=grid.log_odds,
             observed=grid.observed,
             pose=moment.pose,
-            sensor_pose=moment.sensor_pose,
+            sensor_pose=moment.scan_pose,
             ranges=moment.scan.ranges,
             angle_min=moment.scan.angle_min,
             angle_increment=moment.scan.angle_increment,
@@ -331,6 +340,7 @@ class Session(ABC):
             "stamp": round(moment.stamp_s, 4),
             "pose": [round(v, 4) for v in moment.pose],
             "sensor_pose": [round(v, 4) for v in moment.sensor_pose],
+            "scan_pose": [round(v, 4) for v in moment.scan_pose],
             "ranges": _ranges_json(scan),
             "angle_min": scan.angle_min,
             "angle_increment": scan.angle_increment,
@@ -371,7 +381,7 @@ class Session(ABC):
     async def _wait(self, seconds: float | None) -> None:
         """Wait for a command or a client, at most ``seconds``."""
         self._wake.clear()
-        if self._orders or (seconds is not None and seconds <= 0.0):
+        if self.closed or self._orders or (seconds is not None and seconds <= 0.0):
             return
         try:
             async with asyncio.timeout(seconds):
@@ -527,3 +537,9 @@ def _ranges_json(scan: LaserScan) -> list[float | None]:
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
     rounded = np.round(ranges.astype(np.float64), 3).tolist()
     return [r if ok else None for r, ok in zip(rounded, measured.tolist(), strict=True)]
+
+
+def as_pose(row: NDArray[np.float64]) -> Pose:
+    """Return (3,) as a tuple of plain numbers."""
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)

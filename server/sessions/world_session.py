@@ -19,7 +19,7 @@ from mapper.scan import LaserScan, ScanLog
 from mapper.world import SENSOR_PARAMETERS, WORLDS, Recording, SensorConfig, Simulation, World
 from mapper.world.lidar import measure
 from server.sessions.outcome import Outcome
-from server.sessions.session import Moment, Pose, Session
+from server.sessions.session import Moment, Pose, Session, as_pose
 from server.stream.protocol import ProtocolError, integer, number, text, values
 
 DEFAULT_WORLD = "office"
@@ -196,8 +196,8 @@ class WorldSession(Session):
         scan = self._mapper.newest
         if scan is None:
             raise RuntimeError("a world session has taken a scan before it starts")
-        x, y, yaw = (float(v) for v in simulation.sensor_pose)
-        return Moment(simulation.pose, (x, y, yaw), scan, simulation.time)
+        seen_from = compose(self._mapper.newest_pose, simulation.mount)
+        return Moment(simulation.pose, as_pose(simulation.sensor_pose), as_pose(seen_from), scan, simulation.time)
 
     def particulars(self) -> dict[str, Any]:
         """The sensor and its parameters."""

@@ -29,7 +29,7 @@ SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
 HOLD_SHARE = 0.1  #: a slow client's next frame waits this share of its latency, so that it is fresh when it is read
 MAX_HOLD_S = 0.1
 ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for so long is gone
-FIRST_FRAME_BYTES = 64 * 1024
+FIRST_FRAME_BYTES = 16 * 1024
 MIN_FRAME_BYTES = 8 * 1024
 MAX_FRAME_BYTES = 256 * 1024
 MAX_FRAME_TILES = 2048
@@ -111,7 +111,7 @@ class Hub:
     def frame_text(self) -> str:
         """Return the newest frame message, with the instant at which it was last known to be true."""
         t = self.clock() if self.settled else self.published_at
-        return f'{{"type":"frame","t":{t:.4f},{self._frame_rest}'
+        return f'{{"type":"frame","t":{t:.6f},{self._frame_rest}'
 
     def nearest_first(self, dirty: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, the robot's own first, at most a frame's worth."""
@@ -174,10 +174,9 @@ class Client:
             raise ProtocolError("command.seq", f"Frame {seq} was not sent; the newest is {self._seq}.")
         now = self.hub.clock()
         while self._unacknowledged and self._unacknowledged[0][0] <= seq:
-            latency = now - self._unacknowledged.popleft()[1]
-            self._measure(latency)
-        hold = min(MAX_HOLD_S, HOLD_SHARE * self._latency) if self.is_slow else 0.0
-        self._fresh_after = now + hold
+            self._measure(now - self._unacknowledged.popleft()[1])
+            # What a slow reader is sent at once would be a whole period old at its next look.
+            self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * self._latency) if self.is_slow else 0.0)
         self.wake.set()
 
     def _measure(self, latency: float) -> None:

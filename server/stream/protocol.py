@@ -27,12 +27,14 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 the server restarts or the session is made anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
 ``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
-                 ranges: [m|null, ...], angle_min, angle_increment, range_max, remade_ms?, auto}
+                 scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, range_max, remade_ms?, auto}
                 the newest state, sent right before the binary frame of the same instant; ``t`` is the server's clock in
                 seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
-                those of the newest scan, ``null`` for no return or no reading
+                those of the newest scan, ``null`` for no return or no reading; ``scan_pose`` is where the sensor was
+                then, ``sensor_pose`` where it is now, both T_map_laser as the robot states it, without the correction
+                of the mount that the parameters hold
 ``trajectory``  {name, every, poses: [[x, y], ...]}   log sessions only: the base at every scan (of very long logs at
-                 each ``every``-th), sent at the start and after a change
+                each ``every``-th), sent at the start and after a change
 ``parameters``  {values, sensor: values|null}    after a change by anyone, or as the answer to a refused one
 ``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
 ``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log

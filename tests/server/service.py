@@ -1,0 +1,175 @@
+"""The service as its users meet it: a real uvicorn server on a free loopback port, and a client that reads its stream.
+
+The client decodes the frames by itself, from what the protocol's text says, so that it can disagree with the server.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import uvicorn
+import zstandard
+from numpy.typing import NDArray
+from websockets.asyncio.client import ClientConnection, connect
+
+from server.serving import listen, make_server
+from server.settings import Settings
+
+PATIENCE_S = 60.0
+
+
+def settings_for(folder: Path, **changes: Any) -> Settings:
+    """Settings of a service that keeps its things in ``folder``."""
+    options: dict[str, Any] = {"data_dir": folder, "port": 0} | changes
+    return Settings(**options)
+
+
+class Service:
+    """A running service."""
+
+    def __init__(self, server: uvicorn.Server, port: int) -> None:
+        self.server = server
+        self.port = port
+        self.http = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=PATIENCE_S)
+
+    @property
+    def state(self) -> Any:
+        """The application's state: sessions, library, settings."""
+        return self.server.config.app.state  # type: ignore[union-attr]
+
+    def begin(self, **wanted: Any) -> str:
+        """Start a session; return its id."""
+        answer = self.http.post("/api/sessions", json=wanted or {"kind": "world", "world": "room", "seed": 3})
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    def address(self, session: str) -> str:
+        return f"ws://127.0.0.1:{self.port}/api/sessions/{session}/stream"
+
+    def connect(self, session: str, **more: Any) -> Any:
+        """Open a session's stream."""
+        return connect(self.address(session), subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+
+
+@contextmanager
+def running(settings: Settings) -> Iterator[Service]:
+    """Run a service in a thread until the block ends."""
+    bound = listen("127.0.0.1", 0)
+    server = make_server(settings)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, name="uvicorn")
+    thread.start()
+    service = Service(server, bound.getsockname()[1])
+    try:
+        deadline = time.monotonic() + PATIENCE_S
+        while not server.started and thread.is_alive() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert server.started
+        yield service
+    finally:
+        service.http.close()
+        server.should_exit = True
+        thread.join(PATIENCE_S)
+        bound.close()
+        assert not thread.is_alive()
+
+
+class Watcher:
+    """A browser without a screen: follows a stream, keeps the picture, acknowledges when told to."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.newest: dict[str, dict[str, Any]] = {}  #: the newest message of each type
+        self.messages: list[dict[str, Any]] = []  #: all but frame messages
+        self.frames = 0
+        self.unacknowledged = 0
+        self.complete = False
+        self.epoch = -1
+        self.revision = 0
+        self.picture: NDArray[np.int8] = np.full((0, 0), -128, dtype=np.int8)
+        self.ages: list[float] = []  #: of each frame message when it was read, in seconds
+
+    async def read(self, patience_s: float = PATIENCE_S) -> dict[str, Any] | None:
+        """Read one message; return it if it is a text."""
+        async with asyncio.timeout(patience_s):
+            data = await self.socket.recv()
+        if isinstance(data, bytes):
+            await self._tiles(data)
+            return None
+        message: dict[str, Any] = json.loads(data)
+        self.newest[message["type"]] = message
+        if message["type"] == "frame":
+            self.ages.append(time.monotonic() - message["t"])
+        else:
+            self.messages.append(message)
+        if message["type"] == "geometry" and message["epoch"] != self.epoch:
+            self.epoch = message["epoch"]
+            self.picture = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
+        return message
+
+    async def _tiles(self, data: bytes) -> None:
+        kind, flags, _, epoch, seq, count = struct.unpack_from("<BBHIII", data)
+        assert kind == 1
+        at = 16
+        for _ in range(count):
+            tx, ty, revision, nbytes = struct.unpack_from("<hhII", data, at)
+            at += 12
+            raw = zstandard.ZstdDecompressor().decompress(data[at : at + nbytes])
+            at += nbytes
+            tile = np.frombuffer(raw, dtype=np.int8).reshape(64, 64)
+            if epoch == self.epoch:
+                into = self.picture[ty * 64 : ty * 64 + 64, tx * 64 : tx * 64 + 64]
+                into[:] = tile[: into.shape[0], : into.shape[1]]
+            self.revision = max(self.revision, revision)
+        assert at == len(data)
+        self.frames += 1
+        self.unacknowledged = seq
+        self.complete = bool(flags & 1) and epoch == self.epoch
+
+    async def acknowledge(self) -> None:
+        await self.send("ack", seq=self.unacknowledged)
+
+    async def send(self, kind: str, **more: Any) -> None:
+        await self.socket.send(json.dumps({"type": kind} | more))
+
+    async def until(self, condition: Callable[[], bool]) -> None:
+        """Read and acknowledge until ``condition`` holds."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < deadline
+            if await self.read() is None:
+                await self.acknowledge()
+
+    async def answer(self, kind: str) -> dict[str, Any]:
+        """Read and acknowledge until a message of ``kind`` comes; return it."""
+        seen = len(self.messages)
+        await self.until(lambda: any(m["type"] == kind for m in self.messages[seen:]))
+        return next(m for m in self.messages[seen:] if m["type"] == kind)
+
+    async def settle(self) -> None:
+        """Pause, and read until the picture is complete and nothing more comes."""
+        await self.send("pause")
+        await self.until(lambda: not self.newest.get("frame", {"playing": True})["playing"])
+        while True:
+            try:
+                if await self.read(0.4) is None:
+                    await self.acknowledge()
+            except TimeoutError:
+                assert self.complete
+                return
+
+    def log_odds(self) -> NDArray[np.float64]:
+        """The picture's log-odds, NaN where never observed."""
+        g = self.newest["geometry"]
+        low, high = g["log_odds_min"], g["log_odds_max"]
+        value = low + (self.picture.astype(np.float64) + 127.0) / 254.0 * (high - low)
+        return np.where(self.picture == -128, np.nan, value)

@@ -1,0 +1,198 @@
+"""A log session: its clock, and its map against the mapper's own."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from mapper.errors import LimitError
+from mapper.grid import OccupancyGrid
+from mapper.integrate import geometry_for, integrate_log
+from mapper.logs import open_log
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog
+from server.sessions import SessionRegistry
+from server.sessions.log_session import MAX_GAP_S, play_times
+
+
+def whole_map(log: ScanLog, config: MappingConfig, stop: int | None = None) -> OccupancyGrid:
+    grid = OccupancyGrid(geometry_for(log, config))
+    integrate_log(grid, log, config, stop=stop)
+    return grid
+
+
+@given(arrays(np.int64, st.integers(1, 50), elements=st.integers(-(2**63), 2**63 - 1)))
+def test_play_times_never_decrease_and_never_leap(stamps: Any) -> None:
+    times = play_times(stamps)
+    assert times.shape == stamps.shape
+    assert times[0] == 0.0
+    gaps = np.diff(times)
+    assert (gaps >= 0.0).all()
+    assert (gaps <= MAX_GAP_S + 1e-9).all()
+    assert len(stamps) == 1 or times[-1] > 0.0
+
+
+def test_play_times_are_the_recorded_ones_where_those_are_sound() -> None:
+    stamps = np.array([0, 100, 250, 240, 5000, 5100]) * 1_000_000 + 10**18
+    assert play_times(stamps) == pytest.approx([0.0, 0.1, 0.25, 0.25, 2.25, 2.35])
+
+
+async def test_the_end_of_the_log_is_the_whole_map(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    assert session.progress == (0, office_log.n_scans)
+    await obey(session, type="seek", index=office_log.n_scans)
+    expected = whole_map(office_log, session.config)
+    assert session.view().geometry == expected.geometry
+    np.testing.assert_array_equal(session.view().log_odds, expected.log_odds)
+    np.testing.assert_array_equal(session.view().observed, expected.observed)
+    for index in (10, 77, 3, 0, 50):
+        await obey(session, type="seek", index=index)
+        np.testing.assert_array_equal(
+            session.view().log_odds, whole_map(office_log, session.config, stop=index).log_odds
+        )
+        assert session.progress[0] == index
+
+
+async def test_parameters_remake_the_map_at_the_same_scan(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=40)
+    await obey(session, type="parameters", values={"update": "per_scan", "resolution": 0.1})
+    np.testing.assert_array_equal(session.view().log_odds, whole_map(office_log, session.config, stop=40).log_odds)
+    assert session.progress[0] == 40
+
+
+async def test_it_plays_to_its_end_and_from_the_start_again(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    assert session.playing
+    client = session.join()
+    await obey(session, type="speed", value=session.speeds[1])
+    heard = ""
+    while session.playing:
+        await asyncio.sleep(0.02)
+    await session.snapshot()
+    await asyncio.sleep(0.05)
+    heard = "".join(str(message) for message in client.take())
+    assert '"code":"log.end"' in heard
+    assert session.progress[0] == office_log.n_scans
+    await obey(session, type="speed", value=0.1)
+    await obey(session, type="play")
+    assert session.playing
+    assert session.progress[0] < 5
+
+
+async def test_it_fills_in_about_half_a_minute(registry: SessionRegistry, office_log: ScanLog) -> None:
+    session = await registry.create_log("me", office_log)
+    duration = float(office_log.stamps_ns[-1] - office_log.stamps_ns[0]) * 1e-9
+    assert duration / session.speed == pytest.approx(30.0, rel=0.1)
+
+
+async def test_steps_stay_within_the_log(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="step", scans=5)
+    assert session.progress[0] == 5
+    assert not session.playing
+    await obey(session, type="step", scans=-2)
+    assert session.progress[0] == 3
+    await obey(session, type="step", scans=-100)
+    assert session.progress[0] == 0
+    await obey(session, type="step", scans=10**6)
+    assert session.progress[0] == office_log.n_scans
+    await obey(session, type="restart")
+    assert session.progress[0] < 5
+    assert session.playing
+
+
+async def test_another_trajectory_makes_another_map(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log, trajectory="true")
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=100)
+    await obey(session, type="trajectory", name="odometry")
+    config = session.config
+    grid = OccupancyGrid(geometry_for(office_log, config, "odometry"))
+    integrate_log(grid, office_log, config, "odometry", stop=100)
+    assert session.trajectory == "odometry"
+    assert session.view().geometry == grid.geometry
+    np.testing.assert_array_equal(session.view().log_odds, grid.log_odds)
+    assert session.view().pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        {"type": "seek", "index": -1},
+        {"type": "seek", "index": 151},
+        {"type": "seek", "index": 1.5},
+        {"type": "step", "scans": "two"},
+        {"type": "trajectory", "name": "dreams"},
+        {"type": "teleport", "x": 1, "y": 1},
+        {"type": "speed", "value": 0},
+        {"type": "parameters", "values": {"resolution": 0}},
+    ],
+)
+async def test_a_refused_command_changes_nothing(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, command: dict[str, Any]
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=20)
+    before = session.view()
+    client = session.join()
+    client.take()
+    session.enqueue(command, client)
+    await obey(session, type="pause")
+    assert '"type":"error"' in "".join(str(message) for message in client.take())
+    after = session.view()
+    assert (after.index, after.playing, session.config) == (20, False, before.config)
+    np.testing.assert_array_equal(after.log_odds, before.log_odds)
+
+
+async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", replace(office_log, upside_down=True))
+    await obey(session, type="seek", index=1)
+    view = session.view()
+    assert view.angle_min == -office_log.angle_min
+    assert view.angle_increment == -office_log.angle_increment
+
+
+async def test_a_log_that_is_too_large_at_first_is_mapped_coarser(
+    make_registry: Callable[..., SessionRegistry], office_log: ScanLog
+) -> None:
+    registry = make_registry(max_cells=50_000)
+    session = await registry.create_log("me", office_log)
+    assert session.config.resolution == 0.1
+    assert session.cells <= 50_000
+    with pytest.raises(LimitError):
+        await make_registry(max_cells=4096).create_log("me", office_log)
+
+
+async def test_the_intel_log(
+    registry: SessionRegistry, obey: Callable[..., Any], data_file: Callable[[str], Path]
+) -> None:
+    log = open_log(data_file("carmen/intel-corrected.log.gz"))
+    session = await registry.create_log("me", log)
+    await obey(session, type="seek", index=log.n_scans)
+    expected = whole_map(log, MappingConfig(range_max=30.0, resolution=0.05))
+    assert session.view().geometry == expected.geometry
+    np.testing.assert_array_equal(session.view().log_odds, expected.log_odds)

@@ -1,0 +1,106 @@
+"""Budgets: how many sessions, for whom, how large, how long unwatched."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from mapper.scan import ScanLog
+from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
+
+Make = Callable[..., SessionRegistry]
+
+
+async def test_an_unwatched_session_gives_way_and_a_watched_one_never(make_registry: Make, office_log: ScanLog) -> None:
+    registry = make_registry(max_sessions=3, max_sessions_per_visitor=3)
+    watched = await registry.create_log("a", office_log)
+    watched.join()
+    oldest = await registry.create_log("b", office_log)
+    newer = await registry.create_log("b", office_log)
+    newest = await registry.create_log("c", office_log)
+    assert set(registry.all()) == {watched, newer, newest}
+    assert oldest.closed
+    newer.join()
+    newest.join()
+    with pytest.raises(SessionBudgetError) as refused:
+        await registry.create_log("d", office_log)
+    assert refused.value.code == "session.full"
+    assert set(registry.all()) == {watched, newer, newest}
+
+
+async def test_one_visitors_budget_does_not_touch_anothers(make_registry: Make, office_log: ScanLog) -> None:
+    registry = make_registry(max_sessions=10, max_sessions_per_visitor=2)
+    theirs = await registry.create_log("other", office_log)
+    mine = [await registry.create_log("me", office_log) for _ in range(4)]
+    assert set(registry.all()) == {theirs, *mine[2:]}
+    for session in mine[2:]:
+        session.join()
+    with pytest.raises(SessionBudgetError) as refused:
+        await registry.create_log("me", office_log)
+    assert refused.value.code == "session.too_many"
+
+
+async def test_sessions_that_begin_at_once_count_each_other(make_registry: Make, office_log: ScanLog) -> None:
+    registry = make_registry(max_sessions=100, max_sessions_per_visitor=3)
+
+    async def begin() -> Any:
+        session = await registry.create_log("me", office_log)
+        session.join()
+        return session
+
+    results = await asyncio.gather(*(begin() for _ in range(8)), return_exceptions=True)
+    assert len(registry) <= 3
+    assert sum(isinstance(r, SessionBudgetError) for r in results) == 8 - len(registry)
+
+
+async def test_idle_sessions_end_and_watched_ones_do_not(make_registry: Make, office_log: ScanLog) -> None:
+    now = [0.0]
+    registry = make_registry(session_idle_s=60.0, clock=lambda: now[0])
+    idle, watched = [await registry.create_log("me", office_log) for _ in range(2)]
+    idle.unwatched_since = 0.0
+    watched.join()
+    now[0] = 59.0
+    await registry.reap()
+    assert len(registry) == 2
+    now[0] = 61.0
+    await registry.reap()
+    assert registry.all() == [watched]
+    with pytest.raises(SessionNotFoundError):
+        registry.get(idle.id)
+
+
+async def test_all_grids_together_are_bounded(make_registry: Make, office_log: ScanLog) -> None:
+    size = (await make_registry().create_log("me", office_log)).cells
+    registry = make_registry(max_cells=2 * size, max_total_cells=int(2.5 * size))
+    idle = await registry.create_log("me", office_log)
+    first = await registry.create_log("me", office_log)
+    assert idle.closed  # nobody watched it, and a large grid might have needed its room
+    first.join()
+    second = await registry.create_log("me", office_log)
+    second.join()
+    third = await registry.create_log("me", office_log)
+    assert (first.config.resolution, second.config.resolution) == (0.05, 0.05)
+    assert third.config.resolution > 0.05  # what room is left is for a coarser map
+    third.join()
+    assert sum(s.cells for s in registry.all()) <= 2.5 * size
+    third.enqueue({"type": "parameters", "values": {"resolution": 0.05}})
+    while third.has_orders:
+        await asyncio.sleep(0.001)
+    await third.snapshot()
+    assert sum(s.cells for s in registry.all()) <= 2.5 * size
+
+
+async def test_ids_cannot_be_guessed(registry: SessionRegistry, office_log: ScanLog) -> None:
+    ids = {(await registry.create_log("me", office_log)).id for _ in range(5)}
+    assert len(ids) == 5
+    assert all(len(session_id) >= 24 for session_id in ids)
+
+
+async def test_what_is_not_there(registry: SessionRegistry) -> None:
+    with pytest.raises(SessionNotFoundError):
+        registry.get("x")
+    with pytest.raises(SessionNotFoundError):
+        await registry.close("x")

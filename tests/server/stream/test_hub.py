@@ -1,0 +1,357 @@
+"""What a client has in the end is what the server shows, whatever happened on the way; and it is never stale."""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+import zstandard
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import CellBox
+from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
+from server.stream.protocol import ProtocolError
+from server.stream.tiles import TilePicture
+
+ROWS, COLS = 64 * 4, 64 * 5
+TICK_S = 1.0 / 30.0
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Source:
+    """A grid that is changed at will, and its hub."""
+
+    def __init__(self, rows: int = ROWS, cols: int = COLS) -> None:
+        self.clock = Clock()
+        self.epoch = 0
+        self.revision = 0
+        self.begin(rows, cols)
+        self.hub = Hub(self.picture, self.clock)
+
+    def begin(self, rows: int, cols: int) -> None:
+        self.epoch += 1
+        self.grid = OccupancyGrid(GridGeometry(0.1, rows, cols))
+        self.picture = TilePicture(self.grid.geometry, -2.0, 3.5, self.epoch, self.revision)
+
+    def new_epoch(self, rows: int, cols: int) -> None:
+        self.revision = self.picture.newest
+        self.begin(rows, cols)
+        self.hub.set_picture(self.picture)
+        self.publish()
+
+    def paint(self, row: int, col: int, value: float) -> None:
+        row, col = row % self.grid.geometry.rows, col % self.grid.geometry.cols
+        self.grid.log_odds[row, col] = value
+        self.grid.observed[row, col] = True
+        self.picture.update(self.grid, CellBox(row, row + 1, col, col + 1))
+
+    def publish(self, *, settled: bool = False) -> None:
+        self.hub.publish({"index": self.hub.frame_number}, (0.0, 0.0), settled=settled)
+
+
+class Browser:
+    """The other end: applies frames as the protocol says, on its own arithmetic."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.client = source.hub.join()
+        self.epoch = 0
+        self.cells = np.zeros((0, 0), dtype=np.int8)
+        self.seq = 0
+        self.kept: tuple[int, int] | None = None  #: (epoch, revision) of the newest complete picture
+        self.times: list[float] = []
+        self.order: list[tuple[int, int]] = []
+
+    def read(self) -> int:
+        """Take what is sent; return the number of messages."""
+        messages = self.client.take()
+        for message in messages:
+            if isinstance(message, bytes):
+                self._apply(message)
+            else:
+                self._hear(json.loads(message))
+        return len(messages)
+
+    def _hear(self, message: dict[str, Any]) -> None:
+        if message["type"] == "geometry" and message["epoch"] != self.epoch:
+            self.epoch = message["epoch"]
+            self.cells = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
+        if message["type"] == "frame":
+            self.times.append(message["t"])
+
+    def _apply(self, frame: bytes) -> None:
+        kind, flags, _, epoch, seq, count = struct.unpack_from("<BBHIII", frame)
+        assert kind == 1
+        assert seq == self.seq + 1
+        assert epoch == self.epoch
+        at, self.seq = 16, seq
+        for _ in range(count):
+            tx, ty, revision, nbytes = struct.unpack_from("<hhII", frame, at)
+            at += 12
+            tile = np.frombuffer(zstandard.decompress(frame[at : at + nbytes]), dtype=np.int8).reshape(64, 64)
+            at += nbytes
+            into = self.cells[64 * ty : 64 * ty + 64, 64 * tx : 64 * tx + 64]
+            into[:] = tile[: into.shape[0], : into.shape[1]]
+            self.order.append((ty, tx))
+            self.newest = max(getattr(self, "newest", 0), revision)
+        assert at == len(frame)
+        if flags & 1:
+            self.kept = (epoch, getattr(self, "newest", 0))
+
+    def acknowledge(self) -> None:
+        self.client.acknowledge(self.seq)
+
+    def reconnect(self) -> None:
+        """Lose the connection, with all that is on its way, and say what was kept."""
+        self.source.hub.leave(self.client)
+        self.client = self.source.hub.join()
+        self.seq = 0
+        if self.kept is not None and self.kept[0] == self.epoch:
+            self.client.resume(*self.kept)
+
+
+ACTIONS = st.lists(
+    st.one_of(
+        st.tuples(
+            st.just("paint"), st.integers(0, 1000), st.integers(0, 1000), st.sampled_from([-2.0, -0.4, 0.0, 0.85, 3.5])
+        ),
+        st.tuples(st.just("publish")),
+        st.tuples(st.just("read")),
+        st.tuples(st.just("ack")),
+        st.tuples(st.just("reconnect")),
+        st.tuples(st.just("wait"), st.sampled_from([0.01, 0.2, 1.0])),
+        st.tuples(st.just("epoch"), st.integers(1, 300), st.integers(1, 300)),
+    ),
+    max_size=60,
+)
+
+
+@given(ACTIONS)
+def test_in_the_end_every_client_has_the_picture(actions: list[tuple[Any, ...]]) -> None:
+    source = Source()
+    source.publish()
+    browser, idle = Browser(source), Browser(source)
+    for name, *arguments in actions:
+        match name:
+            case "paint":
+                source.paint(*arguments)
+            case "publish":
+                source.publish()
+            case "read":
+                browser.read()
+            case "ack":
+                browser.acknowledge()
+            case "reconnect":
+                browser.reconnect()
+            case "wait":
+                source.clock.now += arguments[0]
+            case "epoch":
+                source.new_epoch(*arguments)
+    for one in (browser, idle):
+        source.publish(settled=True)
+        for _ in range(100):
+            one.acknowledge()
+            source.clock.now += 1.0
+            if not one.read():
+                break
+        assert one.epoch == source.epoch
+        assert one.cells.tobytes() == source.picture.cells.tobytes()
+        assert one.client.dirty_tiles == 0
+
+
+def test_at_most_two_frames_are_unacknowledged_and_one_where_acknowledgements_are_slow() -> None:
+    source = Source()
+    source.publish()
+    browser = Browser(source)
+
+    def sent_without_acknowledging() -> int:
+        before = browser.seq
+        for _ in range(10):
+            source.clock.now += TICK_S
+            source.publish()
+            browser.read()
+        return browser.seq - before
+
+    assert sent_without_acknowledging() == 1  # nothing is known of the client yet
+    browser.acknowledge()
+    for _ in range(20):  # now it is quick, for long enough that the slow start is forgotten
+        source.clock.now += 0.01
+        browser.acknowledge()
+        source.publish()
+        browser.read()
+    browser.acknowledge()
+    assert not browser.client.is_slow
+    assert sent_without_acknowledging() == 2
+    source.clock.now += SLOW_ACK_S + 0.05
+    browser.acknowledge()
+    assert browser.client.is_slow
+    assert sent_without_acknowledging() == 1
+
+
+@pytest.mark.parametrize("period", [0.5, 0.3, 1.0])
+def test_what_a_slow_reader_gets_is_never_older_than_its_own_period(period: float) -> None:
+    """The server ticks at 30 Hz; the client empties its socket only every ``period`` seconds, and then acknowledges."""
+    source = Source()
+    source.publish()
+    slow = Browser(source)
+    fast = Browser(source)
+    ages: list[float] = []
+    socket: list[float] = []  # the times of the frames that wait in the slow client's socket
+    ticks = 0
+    next_read = source.clock.now + period
+    while ticks < 600:
+        source.clock.now += TICK_S
+        ticks += 1
+        source.paint(ticks * 7, ticks * 13, 0.85)
+        source.publish()
+        fast.read()
+        fast.acknowledge()
+        before = len(slow.times)
+        slow.read()
+        socket += slow.times[before:]
+        if source.clock.now >= next_read:
+            next_read += period
+            ages += [source.clock.now - t for t in socket]
+            socket = []
+            slow.acknowledge()
+            before = len(slow.times)
+            slow.read()  # what goes out at once
+            socket += slow.times[before:]
+    reads = int(600 * TICK_S / period)
+    assert len(ages) >= reads - 2  # it gets something new at every look
+    assert ages[0] <= period + 1e-6  # sent when it came
+    assert max(ages[1:]) < 0.95 * period  # room for the line and for clocks
+    assert len(fast.times) >= 599  # and nobody else notices
+
+
+def test_a_paused_session_is_true_now() -> None:
+    source = Source()
+    source.publish(settled=True)
+    source.clock.now += 1000.0
+    browser = Browser(source)
+    browser.read()
+    assert browser.times == [pytest.approx(source.clock.now)]
+
+
+def test_nothing_is_sent_where_nothing_changes() -> None:
+    source = Source()
+    source.paint(3, 3, 0.85)
+    source.publish(settled=True)
+    browser = Browser(source)
+    assert browser.read() == 3  # geometry, frame, tiles
+    browser.acknowledge()
+    source.clock.now += 1.0
+    assert browser.read() == 0
+
+
+def test_the_tiles_around_the_robot_come_first_and_frames_are_bounded() -> None:
+    source = Source(64 * 40, 64 * 40)
+    rng = np.random.default_rng(0)
+    source.grid.log_odds[:] = rng.normal(size=source.grid.log_odds.shape)  # does not compress: 1,600 full tiles
+    source.grid.observed[:] = True
+    source.picture.update(source.grid, CellBox(0, 64 * 40, 0, 64 * 40))
+    at = (64 * 30 + 32, 64 * 10 + 32)
+    source.hub.publish({"index": 0}, (at[1] * 0.1, at[0] * 0.1), settled=True)
+    browser = Browser(source)
+    sizes = []
+    for _ in range(1000):
+        out = browser.client.take()
+        if not out:
+            break
+        for message in out:
+            if isinstance(message, bytes):
+                sizes.append(len(message))
+                browser._apply(message)
+            else:
+                browser._hear(json.loads(message))
+        source.clock.now += 0.01
+        browser.acknowledge()
+    assert max(sizes) <= 260 * 1024
+    assert len(sizes) > 10
+    away = [np.hypot(ty - 30, tx - 10) for ty, tx in browser.order]
+    assert away == sorted(away)
+    assert browser.cells.tobytes() == source.picture.cells.tobytes()
+
+
+def test_a_client_whose_frames_are_late_because_they_are_large_gets_smaller_ones() -> None:
+    source = Source(64 * 30, 64 * 30)
+    rng = np.random.default_rng(1)
+    source.grid.observed[:] = True
+    browser = Browser(source)
+    bytes_per_s = 60_000.0
+    sizes = []
+    for _ in range(60):
+        source.grid.log_odds[:] = rng.normal(size=source.grid.log_odds.shape)
+        source.picture.update(source.grid, CellBox(0, 64 * 30, 0, 64 * 30))
+        source.publish(settled=True)
+        size = 0
+        for message in browser.client.take():
+            size += len(message)
+            if isinstance(message, bytes):
+                browser._apply(message)
+            else:
+                browser._hear(json.loads(message))
+        sizes.append(size)
+        source.clock.now += 0.03 + size / bytes_per_s
+        browser.acknowledge()
+        source.clock.now += 0.2
+    assert max(sizes[-10:]) < 40_000  # well below a second on that line
+    assert min(sizes[-10:]) > 4_000
+
+
+def test_a_client_that_never_acknowledges_is_lost_after_a_while() -> None:
+    source = Source()
+    source.publish()
+    client = source.hub.join()
+    client.take()
+    assert not client.is_lost
+    source.clock.now += ACK_TIMEOUT_S + 1.0
+    assert client.is_lost
+    assert client.wait_s() < 1.0
+
+
+def test_answers_do_not_pile_up() -> None:
+    source = Source()
+    source.publish()
+    client = source.hub.join()
+    client.take()
+    for i in range(10 * MAX_ANSWERS):
+        client.tell({"type": "pong", "id": i})
+        source.hub.set_slot({"type": "parameters", "values": {"i": i}})
+    out = client.take()
+    assert len(out) == MAX_ANSWERS + 1
+    assert json.loads(out[0])["values"] == {"i": 10 * MAX_ANSWERS - 1}
+    assert json.loads(out[-1])["id"] == 10 * MAX_ANSWERS - 1
+
+
+@pytest.mark.parametrize("seq", [-1, 2, 2**40])
+def test_acknowledging_what_was_not_sent_is_refused(seq: int) -> None:
+    source = Source()
+    source.publish()
+    client: Client = source.hub.join()
+    client.take()
+    with pytest.raises(ProtocolError, match="was not sent"):
+        client.acknowledge(seq)
+
+
+def test_resume_of_another_epoch_changes_nothing() -> None:
+    source = Source()
+    source.paint(3, 3, 0.85)
+    source.publish()
+    client = source.hub.join()
+    client.resume(source.epoch + 1, 2**31)
+    assert client.dirty_tiles == 1
+    client.resume(source.epoch, source.picture.newest)
+    assert client.dirty_tiles == 0

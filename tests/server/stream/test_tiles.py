@@ -1,0 +1,80 @@
+"""The picture and its tiles against the formula of the protocol, decoded independently."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import zstandard
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import CellBox
+from mapper.parameters import MappingConfig
+from server.stream.tiles import TilePicture, picture_range
+
+
+def decoded(picture: TilePicture) -> NDArray[np.int8]:
+    """The whole picture from its payloads."""
+    rows, cols = picture.geometry.shape
+    whole = np.full((picture.revision.shape[0] * 64, picture.revision.shape[1] * 64), -128, dtype=np.int8)
+    for ty, tx in np.argwhere(picture.revision > 0).tolist():
+        payload = picture.payload(ty, tx)
+        assert (payload.tx, payload.ty) == (tx, ty)
+        tile = np.frombuffer(zstandard.decompress(payload.data), dtype=np.int8).reshape(64, 64)
+        whole[ty * 64 : ty * 64 + 64, tx * 64 : tx * 64 + 64] = tile
+    assert (whole[rows:] == -128).all()
+    assert (whole[:, cols:] == -128).all()
+    return whole[:rows, :cols]
+
+
+@given(st.integers(1, 200), st.integers(1, 200), st.integers(0, 2**32 - 1))
+def test_tiles_say_what_the_grid_says(rows: int, cols: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    grid = OccupancyGrid(GridGeometry(0.05, rows, cols))
+    grid.log_odds[:] = rng.uniform(-3.0, 5.0, grid.log_odds.shape)
+    grid.observed[:] = rng.random(grid.observed.shape) < 0.5
+    picture = TilePicture(grid.geometry, -2.0, 3.5, epoch=1)
+    picture.update(grid, CellBox(0, rows, 0, cols))
+    picture.publish()
+    q = decoded(picture).astype(np.float64)
+    assert ((q == -128) == ~grid.observed).all()
+    value = -2.0 + (q + 127.0) / 254.0 * 5.5
+    error = np.abs(value - np.clip(grid.log_odds, -2.0, 3.5))[grid.observed]
+    assert not error.size or error.max() <= 5.5 / 254.0 / 2.0 + 1e-6
+
+
+def test_only_what_changed_gets_a_new_revision_and_each_revision_is_compressed_once() -> None:
+    grid = OccupancyGrid(GridGeometry(0.05, 256, 256))
+    picture = TilePicture(grid.geometry, -2.0, 3.5, epoch=1, revision=7)
+    whole = CellBox(0, 256, 0, 256)
+    assert picture.publish() == 0
+    assert picture.newest == 7
+    grid.observed[100, 200] = True
+    picture.update(grid, whole)
+    assert picture.publish() == 1
+    assert picture.revision[1, 3] == 8
+    assert np.count_nonzero(picture.revision) == 1
+    first = picture.payload(1, 3)
+    assert picture.payload(1, 3) is first
+    picture.update(grid, whole)
+    assert picture.publish() == 0
+    assert picture.payload(1, 3) is first
+    grid.log_odds[100, 200] = 1.0
+    picture.update(grid, CellBox(100, 101, 200, 201))
+    assert picture.publish() == 1
+    assert picture.payload(1, 3).revision == 9
+    assert picture.payload(1, 3).data != first.data
+
+
+@pytest.mark.parametrize(
+    ("config", "expected"),
+    [
+        (MappingConfig(), (-2.0, 3.5)),
+        (MappingConfig(log_odds_min=-4.0, log_odds_max=5.0), (-4.0, 5.0)),
+        (MappingConfig(clamp=False), (-10.0, 10.0)),
+    ],
+)
+def test_the_range_of_the_picture_is_the_clamps(config: MappingConfig, expected: tuple[float, float]) -> None:
+    assert picture_range(config) == expected
