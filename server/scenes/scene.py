@@ -28,6 +28,7 @@ POSE_HZ = 15.0
 MAP_HZ = 4.0
 MAP_SHARE = 0.1  #: most of the time that drawing the map may take
 WIDE = 1.3  #: width over height of a picture in which the first camera has the whole world in view
+MARGIN = 5.0  #: metres around a log's way that the first camera shows
 SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
 
 _log = structlog.get_logger(__name__)
@@ -125,7 +126,7 @@ class Scene:
         self._layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
         if self._path is not None:
             self._trajectory = scene.add_line_segments(
-                "/trajectory", path_segments(self._path), PATH, thickness=1.5, thickness_units="screen"
+                "/trajectory", path_segments(self._path), PATH, thickness=1.0, thickness_units="screen"
             )
             self._layers["Path"] = self._trajectory
         self._aim(view)
@@ -161,13 +162,12 @@ class Scene:
         panel.dock_below(gui.main_panel)
 
     def _aim(self, view: SessionView) -> None:
-        """Point new cameras from the south, high up, at the middle of the world (of the map, for a log)."""
+        """Point new cameras from the south, high up, at the middle of the world (of the way, for a log)."""
         if view.world is not None:
             x0, y0, x1, y1 = view.world.bounds
         else:
-            geometry = view.geometry
-            low, high = geometry.cell_to_world([(0, 0), (geometry.rows - 1, geometry.cols - 1)])
-            (x0, y0), (x1, y1) = low, high
+            path = view.geometry.cell_to_world([(0, 0), view.geometry.shape]) if self._path is None else self._path
+            (x0, y0), (x1, y1) = path[:, :2].min(axis=0) - MARGIN, path[:, :2].max(axis=0) + MARGIN
         x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
         camera = self._server.initial_camera
         camera.up = (0.0, 0.0, 1.0)
