@@ -1,7 +1,9 @@
 import { computed, useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { type Connection, connect } from "../../connect";
+import { exposeHook } from "../../debug";
 import { Belief } from "../../figures/belief";
+import type { Picture } from "../../figures/picture/Picture";
 import { Profile } from "../../figures/profile/Profile";
 import { tellingReading } from "../../figures/profile/reading";
 import { Readout } from "../../figures/readout";
@@ -25,7 +27,9 @@ interface ViewerProps {
 /** One log: its map filling in, and everything that shapes it. */
 export function Viewer({ session, onClose, onGone }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
+  const picture = useRef<Picture | null>(null);
   useEffect(() => {
+    exposeHook(connection, () => picture.current);
     connection.start();
     return () => connection.stop();
   }, [connection]);
@@ -58,7 +62,12 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
     <div class="viewer">
       <Head connection={connection} session={session} onClose={onClose} />
       <div class="viewer-map">
-        <Belief store={store} />
+        <Belief
+          store={store}
+          onPicture={(made) => {
+            picture.current = made;
+          }}
+        />
         {!hello && (
           <p class="viewer-over" role="status">
             Opening the log …
