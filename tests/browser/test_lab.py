@@ -1,0 +1,225 @@
+"""The lab in real Chromium: the world and the belief, the profile and its handles, the sliders, the robot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from mapper.parameters import PARAMETERS
+from tests.browser.cutting_proxy import cutting_proxy
+from tests.browser.looking import SECONDS, await_map, drag, frame, map_digest, observed, settled_digest, until
+
+NUMBERS = {model: [row for row in PARAMETERS if row.kind == "number" and (not row.only_for or model in row.only_for)]
+           for model in ("fixed_increments", "step_window")}  # fmt: skip
+SLIDERS = [
+    (model, row) for model, rows in NUMBERS.items() for row in rows if model == "fixed_increments" or row.only_for
+]
+
+
+@pytest.fixture
+def lab(page: Page, server: str) -> Iterator[Page]:
+    """The lab, paused with a map of its own on show."""
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    yield page
+    # The server ends a session only after a while; many tests must not fill it up.
+    page.evaluate(
+        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+    )
+
+
+def profile(page: Page) -> str:
+    """What the profile figure shows."""
+    return str(page.locator("figure.profile").inner_html())
+
+
+def open_all_panels(page: Page) -> None:
+    """Unfold every group of settings."""
+    page.evaluate("() => { for (const panel of document.querySelectorAll('details.panel')) panel.open = true; }")
+
+
+def choose_model(page: Page, model: str) -> None:
+    """Take an inverse sensor model."""
+    page.locator(".lab-settings").get_by_text(model.replace("_", " "), exact=True).click()
+    until(
+        "the model to be taken",
+        lambda: page.evaluate("() => gridbloom.connection.store.mapping.values.value.model") == model,
+    )
+
+
+def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    before, pose = observed(page), frame(page)["pose"]
+    until("new cells", lambda: observed(page) > before + 200)
+    assert frame(page)["pose"] != pose
+    assert "session=" in page.url
+
+
+@pytest.mark.parametrize(("model", "row"), SLIDERS, ids=[f"{model}-{row.name}" for model, row in SLIDERS])
+def test_a_slider_changes_the_map_and_the_profile(lab: Page, model: str, row) -> None:
+    open_all_panels(lab)
+    if model != "fixed_increments":
+        choose_model(lab, model)
+    map_before, profile_before = settled_digest(lab), profile(lab)
+    slider = lab.get_by_role("slider", name=row.label, exact=True).and_(lab.locator("input"))
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    assert box is not None
+    fraction = float(slider.input_value()) / 1000
+    # Grab the thumb where it is, and go a quarter of the way towards the farther end.
+    x, y = box["x"] + 10 + fraction * (box["width"] - 20), box["y"] + box["height"] / 2
+    lab.mouse.move(x, y)
+    lab.mouse.down()
+    lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
+    lab.mouse.up()
+    until(f"the map to follow {row.name}", lambda: map_digest(lab) != map_before)
+    if row.group == "model" or row.name == "resolution":
+        assert profile(lab) != profile_before
+
+
+HANDLES = [
+    ("Miss increment", (0, 30), True),
+    ("Hit increment", (0, -30), True),
+    ("Near edge of the hit window", (-40, 0), True),
+    ("Far edge of the hit window", (40, 0), True),
+    ("Max range", (-160, 0), True),
+    ("Measured range z", (-60, 0), False),  # what this one beam would have said: the map has its own readings
+]
+
+
+@pytest.mark.parametrize(("name", "by", "changes_map"), HANDLES, ids=[name for name, _, _ in HANDLES])
+def test_a_handle_on_the_curve_changes_the_profile_and_the_map(
+    lab: Page, name: str, by: tuple[int, int], changes_map: bool
+) -> None:
+    map_before, profile_before = settled_digest(lab), profile(lab)
+    handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
+    value = handle.get_attribute("aria-valuenow")
+    drag(lab, handle.locator(".handle-grab"), *by)
+    until(f"{name} to move", lambda: handle.get_attribute("aria-valuenow") != value)
+    assert profile(lab) != profile_before
+    if changes_map:
+        until(f"the map to follow {name}", lambda: map_digest(lab) != map_before)
+    else:
+        assert settled_digest(lab) == map_before
+
+
+@pytest.mark.parametrize("name", [name for name, _, _ in HANDLES])
+def test_a_handle_answers_to_the_keyboard(lab: Page, name: str) -> None:
+    handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
+    value = float(handle.get_attribute("aria-valuenow") or "nan")
+    handle.focus()
+    horizontal = handle.get_attribute("aria-orientation") == "horizontal"
+    lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
+    until(f"{name} to move", lambda: float(handle.get_attribute("aria-valuenow") or "nan") != value)
+
+
+def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) -> None:
+    world = lab.locator(".picture").first
+    box = world.bounding_box()
+    assert box is not None
+    x, y = frame(lab)["pose"][:2]
+    # The far end of the office: wherever the robot is, the other side.
+    bounds = lab.evaluate("() => gridbloom.connection.store.world.peek().bounds")
+    target = [bounds[2] - 2.5 if x < (bounds[0] + bounds[2]) / 2 else bounds[0] + 2.5, bounds[1] + 2.5]
+    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", target)
+    unseen = lab.evaluate("(xy) => gridbloom.readState(xy)", target)
+    before = observed(lab)
+    lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
+    until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - x) > 3.0)
+    until("new cells", lambda: observed(lab) > before + 200)
+    there = frame(lab)["pose"]
+    assert abs(there[0] - target[0]) < 1.5
+    assert abs(there[1] - target[1]) < 1.5
+    around = [[there[0] + dx, there[1] + dy] for dx, dy in ((0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))]
+    states = [lab.evaluate("(xy) => gridbloom.readState(xy)?.byte", place) for place in around]
+    assert unseen is None or unseen["byte"] == 0 or there[:2] != [x, y]
+    assert any(byte for byte in states)
+
+
+def test_a_teleport_into_a_wall_lands_beside_it_and_says_so(lab: Page) -> None:
+    box = lab.locator(".picture").first.bounding_box()
+    assert box is not None
+    wall = lab.evaluate(
+        "() => { const [first] = gridbloom.connection.store.world.peek().polygons;"
+        " const n = first.length; return [0, 1].map((k) => first.reduce((sum, p) => sum + p[k], 0) / n); }"
+    )
+    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", wall)
+    lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
+    expect(lab.locator(".toast").first).to_contain_text(
+        re.compile("nearest free", re.IGNORECASE), timeout=SECONDS * 1000
+    )
+
+
+def test_the_robot_drives_by_the_keyboard(lab: Page) -> None:
+    lab.get_by_role("button", name="Play").click()
+    lab.locator(".picture").first.focus()
+    lab.keyboard.down("KeyA")
+    until("the robot to be in our hands", lambda: frame(lab)["auto"] is False)
+    yaw = frame(lab)["pose"][2]
+    until("the robot to turn", lambda: abs(frame(lab)["pose"][2] - yaw) > 0.3)
+    lab.keyboard.up("KeyA")
+
+
+def test_hovering_a_cell_reads_it(lab: Page) -> None:
+    belief = lab.locator(".picture").nth(1)
+    box = belief.bounding_box()
+    assert box is not None
+    x, y = frame(lab)["pose"][:2]
+    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", [x, y])
+    lab.mouse.move(box["x"] + pixel[0], box["y"] + pixel[1])
+    readout = lab.locator(".readout")
+    # Beams start in the robot's own cell, so it is as free as can be: the lower clamp, p = 1 − 1 / (1 + e^−2).
+    expect(readout).to_contain_text("free", timeout=SECONDS * 1000)
+    expect(readout).to_contain_text("−2.00")
+    expect(readout).to_contain_text("0.119")
+
+
+def test_the_page_recovers_from_a_lost_connection_without_a_reload(context, server: str) -> None:
+    # On a page that is not watched for console errors: a refused connection is one, and is what the test is about.
+    with cutting_proxy(urlsplit(server).port or 0) as proxy:
+        page = context.new_page()
+        page.goto(f"http://127.0.0.1:{proxy.port}/lab.html")
+        await_map(page)
+        page.evaluate("() => { window.notReloaded = true; }")
+        session = page.url
+        proxy.cut()
+        expect(page.locator(".lab-status")).to_have_text("reconnecting", timeout=SECONDS * 1000)
+        seen = frame(page)["index"]
+        proxy.mend()
+        expect(page.locator(".lab-status")).to_have_text("live", timeout=SECONDS * 1000)
+        until("the map to go on", lambda: frame(page)["index"] > seen + 5)
+        assert page.evaluate("() => window.notReloaded") is True
+        assert page.url == session
+        # What was missed meanwhile came after: the browser's map is the server's.
+        page.get_by_role("button", name="Pause").click()
+        until("the robot to stand", lambda: not frame(page)["playing"])
+        kept = settled_digest(page)
+        page.reload()
+        await_map(page)
+        until("the same map after a reload", lambda: map_digest(page) == kept)
+
+
+def test_another_world_is_another_map(lab: Page) -> None:
+    before = settled_digest(lab)
+    lab.get_by_label("World").select_option("room")
+    until("another map", lambda: map_digest(lab) != before)
+    assert lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "room"
+
+
+def test_the_link_shows_the_same_session_to_somebody_else(lab: Page, browser) -> None:
+    other = browser.new_context()
+    try:
+        page = other.new_page()
+        page.goto(lab.url)
+        await_map(page)
+        mine = settled_digest(lab)
+        until("the same map in both browsers", lambda: map_digest(page) == mine)
+    finally:
+        other.close()
