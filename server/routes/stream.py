@@ -21,6 +21,7 @@ router = APIRouter()
 
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
+MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
 
 CLOSE_POLICY = 1008
 CLOSE_SESSION_ENDED = 4410
@@ -100,7 +101,7 @@ async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
 
 
 async def _receive(websocket: WebSocket, session: Session, client: Client) -> None:
-    malformed = 0
+    malformed = throttled = 0
     allowance = Allowance()
     while True:
         message = await websocket.receive()
@@ -115,8 +116,11 @@ async def _receive(websocket: WebSocket, session: Session, client: Client) -> No
                 await _close(websocket, CLOSE_POLICY, "too many malformed frames")
                 return
         wait = allowance.spend()
-        if wait > 0.0:
-            await asyncio.sleep(wait)
+        throttled = throttled + 1 if wait > 0.0 else 0
+        if throttled > MAX_THROTTLED:
+            await _close(websocket, CLOSE_POLICY, "too many commands")
+            return
+        await asyncio.sleep(wait)
 
 
 def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:

@@ -55,8 +55,8 @@ Browser → server:
 ``inspect``     {row, col, epoch}
 ``ping``        {id}
 
-The socket is closed with 1008 (no subprotocol, or too many malformed frames), 4404 (there is no such session), 4408
-(no frame was acknowledged for a long time: connect again) or 4410 (the session has ended).
+The socket is closed with 1008 (no subprotocol, too many malformed frames or too many commands), 4404 (there is no such
+session), 4408 (no frame was acknowledged for a long time: connect again) or 4410 (the session has ended).
 """
 
 from __future__ import annotations

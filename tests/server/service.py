@@ -6,6 +6,7 @@ The client decodes the frames by itself, from what the protocol's text says, so 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import struct
 import threading
@@ -21,6 +22,7 @@ import uvicorn
 import zstandard
 from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
 
 from server.serving import listen, make_server
 from server.settings import Settings
@@ -32,6 +34,14 @@ def settings_for(folder: Path, **changes: Any) -> Settings:
     """Settings of a service that keeps its things in ``folder``."""
     options: dict[str, Any] = {"data_dir": folder, "port": 0} | changes
     return Settings(**options)
+
+
+async def eventually(condition: Callable[[], bool]) -> None:
+    """Return once ``condition`` holds."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        await asyncio.sleep(0.002)
 
 
 class Service:
@@ -81,6 +91,14 @@ def running(settings: Settings) -> Iterator[Service]:
         thread.join(PATIENCE_S)
         bound.close()
         assert not thread.is_alive()
+
+
+async def until_closed(socket: ClientConnection) -> None:
+    """Read until the server closes the socket."""
+    async with asyncio.timeout(PATIENCE_S):
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await socket.recv()
 
 
 class Watcher:

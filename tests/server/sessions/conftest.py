@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import pytest
 
 from server.sessions import Session, SessionRegistry
-from tests.server.service import settings_for
+from tests.server.service import eventually, settings_for
 
 
 @pytest.fixture
@@ -38,8 +37,7 @@ def registry(make_registry: Callable[..., SessionRegistry]) -> SessionRegistry:
 async def obeyed(session: Session, **command: Any) -> None:
     """Give a command and wait until it was carried out."""
     session.enqueue(command)
-    while session.has_orders:
-        await asyncio.sleep(0.001)
+    await eventually(lambda: not session.has_orders)
     await session.snapshot()  # the tick that took it is over
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times
+from tests.server.service import eventually
 
 
 def whole_map(log: ScanLog, config: MappingConfig, stop: int | None = None) -> OccupancyGrid:
@@ -82,13 +82,14 @@ async def test_it_plays_to_its_end_and_from_the_start_again(
     assert session.playing
     client = session.join()
     await obey(session, type="speed", value=session.speeds[1])
-    heard = ""
-    while session.playing:
-        await asyncio.sleep(0.02)
-    await session.snapshot()
-    await asyncio.sleep(0.05)
-    heard = "".join(str(message) for message in client.take())
-    assert '"code":"log.end"' in heard
+    heard: list[str] = []
+
+    def ended() -> bool:
+        heard.extend(str(message) for message in client.take())
+        return '"code":"log.end"' in "".join(heard)
+
+    await eventually(ended)
+    assert not bool(session.playing)
     assert session.progress[0] == office_log.n_scans
     await obey(session, type="speed", value=0.1)
     await obey(session, type="play")

@@ -10,6 +10,7 @@ import pytest
 
 from mapper.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
+from tests.server.service import eventually
 
 Make = Callable[..., SessionRegistry]
 
@@ -87,8 +88,7 @@ async def test_all_grids_together_are_bounded(make_registry: Make, office_log: S
     third.join()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
     third.enqueue({"type": "parameters", "values": {"resolution": 0.05}})
-    while third.has_orders:
-        await asyncio.sleep(0.001)
+    await eventually(lambda: not third.has_orders)
     await third.snapshot()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
 
