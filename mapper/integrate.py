@@ -11,17 +11,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mapper.errors import ConfigError
 from mapper.geometry import compose
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.kernels.field import add_fields
-from mapper.kernels.rays import add_rays, reach
-from mapper.kernels.types import Sight
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan, ScanLog, beam_fields, check_poses
+from mapper.sweep import Sweep
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
 
@@ -49,71 +47,15 @@ class Change:
     cells_updated: int
 
 
-@dataclass(frozen=True, slots=True)
-class _Sweep:
-    """Scans as the kernels take them."""
-
-    ranges: NDArray[np.float32]  # (n_scans, n_beams)
-    sensor_poses: NDArray[np.float64]  # (n_scans, 3), T_map_laser
-    angles: NDArray[np.float64]  # (n_beams,)
-    fields: NDArray[np.float64]  # (n_beams, 4)
-    range_min: float
-    range_max: float
-
-    @property
-    def sensors(self) -> NDArray[np.float64]:
-        """(n_scans, 4): x, y, cos θ, sin θ."""
-        theta = np.ascontiguousarray(self.sensor_poses[:, 2])
-        return np.column_stack([self.sensor_poses[:, :2], np.cos(theta), np.sin(theta)])
-
-    @property
-    def beams(self) -> NDArray[np.float64]:
-        """(n_beams, 2): cosine and sine of the bearings."""
-        return np.column_stack([np.cos(self.angles), np.sin(self.angles)])
-
-    def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
-        """(n_scans, 2): cosine and sine of the sensor's heading along the lattice."""
-        theta = np.ascontiguousarray(self.sensor_poses[:, 2] - geometry.origin[2])
-        return np.column_stack([np.cos(theta), np.sin(theta)])
-
-    def sight(self, config: MappingConfig) -> Sight:
-        """Which readings count and how, as the kernels take it."""
-        return (self.range_min, self.range_max, config.window, config.no_return == "free")
-
-    def bounds(self, config: MappingConfig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The least and greatest x, y (2,) of the sensors and of all that they see."""
-        out = np.array([np.inf, np.inf, -np.inf, -np.inf])
-        directions = [self.beams]
-        if config.update == "per_scan" and len(self.fields):
-            # A field ends in an arc. It lies within the corners of the polygon around it: right, middle and left.
-            right, left = self.fields[:, :2], self.fields[:, 2:]
-            cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
-            stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]
-            directions = [right * stretch, self.beams * stretch, left * stretch]
-        for direction in directions:
-            reach(self.ranges, self.sensors, np.ascontiguousarray(direction), self.sight(config), out)
-        return out[:2], out[2:]
-
-    def add_to(self, grid: OccupancyGrid, config: MappingConfig) -> Change:
-        """Add all scans; what falls outside the grid is clipped."""
-        geometry, model = grid.geometry, config.beam_model()
-        low, high = (np.float32(limit) for limit in config.clamp_limits)
-        rule = (np.float32(model.log_odds_miss), np.float32(model.log_odds_hit), low, high)
-        frame, sight = geometry.frame, self.sight(config)
-        box = np.array([geometry.rows, 0, geometry.cols, 0], dtype=np.int64)
-        target, scans = (grid.log_odds, grid.observed, box), (self.ranges, self.sensors, self.beams)
-        if config.update == "per_scan":
-            paint = np.zeros(geometry.shape, dtype=np.uint8)
-            count = int(add_fields(*target, paint, *scans, self.fields, self.headings(geometry), frame, sight, rule))
-        else:
-            count = int(add_rays(*target, *scans, frame, sight, rule))
-        touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
-        return Change(touched, geometry_changed=False, cells_updated=count)
+def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
+    count, box = sweep.add_to(grid, config)
+    touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
+    return Change(touched, geometry_changed=False, cells_updated=count)
 
 
-def _sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> _Sweep:
+def _sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
     turn = -1.0 if log.upside_down else 1.0
-    return _Sweep(
+    return Sweep(
         log.ranges[start:stop],
         compose(log.sensor_poses(trajectory)[start:stop], np.array(config.mount)),
         log.angles,
@@ -148,7 +90,7 @@ def integrate_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike,
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
-    sweep = _Sweep(
+    sweep = Sweep(
         scan.ranges[np.newaxis],
         compose(pose, np.array(config.mount))[np.newaxis],
         scan.angles,
@@ -157,7 +99,7 @@ def integrate_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike,
         min(scan.range_max, config.range_max),
     )
     grown = grid.grow_to_include(*sweep.bounds(config))
-    change = sweep.add_to(grid, config)
+    change = _add(grid, sweep, config)
     return Change(change.box, grown, change.cells_updated)
 
 
@@ -165,7 +107,7 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    return _sweep_of_log(log, config, trajectory, start, stop).add_to(grid, config)
+    return _add(grid, _sweep_of_log(log, config, trajectory, start, stop), config)
 
 
 def integrate_log(

@@ -52,14 +52,16 @@ def beam_fields(angle_min: float, angle_increment: float, n_beams: int) -> NDArr
     beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
     (β, the opening angle).
     """
+    turned = abs(angle_increment) * np.arange(n_beams + 1)
     half = min(abs(angle_increment) / 2.0, np.pi / 4.0)
-    angles = angle_min + angle_increment * np.arange(n_beams)
-    ends = np.stack([angles - half, angles + half])
     if half < np.pi / 4.0:
         edges = angle_min + angle_increment * (np.arange(n_beams + 1) - 0.5)
-        whole_turn = np.arange(n_beams + 1) * abs(angle_increment) > 2.0 * np.pi - 1e-6 * abs(angle_increment)
-        edges[whole_turn] = edges[0]
+        edges[turned > 2.0 * np.pi - 1e-6 * abs(angle_increment)] = edges[0]
         ends = np.stack([edges[:-1], edges[1:]] if angle_increment > 0.0 else [edges[1:], edges[:-1]])
+    else:
+        angles = angle_min + angle_increment * np.arange(n_beams)
+        ends = np.stack([angles - half, angles + half])
+        ends[:, turned[:-1] > 2.0 * np.pi - 2.0 * half] = angle_min
     right, left = ends
     return np.stack([np.cos(right), np.sin(right), np.cos(left), np.sin(left)], axis=-1)
 

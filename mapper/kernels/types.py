@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 BoolArray = NDArray[np.bool_]
 Int8Array = NDArray[np.int8]
-UInt8Array = NDArray[np.uint8]
+UInt32Array = NDArray[np.uint32]
 Int64Array = NDArray[np.int64]
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mapper import textbook
 from mapper.geometry import transform_points
 from mapper.integrate import geometry_for, integrate_log
-from mapper.kernels import rays
+from mapper.kernels.lines import draw_lines
 from mapper.kernels.quantise import quantise
 from tests.agreement.inputs import LineCase, MappingCase, PictureCase, lines, mapping_cases, pictures
 
@@ -44,9 +44,12 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 
 def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     drawn, observed = np.zeros(case.shape, dtype=np.float32), np.zeros(case.shape, dtype=np.bool_)
-    box = np.array([case.shape[0], 0, case.shape[1], 0])
-    one, low, high = np.float32(1), np.float32(-100), np.float32(100)
-    rays._add_run(drawn, observed, *case.start, *case.end, 0, 1 << 20, one, low, high, box)
+    (rows, cols), steps = case.shape, max(abs(case.end[0] - case.start[0]), abs(case.end[1] - case.start[1]))
+    box = np.array([rows, 0, cols, 0])
+    line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]])
+    one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
+    flat = drawn.reshape(-1), observed.reshape(-1)
+    draw_lines(*flat, cols, line, (one, nothing, low, high), 0, rows, box)
     return drawn, observed, box if drawn.any() else None
 
 

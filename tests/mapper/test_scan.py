@@ -112,3 +112,9 @@ def test_a_full_turn_closes_and_what_goes_beyond_sees_nothing() -> None:
 def test_a_coarse_beam_sees_no_more_than_a_quarter_turn() -> None:
     np.testing.assert_allclose(bearing_edges(0.0, 3.0, 1), [[-np.pi / 4, np.pi / 4]])
     np.testing.assert_allclose(bearing_edges(0.5, 0.0, 2), [[0.5, 0.5], [0.5, 0.5]])
+
+
+def test_coarse_beams_never_see_the_same_place() -> None:
+    fields = beam_fields(0.0, 3.0, 4)
+    np.testing.assert_allclose(np.arctan2(fields[:2, 1], fields[:2, 0]), [-np.pi / 4, 3.0 - np.pi / 4])
+    np.testing.assert_array_equal(fields[2:, :2], fields[2:, 2:])

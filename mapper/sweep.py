@@ -1,0 +1,156 @@
+"""A batch of scans as the kernels take them, and the two passes that put it into a grid on all cores.
+
+The first pass turns readings into lines or runs of cells and is split by scans; the second adds the evidence and is
+split by rows of the grid, so each cell gets its additions from one thread, in the order of the log. The result does not
+depend on the number of threads, not in its last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import ConfigError
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.kernels.field import RUN_FIELDS, draw_runs, plan_runs
+from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
+from mapper.kernels.types import Rule, Sight
+from mapper.parameters import MappingConfig
+from mapper.threads import bands, cores, in_parallel
+
+_CHUNK_READINGS = 1 << 16  # planned at once: what they become stays in the caches
+_WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
+
+Draw = Callable[[int, int, NDArray[np.int64]], int]
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Scans of one sensor, with the poses it had."""
+
+    ranges: NDArray[np.float32]  # (n_scans, n_beams)
+    sensor_poses: NDArray[np.float64]  # (n_scans, 3), T_map_laser
+    angles: NDArray[np.float64]  # (n_beams,)
+    fields: NDArray[np.float64]  # (n_beams, 4), see mapper.scan.beam_fields
+    range_min: float
+    range_max: float
+
+    @property
+    def sensors(self) -> NDArray[np.float64]:
+        """(n_scans, 4): x, y, cos θ, sin θ."""
+        theta = np.ascontiguousarray(self.sensor_poses[:, 2])
+        return np.column_stack([self.sensor_poses[:, :2], np.cos(theta), np.sin(theta)])
+
+    @property
+    def beams(self) -> NDArray[np.float64]:
+        """(n_beams, 2): cosine and sine of the bearings."""
+        return np.column_stack([np.cos(self.angles), np.sin(self.angles)])
+
+    def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
+        """(n_scans, 2): cosine and sine of the sensor's heading along the lattice."""
+        theta = np.ascontiguousarray(self.sensor_poses[:, 2] - geometry.origin[2])
+        return np.column_stack([np.cos(theta), np.sin(theta)])
+
+    def sight(self, config: MappingConfig) -> Sight:
+        """Which readings count and how, as the kernels take it."""
+        return (self.range_min, self.range_max, config.window, config.no_return == "free")
+
+    def bounds(self, config: MappingConfig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The least and greatest x, y (2,) of the sensors and of all that they see."""
+        out = np.array([np.inf, np.inf, -np.inf, -np.inf])
+        directions = [self.beams]
+        if config.update == "per_scan" and len(self.fields):
+            # A field ends in an arc. It lies within the corners of the polygon around it: right, middle and left.
+            right, left = self.fields[:, :2], self.fields[:, 2:]
+            cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
+            stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]
+            directions = [right * stretch, self.beams * stretch, left * stretch]
+        for direction in directions:
+            reach(self.ranges, self.sensors, np.ascontiguousarray(direction), self.sight(config), out)
+        return out[:2], out[2:]
+
+    def add_to(self, grid: OccupancyGrid, config: MappingConfig) -> tuple[int, NDArray[np.int64]]:
+        """Add all scans; what falls outside the grid is clipped.
+
+        Return the number of cell updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is
+        empty where row1 ≤ row0. Raises :class:`ConfigError` for cells so small that a beam crosses too many of them.
+        """
+        if (self.range_max + config.window) / grid.geometry.resolution >= MAX_STEPS:
+            raise ConfigError(
+                "grid.resolution",
+                f"A beam of {self.range_max:g} m crosses {MAX_STEPS} cells or more; choose coarser ones.",
+            )
+        threads = cores() if self.ranges.size >= _WORTH_SHARING else 1
+        rows, cols = grid.geometry.shape
+        box = np.array([rows, 0, cols, 0], dtype=np.int64)
+        draw_sweep = self._draw_fields if config.update == "per_scan" else self._draw_beams
+        count = draw_sweep(grid, config, threads, box)
+        return count, box
+
+    def _draw_beams(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
+        rows, cols = grid.geometry.shape
+        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), _rule(config)
+        step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
+        n_scans = len(self.ranges)
+        lines = np.empty((min(step, n_scans) * self.ranges.shape[1], LINE_FIELDS), dtype=np.int64)
+        count = 0
+        for first in range(0, n_scans, step):
+            part = slice(first, first + step)
+            work = np.zeros(rows + 1)
+            n = plan_lines(self.ranges[part], sensors[part], beams, grid.geometry.frame, sight, lines, work)
+            draw = partial(draw_lines, grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols, lines[:n], rule)
+            count += _in_bands(draw, np.cumsum(work)[:-1], threads, box)
+        return count
+
+    def _draw_fields(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
+        rows, cols = grid.geometry.shape
+        shape = (rows, -(-cols // 32))
+        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), _rule(config)
+        headings, frame = self.headings(grid.geometry), grid.geometry.frame
+        scratch = [(np.zeros(shape, np.uint32), np.zeros(shape, np.uint32)) for _ in range(threads)]
+        step = max(threads, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
+
+        def plan(bits: tuple[NDArray[np.uint32], NDArray[np.uint32]], first: int, stop: int) -> list[NDArray[np.int64]]:
+            done: list[NDArray[np.int64]] = []
+            room = 1 << 12
+            while first < stop:
+                part = slice(first, stop)
+                runs, counts = np.empty((room, RUN_FIELDS), np.int64), np.zeros(stop - first, np.int64)
+                scans = (self.ranges[part], sensors[part], beams, self.fields, headings[part])
+                first += plan_runs(*scans, frame, sight, cols, *bits, runs, counts)
+                done.append(runs[: counts.sum()])
+                room *= 2
+            return done
+
+        count = 0
+        for first in range(0, len(self.ranges), step):
+            stop = min(first + step, len(self.ranges))
+            cuts = np.linspace(first, stop, threads + 1).astype(int)
+            plans = in_parallel(
+                [partial(plan, bits, a, b) for bits, a, b in zip(scratch, cuts[:-1], cuts[1:], strict=True)]
+            )
+            for runs in (runs for planned in plans for runs in planned if len(runs)):
+                work = np.bincount(runs[:, 0], weights=runs[:, 2] - runs[:, 1], minlength=rows).astype(np.float64)
+                draw = partial(draw_runs, grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols, runs, rule)
+                count += _in_bands(draw, work, threads, box)
+        return count
+
+
+def _rule(config: MappingConfig) -> Rule:
+    model = config.beam_model()
+    low, high = (np.float32(limit) for limit in config.clamp_limits)
+    return (np.float32(model.log_odds_miss), np.float32(model.log_odds_hit), low, high)
+
+
+def _in_bands(draw: Draw, work: NDArray[np.float64], threads: int, box: NDArray[np.int64]) -> int:
+    """Let ``draw(row_low, row_high, box)`` work on all rows, one band for each thread; return the sum of the counts."""
+    shares = [(band, box.copy()) for band in bands(work, threads)]
+    counts = in_parallel([partial(draw, low, high, own) for (low, high), own in shares])
+    for _, own in shares:
+        box[::2] = np.minimum(box[::2], own[::2])
+        box[1::2] = np.maximum(box[1::2], own[1::2])
+    return sum(int(count) for count in counts)

@@ -1,0 +1,43 @@
+"""Work on several cores: one pool of threads for kernels that release the GIL."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+T = TypeVar("T")
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    # The caller works too, so one thread fewer than cores. Nothing in the pool ever waits for the pool.
+    return ThreadPoolExecutor(max(cores() - 1, 1), thread_name_prefix="mapper")
+
+
+def in_parallel(tasks: Iterable[Callable[[], T]]) -> list[T]:
+    """Run the tasks, the first in the calling thread; return their results in order."""
+    first, *others = tasks
+    running = [_pool().submit(task) for task in others]
+    return [first(), *(future.result() for future in running)]
+
+
+def bands(work: NDArray[np.float64], parts: int) -> list[tuple[int, int]]:
+    """Split rows [0, n) into at most ``parts`` ranges of about equal ``work`` (n,); none of them is empty."""
+    total = np.cumsum(work)
+    if len(work) < 2 or parts < 2 or total[-1] <= 0.0:
+        return [(0, len(work))]
+    cuts = 1 + np.searchsorted(total, total[-1] * np.arange(1, parts) / parts)
+    edges = sorted({0, len(work), *(int(cut) for cut in cuts if cut < len(work))})
+    return list(pairwise(edges))
