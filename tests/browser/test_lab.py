@@ -58,7 +58,7 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
     await_map(page)
     before, pose = observed(page), frame(page)["pose"]
     until("new cells", lambda: observed(page) > before + 200)
-    assert frame(page)["pose"] != pose
+    until("the robot to have moved", lambda: frame(page)["pose"] != pose)
     assert "session=" in page.url
 
 
@@ -208,7 +208,7 @@ def test_the_page_recovers_from_a_lost_connection_without_a_reload(context, serv
 
 def test_another_world_is_another_map(lab: Page) -> None:
     before = settled_digest(lab)
-    lab.get_by_label("World").select_option("room")
+    lab.locator("label", has_text="World").locator("select").select_option("room")
     until("another map", lambda: map_digest(lab) != before)
     assert lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "room"
 

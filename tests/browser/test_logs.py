@@ -1,0 +1,151 @@
+"""The logs page in real Chromium: choose and upload a log, watch it fill in, seek, change parameters, download."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import SECONDS, drag, frame, map_bytes, map_digest, settled_digest, until
+
+
+@pytest.fixture
+def intel(page: Page, server: str, data_file: Callable[[str], Path]) -> Iterator[Page]:
+    """The viewer with the corrected Intel log, standing at its end."""
+    data_file("carmen/intel-corrected.log.gz")
+    page.goto(f"{server}/logs.html")
+    card = page.locator(".log-card", has_text="intel-corrected.log.gz")
+    card.get_by_role("button", name="Make its map").click(timeout=SECONDS * 1000)
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()", timeout=SECONDS * 1000)
+    yield page
+    page.evaluate(
+        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+    )
+
+
+def seek_to_end(page: Page) -> None:
+    """Press End on the timeline and wait for the map."""
+    timeline = page.get_by_role("slider", name="Scans in the map")
+    timeline.focus()
+    page.keyboard.press("End")
+    until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
+    settled_digest(page)
+
+
+def map_file(page: Page, server: str) -> tuple[np.ndarray[Any, Any], dict[str, Any]]:
+    """Return the downloaded map as image rows turned upside down (row 0 at the smallest y), and its yaml."""
+    session = page.evaluate("() => new URLSearchParams(location.search).get('session')")
+    pgm = page.request.get(f"{server}/api/sessions/{session}/map.pgm").body()
+    text = page.request.get(f"{server}/api/sessions/{session}/map.yaml").text()
+    return np.asarray(Image.open(io.BytesIO(pgm)))[::-1], yaml.safe_load(text)
+
+
+def test_a_log_fills_in_by_itself(intel: Page) -> None:
+    at = frame(intel)["index"]
+    until("scans to come in", lambda: frame(intel)["index"] > at + 20)
+    assert frame(intel)["count"] == 910
+
+
+def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server: str) -> None:
+    seek_to_end(intel)
+    image, description = map_file(intel, server)
+    assert set(np.unique(image)) == {0, 205, 254}  # occupied, unknown, free as map_server writes them
+
+    # Everything that the browser holds, against the file.
+    held = map_bytes(intel)
+    assert image.shape == (held["rows"], held["cols"])
+    assert description["resolution"] == pytest.approx(held["resolution"])
+    assert description["origin"] == pytest.approx(held["origin"])
+    byte = np.array(held["bytes"], dtype=float).reshape(image.shape)
+    low, high = held["log_odds_min"], held["log_odds_max"]
+    p = 1.0 - 1.0 / (1.0 + np.exp(low + (byte - 1.0) / 254.0 * (high - low)))
+    shown = np.where(byte == 0, 205, np.where(p > 0.65, 0, np.where(p < 0.25, 254, 205)))
+    assert np.mean(shown == image) >= 0.999
+
+    # And what a person sees: zoom in until a cell is several pixels wide, then look at the pixels of a screenshot.
+    walls = np.argwhere(image == 0)
+    row, col = (int(v) for v in walls[len(walls) // 3])
+
+    def place(r: int, c: int) -> list[float]:
+        x0, y0 = held["origin"][:2]
+        return [x0 + (c + 0.5) * held["resolution"], y0 + (r + 0.5) * held["resolution"]]
+
+    intel.mouse.move(5, 5)
+    intel.evaluate("([x, y]) => gridbloom.connection.store.look({ x, y, scale: 0.01 })", place(row, col))
+    intel.wait_for_timeout(1500)
+    picture = intel.locator(".picture").first
+    seen = np.asarray(Image.open(io.BytesIO(picture.screenshot())).convert("RGB")).astype(int)
+
+    def colours(value: int) -> np.ndarray[Any, Any]:
+        near = np.argwhere(image == value)
+        near = near[np.abs(near - (row, col)).max(axis=1) < 25]
+        pixels = [intel.evaluate("(xy) => gridbloom.screen(xy)", place(int(r), int(c))) for r, c in near[::7]]
+        return np.array([seen[int(y), int(x)] for x, y in pixels if 0 <= x < seen.shape[1] and 0 <= y < seen.shape[0]])
+
+    # Occupied is warm, free is cold, and both are stronger the surer the map is. The path and the beams may be drawn
+    # over a few of the cells.
+    occupied, free = colours(0), colours(254)
+    assert len(occupied) >= 10
+    assert len(free) >= 10
+    assert np.mean(occupied[:, 0] > occupied[:, 2]) >= 0.9
+    assert np.mean(free[:, 2] >= free[:, 0]) >= 0.9
+    assert np.median(occupied.sum(axis=1)) < np.median(free.sum(axis=1)) - 200
+
+
+def test_going_back_makes_the_earlier_map_again(intel: Page) -> None:
+    intel.get_by_role("button", name="Pause").click()
+    timeline = intel.get_by_role("slider", name="Scans in the map")
+    box = timeline.bounding_box()
+    assert box is not None
+    intel.mouse.click(box["x"] + box["width"] * 0.3, box["y"] + box["height"] / 2)
+    until("the place on the timeline", lambda: abs(frame(intel)["index"] - 0.3 * 910) < 15)
+    at, there = frame(intel)["index"], settled_digest(intel)
+    seek_to_end(intel)
+    assert map_digest(intel) != there
+    timeline.focus()
+    intel.evaluate("(index) => gridbloom.connection.store.send({ type: 'seek', index })", at)
+    until("the earlier map, cell for cell", lambda: frame(intel)["index"] == at and map_digest(intel) == there)
+
+
+def test_the_whole_map_is_made_again_while_a_handle_moves(intel: Page) -> None:
+    seek_to_end(intel)
+    before = map_digest(intel)
+    handle = intel.locator("figure.profile").get_by_role("slider", name="Max range", exact=True)
+    drag(intel, handle.locator(".handle-grab"), -200, 0)
+    until("the map to follow", lambda: map_digest(intel) != before)
+    assert frame(intel)["index"] == 910
+    expect(intel.locator("[data-remade]")).to_contain_text("910 scans re-mapped in", timeout=SECONDS * 1000)
+
+
+def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
+    page: Page, server: str, data_file: Callable[[str], Path]
+) -> None:
+    page.goto(f"{server}/logs.html")
+    page.locator("input[type=file]").set_input_files(data_file("carmen/aces-corrected.log.gz"))
+    card = page.locator(".log-card", has_text="aces-corrected.log.gz")
+    card.get_by_role("button", name="Make its map").click(timeout=SECONDS * 1000)
+    page.wait_for_function("() => window.gridbloom && gridbloom.cells().occupied > 100", timeout=SECONDS * 1000)
+    page.get_by_role("button", name="All logs").click()
+    card.get_by_role("button", name="Delete aces-corrected.log.gz").click()
+    page.get_by_role("dialog").get_by_role("button", name="Delete").click()
+    expect(card).to_have_count(0, timeout=SECONDS * 1000)
+
+
+def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    page.locator("input[type=file]").set_input_files(
+        {"name": "holiday.jpg", "mimeType": "image/jpeg", "buffer": bytes(range(256)) * 40}
+    )
+    error = page.locator(".log-card.failed .log-error", has_text=".")
+    expect(error).to_be_visible(timeout=SECONDS * 1000)
+    assert "Traceback" not in error.inner_text()
+    # Nothing else stopped working: the sample opens beside it.
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50", timeout=SECONDS * 1000)

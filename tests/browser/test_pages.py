@@ -1,0 +1,70 @@
+"""Every page at every size: it fills in, logs no error, asks no other host, and does not scroll sideways."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import SIZES
+from tests.browser.looking import SECONDS, await_map, frame, until
+
+WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("context", SIZES, indirect=True)
+@pytest.mark.parametrize("path", ["/", "/lab.html", "/logs.html"])
+def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
+    page.emulate_media(color_scheme=scheme)
+    page.goto(server + path)
+    what = {"/": "canvas", "/lab.html": ".picture canvas", "/logs.html": ".log-card"}[path]
+    expect(page.locator(what).first).to_be_visible(timeout=SECONDS * 1000)
+    if path == "/lab.html":
+        await_map(page)
+    page.wait_for_timeout(500)
+    assert page.evaluate(WIDER) is False
+    ground = page.evaluate("() => getComputedStyle(document.documentElement).colorScheme")
+    assert scheme in ground or "light dark" in ground
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    world = page.locator(".picture").first
+    world.scroll_into_view_if_needed()
+    box = world.bounding_box()
+    assert box is not None
+    x = frame(page)["pose"][0]
+    bounds = page.evaluate("() => gridbloom.connection.store.world.peek().bounds")
+    target = [bounds[2] - 2.5 if x < (bounds[0] + bounds[2]) / 2 else bounds[0] + 2.5, bounds[1] + 2.5]
+    pixel = page.evaluate("(xy) => gridbloom.screen(xy)", target)
+    page.touchscreen.tap(box["x"] + pixel[0], box["y"] + pixel[1])
+    until("the robot to be there", lambda: abs(frame(page)["pose"][0] - x) > 3.0)
+
+
+def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str) -> None:
+    page.goto(server)
+    page.get_by_role("link", name="Open the lab").click()
+    await_map(page)
+    page.get_by_role("navigation", name="Pages").get_by_role("link", name="Logs").click()
+    expect(page.get_by_role("heading", name="Robot logs")).to_be_visible(timeout=SECONDS * 1000)
+
+
+def test_an_ended_session_is_replaced_and_the_page_says_so(page: Page, server: str, watched) -> None:
+    page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
+    await_map(page)
+    expect(page.locator(".toast").first).to_contain_text("new one", timeout=SECONDS * 1000)
+    assert "endedlongago" not in page.url
+    # The browser itself notes the 404 by which the page learns that the session is gone.
+    watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]
+
+
+def test_the_3d_view_opens_beside_the_lab(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.get_by_role("button", name="3D", exact=True).click()
+    scene = page.frame_locator("iframe.scene")
+    expect(scene.locator("canvas").first).to_be_visible(timeout=SECONDS * 1000)
+    # The parameters stand in viser's own panel, under the same labels.
+    expect(scene.get_by_text("Hit window").first).to_be_attached(timeout=SECONDS * 1000)
