@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
+from mapper.warm import warm
 from server.library import Library
 from server.metrics import Metrics
 from server.routes import docs, health, logs, pages, scenes, sessions, stream
@@ -18,7 +19,6 @@ from server.scenes import Scenes
 from server.security import Security
 from server.sessions import SessionRegistry
 from server.settings import Settings
-from server.warming import warm_up
 
 
 @asynccontextmanager
@@ -38,7 +38,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         state.scenes = Scenes()
         stack.push_async_callback(state.scenes.close)
         # The page paints while the kernels compile; a session that starts meanwhile waits for the same compilation.
-        state.warm = asyncio.ensure_future(asyncio.to_thread(warm_up))
+        state.warm = asyncio.ensure_future(asyncio.to_thread(warm))
         stack.push_async_callback(asyncio.wait, [state.warm])
         yield
 

@@ -94,7 +94,9 @@ class Security:
         if scope["type"] == "http" and self._takes_small_body(scope):
             body = await _read_small(receive, headers)
             if body is None:
-                too_large = error_response(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
+                message = f"A request has at most {MAX_BODY_BYTES} bytes."
+                # Nobody reads the rest of it.
+                too_large = error_response(413, "request.too_large", message, headers={"Connection": "close"})
                 await too_large(scope, receive, send_with_headers)
                 return
             receive = _replay(body, receive)

@@ -69,6 +69,7 @@ class SessionRegistry:
 
     async def start(self) -> None:
         """Begin to end sessions that nobody watches."""
+        self.loop = asyncio.get_running_loop()
         self._reaper = asyncio.create_task(self._reap(), name="session reaper")
 
     async def shutdown(self) -> None:

@@ -26,6 +26,7 @@ from server.stream.tiles import TilePicture
 
 WINDOW = 2  #: unacknowledged binary frames of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
+PRESUMED_LATENCY_S = 1.0  #: before anything is known of a client: it has to show that it is quick
 HOLD_SHARE = 0.1  #: a slow client's next frame waits this share of its latency, so that it is fresh when it is read
 MAX_HOLD_S = 0.1
 ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for so long is gone
@@ -140,14 +141,14 @@ class Client:
         self._frame_number = 0
         self._seq = 0
         self._unacknowledged: deque[tuple[int, float]] = deque()
-        self._latency = float("inf")  #: of acknowledgements: rises at once, falls slowly
+        self._latency = PRESUMED_LATENCY_S  #: of acknowledgements: rises at once, falls slowly
         self._least_latency = float("inf")
         self._frame_bytes = FIRST_FRAME_BYTES
         self._fresh_after = 0.0
 
     @property
     def is_slow(self) -> bool:
-        """Whether acknowledgements take long, or none came yet."""
+        """Whether acknowledgements take long, or too few came to tell."""
         return self._latency > SLOW_ACK_S
 
     def tell(self, message: dict[str, Any]) -> None:
@@ -174,14 +175,15 @@ class Client:
             raise ProtocolError("command.seq", f"Frame {seq} was not sent; the newest is {self._seq}.")
         now = self.hub.clock()
         while self._unacknowledged and self._unacknowledged[0][0] <= seq:
-            self._measure(now - self._unacknowledged.popleft()[1])
-            # What a slow reader is sent at once would be a whole period old at its next look.
-            self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * self._latency) if self.is_slow else 0.0)
+            latency = now - self._unacknowledged.popleft()[1]
+            self._measure(latency)
+            # Whoever looks once in a while has just looked: what was made before this instant would be older than a
+            # whole period at the next look. With a share of the period to spare, clocks and lines may be uneven.
+            self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * latency) if self.is_slow else 0.0)
         self.wake.set()
 
     def _measure(self, latency: float) -> None:
-        old = self._latency if np.isfinite(self._latency) else 0.0
-        self._latency = max(latency, 0.7 * old)
+        self._latency = max(latency, 0.7 * self._latency)
         self._least_latency = min(latency, self._least_latency * 1.02)
         # Frames whose size is what makes them late get smaller; a client that is late by itself keeps its size.
         if latency > self._least_latency + 0.25:
@@ -231,7 +233,7 @@ class Client:
         hub = self.hub
         if len(self._unacknowledged) >= (1 if self.is_slow else WINDOW) or not hub.frame_number:
             return False
-        if self.is_slow and (hub.clock() if hub.settled else hub.published_at) < self._fresh_after:
+        if (hub.clock() if hub.settled else hub.published_at) < self._fresh_after:
             return False
         return self._frame_number != hub.frame_number or self._has_dirty()
 

@@ -217,7 +217,7 @@ async def test_a_text_that_is_too_long_for_a_frame_ends_only_that_connection(ser
 
 async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> None:
     session_id, other_id = service.begin(), service.begin()
-    async with service.connect(session_id) as socket, service.connect(other_id) as other_socket:
+    async with service.connect(session_id, close_timeout=0.5) as socket, service.connect(other_id) as other_socket:
         other = Watcher(other_socket)
         flood = [json.dumps({"type": "teleport", "x": 1.0 + i % 5, "y": 2.0}) for i in range(2000)]
 

@@ -1,0 +1,106 @@
+"""A client that looks twice a second gets nothing older than half a second, and a fast one beside it is undisturbed.
+
+The exact statement, tick by tick on a clock of the test's own, is in tests/server/stream/test_hub.py; here real sockets
+and real sessions show that nothing between the hub and the client (buffers, threads, the event loop) spoils it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from tests.server.service import Service, Watcher, running, settings_for
+
+PERIOD_S = 0.5
+LOOKS = 10
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with running(settings_for(tmp_path_factory.mktemp("load"))) as service:
+        service.http.get("/readyz")
+        yield service
+
+
+async def drain(watcher: Watcher) -> int:
+    """Read all that waits in the socket; return the number of binary frames."""
+    before = watcher.frames
+    while True:
+        try:
+            await watcher.read(0.02)
+        except TimeoutError:
+            return watcher.frames - before
+
+
+async def test_a_client_at_two_hertz_is_at_most_half_a_second_behind(service: Service) -> None:
+    session_id = service.begin(kind="world", world="office", seed=1)
+    async with service.connect(session_id) as slow_socket, service.connect(session_id) as fast_socket:
+        slow, fast = Watcher(slow_socket), Watcher(fast_socket)
+        looking = True
+
+        async def keep_reading() -> None:
+            while looking:
+                if await fast.read() is None:
+                    await fast.acknowledge()
+
+        reading = asyncio.create_task(keep_reading())
+        await drain(slow)
+        await slow.acknowledge()
+        slow.ages.clear()
+        fast_before = fast.frames
+        ticks_before = service.state.sessions.get(session_id).hub.frame_number
+        over: list[float] = []  #: how much longer than the period each look came after the one before
+        frames: list[int] = []
+        last = time.monotonic()
+        for _ in range(LOOKS):
+            await asyncio.sleep(last + PERIOD_S - time.monotonic())
+            now = time.monotonic()
+            over.append(now - last - PERIOD_S)
+            last = now
+            frames.append(await drain(slow))
+            await slow.acknowledge()
+        ticks = service.state.sessions.get(session_id).hub.frame_number - ticks_before
+        got = fast.frames - fast_before
+        looking = False
+        await reading
+        assert all(n >= 1 for n in frames)  # there is something new at every look
+        assert max(frames) <= 2
+        # A machine that is too busy to wake this test in time may not be held against the server.
+        assert max(slow.ages) <= PERIOD_S + max(over)
+        assert got >= 0.8 * ticks
+
+
+async def test_a_client_that_never_reads_costs_the_others_nothing(service: Service) -> None:
+    session_id = service.begin(kind="world", world="office", seed=2)
+    async with service.connect(session_id, max_queue=1, close_timeout=0.5), service.connect(session_id) as good_socket:
+        good = Watcher(good_socket)
+        await good.until(lambda: good.frames > 60)
+        hub = service.state.sessions.get(session_id).hub
+        assert max(client.unacknowledged for client in hub.clients) <= 2
+
+
+async def test_twenty_browsers_on_ten_sessions_all_have_their_map(service: Service) -> None:
+    worlds = ["office", "room", "loop", "hall", "maze"]
+    http = service.http
+    ids = []
+    for i in range(10):
+        if i % 5 == 0:
+            http.cookies.clear()  # another visitor, with a budget of their own
+        ids.append(service.begin(kind="world", world=worlds[i % 5], seed=i))
+
+    all_run = asyncio.Barrier(20)
+
+    async def watch(session_id: str) -> Watcher:
+        async with service.connect(session_id) as socket:
+            watcher = Watcher(socket)
+            await watcher.until(lambda: watcher.frames > 20)
+            await all_run.wait()
+            await watcher.settle()
+            return watcher
+
+    watchers = await asyncio.gather(*(watch(ids[i % 10]) for i in range(20)))
+    for i, watcher in enumerate(watchers):
+        assert watcher.picture.tobytes() == service.state.sessions.get(ids[i % 10]).hub.picture.cells.tobytes()

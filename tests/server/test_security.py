@@ -1,0 +1,193 @@
+"""Host, Origin, token, visitor, headers, sizes: who may ask what."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+
+from server.settings import Settings
+from tests.server.service import Service, running, settings_for
+
+TOKEN = "correct-horse-battery"
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service that asks for a token and has a name."""
+    folder = tmp_path_factory.mktemp("guarded")
+    with running(settings_for(folder, token=TOKEN, allowed_hosts="maps.example.org")) as service:
+        yield service
+
+
+@pytest.fixture
+def browser(guarded: Service) -> Iterator[httpx.Client]:
+    """A browser that was never here."""
+    with httpx.Client(base_url=f"http://127.0.0.1:{guarded.port}", timeout=60) as client:
+        yield client
+
+
+def is_error(answer: httpx.Response, status: int, code: str) -> bool:
+    body = answer.json()
+    return answer.status_code == status and set(body) == {"code", "message", "detail"} and body["code"] == code
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:8000", "127.0.0.1.evil.example", "", "a b", "[::1", "8.8.8.8"]
+)
+def test_a_name_that_is_not_ours_is_refused(service: Service, host: str) -> None:
+    assert is_error(service.http.get("/api/worlds", headers={"host": host}), 421, "security.host")
+
+
+@pytest.mark.parametrize("host", ["localhost", "127.0.0.1:1234", "localhost:9000", "[::1]:8000", "LOCALHOST"])
+def test_our_own_names_are_answered(service: Service, host: str) -> None:
+    assert service.http.get("/api/worlds", headers={"host": host}).status_code == 200
+
+
+def test_a_name_that_was_allowed_is_answered(browser: httpx.Client) -> None:
+    headers = {"host": "maps.example.org", "authorization": f"Bearer {TOKEN}"}
+    assert browser.get("/api/worlds", headers=headers).status_code == 200
+    assert browser.get("/api/worlds", headers=headers | {"host": "maps.example.com"}).status_code == 421
+
+
+@pytest.mark.parametrize(
+    "origin", ["https://evil.example", "null", "http://127.0.0.1:1", "file://", "http://127.0.0.1.evil.example"]
+)
+async def test_other_sites_pages_can_neither_change_nor_watch(service: Service, origin: str) -> None:
+    session_id = service.begin()
+    for method, path in (("POST", "/api/sessions"), ("DELETE", f"/api/sessions/{session_id}"), ("PUT", "/api/logs")):
+        answer = service.http.request(method, path, headers={"origin": origin})
+        assert is_error(answer, 403, "security.origin")
+    with pytest.raises(InvalidStatus) as refused:
+        await connect(service.address(session_id), origin=origin, subprotocols=["gridbloom.v1"])  # type: ignore[arg-type,list-item]
+    assert refused.value.response.status_code == 403
+    assert service.http.get(f"/api/sessions/{session_id}").status_code == 200
+
+
+async def test_our_own_pages_can(service: Service) -> None:
+    origin = f"http://127.0.0.1:{service.port}"
+    answer = service.http.post("/api/sessions", json={"kind": "world", "world": "room"}, headers={"origin": origin})
+    assert answer.status_code == 201
+    async with service.connect(answer.json()["id"], origin=origin) as socket:
+        assert json.loads(await socket.recv())["type"] == "hello"
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/api/worlds", "/api/logs", "/readyz", "/metrics", "/api/openapi.json", "/assets/x.js"]
+)
+def test_without_the_token_nothing_is_told(browser: httpx.Client, path: str) -> None:
+    assert is_error(browser.get(path), 401, "security.token")
+    assert is_error(browser.get(path, headers={"authorization": "Bearer wrong"}), 401, "security.token")
+    assert is_error(browser.get(path, headers={"authorization": "Basic " + TOKEN}), 401, "security.token")
+    assert is_error(browser.get(path + "?token=correct-horse"), 401, "security.token")
+    assert is_error(browser.get(path, headers={"cookie": f"gridbloom_token={TOKEN}"}), 401, "security.token")
+    page = browser.get(path, headers={"accept": "text/html"})
+    assert page.status_code == 401
+    assert 'name="token"' in page.text
+
+
+def test_livez_is_open(browser: httpx.Client) -> None:
+    assert browser.get("/livez").json() == {"status": "alive"}
+
+
+def test_the_token_in_the_address_becomes_a_cookie(browser: httpx.Client) -> None:
+    first = browser.get(f"/api/worlds?a=1&token={TOKEN}&b=%26")
+    assert first.status_code == 303
+    assert first.headers["location"] == "/api/worlds?a=1&b=%26"
+    assert TOKEN not in first.headers["set-cookie"]
+    assert "HttpOnly" in first.headers["set-cookie"]
+    assert browser.get("/api/worlds").status_code == 200
+
+
+def test_the_way_from_the_token_leads_nowhere_else(browser: httpx.Client) -> None:
+    answer = browser.get(f"//evil.example/?token={TOKEN}")
+    assert answer.headers.get("location", "/").startswith("/")
+    assert not answer.headers.get("location", "/").startswith("//")
+
+
+def test_programs_send_it_in_a_header(browser: httpx.Client) -> None:
+    assert browser.get("/api/worlds", headers={"authorization": f"Bearer {TOKEN}"}).status_code == 200
+
+
+async def test_a_socket_needs_the_token_too(guarded: Service) -> None:
+    guarded.http.headers["authorization"] = f"Bearer {TOKEN}"
+    session_id = guarded.begin()
+    with pytest.raises(InvalidStatus):
+        await connect(guarded.address(session_id), subprotocols=["gridbloom.v1"])  # type: ignore[list-item]
+    async with guarded.connect(session_id, additional_headers={"authorization": f"Bearer {TOKEN}"}) as socket:
+        assert json.loads(await socket.recv())["type"] == "hello"
+
+
+def test_each_browser_is_a_visitor_of_its_own(service: Service) -> None:
+    with httpx.Client(base_url=f"http://127.0.0.1:{service.port}") as one, httpx.Client(base_url=one.base_url) as two:
+        cookie = one.get("/livez").headers["set-cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=Lax" in cookie
+        assert "set-cookie" not in one.get("/livez").headers
+        session_id = one.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+        assert [s["id"] for s in one.get("/api/sessions").json()["sessions"]] == [session_id]
+        assert two.get("/api/sessions").json() == {"sessions": []}
+        assert two.get(f"/api/sessions/{session_id}").status_code == 200  # a link shares it
+        assert is_error(two.delete(f"/api/sessions/{session_id}"), 403, "session.not_yours")
+        assert one.delete(f"/api/sessions/{session_id}").status_code == 204
+        assert is_error(one.get(f"/api/sessions/{session_id}"), 404, "session.unknown")
+
+
+@pytest.mark.parametrize(
+    "cookie", ["gridbloom_visitor=../../x", "gridbloom_visitor=", "a=b; ;;=", "gridbloom_visitor=" + "x" * 5000]
+)
+def test_a_visitor_who_says_nonsense_is_new(service: Service, cookie: str) -> None:
+    answer = httpx.get(f"http://127.0.0.1:{service.port}/livez", headers={"cookie": cookie})
+    assert answer.status_code == 200
+    assert "gridbloom_visitor=" in answer.headers["set-cookie"]
+
+
+@pytest.mark.parametrize("path", ["/", "/api/worlds", "/livez", "/nothing/here", "/api/docs"])
+def test_every_answer_has_its_headers(service: Service, path: str) -> None:
+    headers = service.http.get(path).headers
+    assert "default-src 'self'" in headers["content-security-policy"]
+    assert "unsafe" not in headers["content-security-policy"]
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "same-origin"
+
+
+def test_bodies_are_bounded(service: Service) -> None:
+    def endless() -> Iterator[bytes]:
+        while True:
+            yield b" " * 4096
+
+    too_much: list[Any] = [b"x" * 70_000, endless()]
+    for content in too_much:
+        try:
+            answer = service.http.post("/api/sessions", content=content, headers={"content-type": "application/json"})
+        except httpx.WriteError:
+            continue  # the server closed the connection on a body without end
+        assert is_error(answer, 413, "request.too_large")
+    assert service.http.get("/livez").status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("host", "loopback"),
+    [
+        ("127.0.0.1", True),
+        ("localhost", True),
+        ("::1", True),
+        ("127.8.8.8", True),
+        ("0.0.0.0", False),
+        ("::", False),
+        ("x", False),
+    ],
+)
+def test_off_loopback_there_is_always_a_token(host: str, loopback: bool) -> None:
+    settings = Settings(host=host).with_token()
+    assert settings.is_loopback is loopback
+    assert (settings.token is None) is loopback
+    if settings.token is not None:
+        assert len(settings.token.get_secret_value()) >= 32
+        assert Settings(host=host).with_token().token != settings.token
+        assert settings.token.get_secret_value() not in repr(settings)
