@@ -51,6 +51,12 @@ export class Store implements Receiver {
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
 
+  /** What of the frame changes seldom: whoever shows only that is not rendered anew 30 times a second. */
+  readonly isReady = computed(() => this.frame.value !== null);
+  readonly playing = computed(() => this.frame.value?.playing ?? true);
+  readonly speed = computed(() => this.frame.value?.speed ?? 1);
+  readonly auto = computed(() => this.frame.value?.auto ?? true);
+
   /** The map on show. */
   readonly map = signal<MapPicture | null>(null);
   /** Grows whenever cells of the map on show change. */

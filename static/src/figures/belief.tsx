@@ -20,7 +20,7 @@ import {
 } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
-import type { Picture } from "./picture/Picture";
+import { type Picture, sized } from "./picture/Picture";
 import { pulse, stillness } from "./picture/pulse";
 
 interface BeliefProps {
@@ -44,14 +44,13 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
     <LinkedPicture
       store={store}
       label="The robot's map. Shift and arrow keys move the cell cursor, Escape lets it go; plus and minus zoom, 0 shows everything."
-      layers={2}
       onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
       {...(onPicture ? { onPicture } : {})}
-      setUp={(canvases, invalidate) => {
-        const [mapCanvas, overlay] = canvases as [HTMLCanvasElement, HTMLCanvasElement];
+      setUp={(canvas, invalidate) => {
+        const overlay = document.createElement("canvas");
         let renderer: MapRenderer | null = null;
         try {
-          renderer = new MapRenderer(mapCanvas, invalidate);
+          renderer = new MapRenderer(canvas, invalidate);
         } catch (error) {
           failure.value = error instanceof Error ? error.message : String(error);
         }
@@ -60,9 +59,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
           if (!stillness.peek()) glow?.add(row, col, performance.now());
         };
         const beat = pulse();
-        let mapBasis: readonly unknown[] = [];
         let colours: unknown = null;
-        let glows = false;
         return {
           watch: () => {
             void store.map.value;
@@ -76,21 +73,16 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
           },
           paint: (size, ratio, now) => {
             const view = store.view.peek();
-            const map = store.map.peek();
-            if (!view) return false;
-            if (map && renderer) {
-              if (colours !== inks.peek()) {
-                colours = inks.peek();
-                renderer.recolour();
-              }
-              const basis = [map, store.mapVersion.peek(), view, colours, size.width, size.height, ratio];
-              if (glows || !renderer.isCurrent || basis.some((value, i) => value !== mapBasis[i])) {
-                mapBasis = basis;
-                glows = renderer.draw(map, view, size, now);
-              }
+            if (!view || !renderer) return false;
+            if (colours !== inks.peek()) {
+              colours = inks.peek();
+              renderer.recolour();
             }
+            sized(overlay, canvas.width, canvas.height);
             const brush = brushOn(overlay, size, ratio, view, inks.peek());
-            return brush ? paintOverlay(store, brush, beat, now) || glows : glows;
+            brush?.ctx.clearRect(0, 0, size.width, size.height);
+            const moves = brush !== null && paintOverlay(store, brush, beat, now);
+            return renderer.draw(store.map.peek(), overlay, view, size, now) || moves;
           },
           dispose: () => {
             store.onBloom = null;

@@ -16,6 +16,7 @@ import {
 } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
+import { sized } from "./picture/Picture";
 import { type Pulse, pulse, stillness } from "./picture/pulse";
 
 /** The floor plan: painted only when the view, the world or the theme changes. */
@@ -24,9 +25,12 @@ function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: numbe
   const world = store.world.peek();
   if (!view) return;
   const colours = inks.peek();
-  const brush = brushOn(canvas, size, ratio, view, colours);
-  if (!brush || !world) return;
+  const brush = brushOn(canvas, size, ratio, view, colours, { alpha: false });
+  if (!brush) return;
   const { ctx } = brush;
+  ctx.fillStyle = colours.outside;
+  ctx.fillRect(0, 0, size.width, size.height);
+  if (!world) return;
   const [x0, y0, x1, y1] = world.bounds;
   ctx.beginPath();
   tracePolygon(brush, [
@@ -51,10 +55,9 @@ export function TrueWorld({ store }: { readonly store: Store }) {
     <LinkedPicture
       store={store}
       label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there; plus and minus zoom, 0 shows everything."
-      layers={2}
       onTap={(point) => store.teleport(point)}
-      setUp={(canvases) => {
-        const [plan, overlay] = canvases as [HTMLCanvasElement, HTMLCanvasElement];
+      setUp={(canvas) => {
+        const plan = document.createElement("canvas");
         const beat: Pulse = pulse();
         let painted: readonly unknown[] = [];
         return {
@@ -75,10 +78,13 @@ export function TrueWorld({ store }: { readonly store: Store }) {
             const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
             if (basis.some((value, i) => value !== painted[i])) {
               painted = basis;
+              sized(plan, canvas.width, canvas.height);
               paintPlan(store, plan, size, ratio);
             }
-            const brush = brushOn(overlay, size, ratio, view, inks.peek());
-            if (!brush || !frame) return false;
+            const brush = brushOn(canvas, size, ratio, view, inks.peek(), { alpha: false });
+            if (!brush) return false;
+            brush.ctx.drawImage(plan, 0, 0, size.width, size.height);
+            if (!frame) return false;
             const strength = beat(frame.index, now);
             const from = scanPose(frame);
             paintBeams(brush, from, frame, frame.range_max, strength);

@@ -1,6 +1,7 @@
 /** Draws a map into a canvas: crisp cells at every zoom and pixel ratio, and only when asked to. */
 
 import { fromLattice } from "../lattice";
+import type { Geometry } from "../protocol";
 import type { MapPicture } from "../state";
 import { tokenRgb } from "../style/colour";
 import type { Size, View } from "../view";
@@ -8,7 +9,16 @@ import type { Cells } from "./cells";
 import { Glow } from "./glow";
 import { mapColours, palette } from "./palette";
 import { CHUNK, levelFor } from "./pyramid";
-import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
+import {
+  CELLS_FRAGMENT,
+  CELLS_VERTEX,
+  GLOW_FRAGMENT,
+  GLOW_VERTEX,
+  OVERLAY_FRAGMENT,
+  OVERLAY_VERTEX,
+  program,
+  uniforms,
+} from "./shaders";
 import { ChunkTextures } from "./textures";
 
 /** Lattice (column, row) → clip space, column-major 3 × 3, and how many device pixels a cell is wide. */
@@ -26,6 +36,9 @@ export function clipMatrix(
   return { matrix, cellPx: geometry.resolution / view.scale };
 }
 
+/** Before a map has come only the colour of what was never observed is needed. */
+const ANY_RANGE = { log_odds_min: -1, log_odds_max: 1 };
+
 /** What depends on the context and is made anew when it was lost. */
 interface Resources {
   readonly cells: WebGLProgram;
@@ -39,6 +52,9 @@ interface Resources {
   readonly points: WebGLVertexArrayObject;
   readonly pointBuffer: WebGLBuffer;
   readonly palette: WebGLTexture;
+  readonly overlay: WebGLProgram;
+  readonly overlayQuad: WebGLVertexArrayObject;
+  readonly overlayTexture: WebGLTexture;
   readonly textures: ChunkTextures;
 }
 
@@ -65,36 +81,55 @@ export class MapRenderer {
     canvas.addEventListener("webglcontextrestored", redraw);
   }
 
-  /** False after the context was lost, until the next drawing: nothing of what was drawn is left. */
-  get isCurrent(): boolean {
-    return this.#resources !== null;
-  }
-
   /** Colours are read from the page's tokens anew with the next drawing. */
   recolour(): void {
     this.#paletteKey = "";
   }
 
-  /** Draw a map; `size` in CSS pixels, `now` in milliseconds. Says whether something still moves. */
-  draw(map: MapPicture, view: View, size: Size, now: number): boolean {
+  /**
+   * Draw a map and, over it, a canvas of the same size. One opaque canvas with everything in it costs the browser far
+   * less than two that it has to blend. `size` in CSS pixels, `now` in milliseconds. Says whether something still moves.
+   */
+  draw(map: MapPicture | null, overlay: HTMLCanvasElement, view: View, size: Size, now: number): boolean {
     const gl = this.#gl;
     if (gl.isContextLost()) return false;
     this.#resources ??= this.#make();
     const made = this.#resources;
-    if (map.cells !== this.#shown) {
+    const cells = map?.cells ?? null;
+    if (cells !== this.#shown) {
       made.textures.clear();
       this.glow.clear();
-      this.#shown = map.cells;
+      this.#shown = cells;
     }
-    this.#usePalette(made, map);
+    this.#usePalette(made, map?.geometry ?? ANY_RANGE);
     gl.viewport(0, 0, this.#canvas.width, this.#canvas.height);
     const [red, green, blue] = this.#background as [number, number, number];
     gl.clearColor(red / 255, green / 255, blue / 255, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    const { matrix, cellPx } = clipMatrix(map.geometry, view, size);
-    const devicePx = (cellPx * this.#canvas.width) / size.width;
-    this.#drawCells(made, map, matrix, levelFor(devicePx));
-    return this.#drawGlow(made, matrix, devicePx, now);
+    let glows = false;
+    if (map) {
+      const { matrix, cellPx } = clipMatrix(map.geometry, view, size);
+      const devicePx = (cellPx * this.#canvas.width) / size.width;
+      this.#drawCells(made, map, matrix, levelFor(devicePx));
+      glows = this.#drawGlow(made, matrix, devicePx, now);
+    }
+    this.#drawOverlay(made, overlay);
+    return glows;
+  }
+
+  #drawOverlay(made: Resources, overlay: HTMLCanvasElement): void {
+    const gl = this.#gl;
+    gl.useProgram(made.overlay);
+    gl.bindVertexArray(made.overlayQuad);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, made.overlayTexture);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, overlay);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.disable(gl.BLEND);
   }
 
   #drawCells(made: Resources, { geometry, cells }: MapPicture, matrix: Float32Array, level: number): void {
@@ -139,15 +174,15 @@ export class MapRenderer {
     return true;
   }
 
-  #usePalette(made: Resources, { geometry }: MapPicture): void {
-    const key = `${geometry.log_odds_min} ${geometry.log_odds_max}`;
+  #usePalette(made: Resources, range: Pick<Geometry, "log_odds_min" | "log_odds_max">): void {
+    const key = `${range.log_odds_min} ${range.log_odds_max}`;
     if (key === this.#paletteKey) return;
     this.#paletteKey = key;
     const gl = this.#gl;
     const colours = mapColours();
     this.#background = colours.unobserved;
     gl.bindTexture(gl.TEXTURE_2D, made.palette);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGBA, gl.UNSIGNED_BYTE, palette(geometry, colours));
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGBA, gl.UNSIGNED_BYTE, palette(range, colours));
     const [red, green, blue] = tokenRgb("--beam-fill");
     gl.useProgram(made.glow);
     gl.uniform3f(made.glowAt.u_colour, red / 255, green / 255, blue / 255);
@@ -162,13 +197,13 @@ export class MapRenderer {
     gl.useProgram(cells);
     gl.uniform1i(cellsAt.u_cells, 0);
     gl.uniform1i(cellsAt.u_palette, 1);
-    const quad = this.#array(cells, "a_corner", 2, new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]), gl.STATIC_DRAW);
+    const corners = new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]);
+    const quad = this.#array(cells, "a_corner", 2, corners, gl.STATIC_DRAW);
     const points = this.#array(glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
-    const colours = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, colours);
+    const colours = this.#nearest();
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 256, 1);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    const overlay = program(gl, OVERLAY_VERTEX, OVERLAY_FRAGMENT);
+    const overlayTexture = this.#nearest();
     return {
       cells,
       cellsAt,
@@ -178,8 +213,23 @@ export class MapRenderer {
       points: points.array,
       pointBuffer: points.buffer,
       palette: colours,
+      overlay,
+      overlayQuad: this.#array(overlay, "a_corner", 2, corners, gl.STATIC_DRAW).array,
+      overlayTexture,
       textures: new ChunkTextures(gl),
     };
+  }
+
+  /** A new texture, bound, that is looked up without blending. */
+  #nearest(): WebGLTexture {
+    const gl = this.#gl;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+    return texture;
   }
 
   #array(

@@ -50,6 +50,24 @@ void main() {
   colour = vec4(u_colour, 0.75 * v_glow);
 }`;
 
+/** What is painted over the map, a picture of the canvas's own size with premultiplied alpha. */
+export const OVERLAY_VERTEX = `#version 300 es
+in vec2 a_corner;
+out vec2 v_at;
+void main() {
+  v_at = vec2(a_corner.x, 1.0 - a_corner.y);
+  gl_Position = vec4(2.0 * a_corner - 1.0, 0.0, 1.0);
+}`;
+
+export const OVERLAY_FRAGMENT = `#version 300 es
+precision mediump float;
+uniform sampler2D u_overlay;
+in highp vec2 v_at;
+out vec4 colour;
+void main() {
+  colour = texture(u_overlay, v_at);
+}`;
+
 /** Compile and link; throws with the driver's words where that fails. */
 export function program(gl: WebGL2RenderingContext, vertex: string, fragment: string): WebGLProgram {
   const linked = gl.createProgram();

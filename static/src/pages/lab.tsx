@@ -1,6 +1,6 @@
 import "../style/index.css";
 import "./lab.css";
-import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { render } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
@@ -144,8 +144,34 @@ function Pictures({ session }: { readonly session: Live | null }) {
   );
 }
 
+/** How often the profile follows a beam that nobody points at: a calm figure, and a page with time for its pictures. */
+const IDLE_MS = 300;
+
+/** The reading of the beam that is looked at: at once while somebody points, now and then otherwise. */
+function useReading(store: Store): ReadonlySignal<number | null | undefined> {
+  const reading = useMemo(() => signal<number | null | undefined>(undefined), []);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const read = (): void => {
+      clearTimeout(timer);
+      timer = undefined;
+      reading.value = store.inspectedBeam.peek()?.range;
+    };
+    const stop = effect(() => {
+      void store.inspectedBeam.value;
+      if (store.probe.value) read();
+      else timer ??= setTimeout(read, IDLE_MS);
+    });
+    return () => {
+      stop();
+      clearTimeout(timer);
+    };
+  }, [store, reading]);
+  return reading;
+}
+
 function ProfileBox({ store }: { readonly store: Store }) {
-  const reading = useMemo(() => computed(() => store.inspectedBeam.value?.range), [store]);
+  const reading = useReading(store);
   const isPointed = useMemo(() => computed(() => store.probe.value !== null), [store]);
   const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
   return (

@@ -15,11 +15,9 @@ interface LinkedPictureProps {
   readonly store: Store;
   /** What the picture is, for who does not see it. */
   readonly label: string;
-  /** How many canvases lie over one another. */
-  readonly layers: number;
-  /** Called once with the canvases. `paint` paints them; `watch` reads every signal that the picture shows. */
+  /** Called once with the canvas. `paint` paints it; `watch` reads every signal that the picture shows. */
   readonly setUp: (
-    canvases: readonly HTMLCanvasElement[],
+    canvas: HTMLCanvasElement,
     invalidate: () => void,
   ) => { readonly paint: Paint; readonly watch: () => void; readonly dispose?: () => void };
   /** A tap or click on a place of the world. */
@@ -28,18 +26,20 @@ interface LinkedPictureProps {
   readonly children?: ComponentChildren;
 }
 
-export function LinkedPicture({ store, label, layers, setUp, onTap, onPicture, children }: LinkedPictureProps) {
+export function LinkedPicture({ store, label, setUp, onTap, onPicture, children }: LinkedPictureProps) {
   const frame = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
     const element = frame.current;
-    if (!element) return;
+    const surface = canvas.current;
+    if (!element || !surface) return;
     let invalidate = (): void => undefined;
-    const made = setUp([...element.querySelectorAll("canvas")], () => invalidate());
+    const made = setUp(surface, () => invalidate());
     const follow = (size: Size): void => {
       const bounds = store.bounds.peek();
       if (bounds && !store.viewHeld.peek()) store.view.value = fitted(bounds, size);
     };
-    const picture = new Picture(element, [...element.querySelectorAll("canvas")], made.paint, follow);
+    const picture = new Picture(element, surface, made.paint, follow);
     invalidate = picture.invalidate;
     onPicture?.(picture);
 
@@ -101,9 +101,7 @@ export function LinkedPicture({ store, label, layers, setUp, onTap, onPicture, c
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: it is an application: keys drive the robot and move the cursor
     <div class="picture" ref={frame} role="application" aria-label={label} tabIndex={0}>
-      {Array.from({ length: layers }, (_, i) => (
-        <canvas key={i} />
-      ))}
+      <canvas ref={canvas} />
       {children}
     </div>
   );

@@ -1,15 +1,22 @@
-/** A stack of canvases over one another that is repainted when something asked for it, and only while it is seen. */
+/** A canvas that is repainted when something asked for it, and only while it is seen. */
 
 import type { Size } from "../../view";
 
-/** Paints the whole stack; says whether something still moves and the next animation frame should paint again. */
+/** Paints the canvas; says whether something still moves and the next animation frame should paint again. */
 export type Paint = (size: Size, pixelRatio: number, now: number) => boolean;
 
 /** How fast pictures are painted: for the debugging hook. */
 export const paintStats = { paints: 0, milliseconds: 0, slowest: 0 };
 
+/** Give a canvas a size in device pixels; setting it clears the canvas, so only where it differs. */
+export function sized(canvas: HTMLCanvasElement, width: number, height: number): void {
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
+}
+
 export class Picture {
-  readonly #canvases: readonly HTMLCanvasElement[];
+  readonly #frame: HTMLElement;
+  readonly #canvas: HTMLCanvasElement;
   readonly #paint: Paint;
   readonly #resized: ResizeObserver;
   readonly #seen: IntersectionObserver;
@@ -21,18 +28,21 @@ export class Picture {
 
   constructor(
     frame: HTMLElement,
-    canvases: readonly HTMLCanvasElement[],
+    canvas: HTMLCanvasElement,
     paint: Paint,
     onSize: (size: Size) => void = () => undefined,
   ) {
-    this.#canvases = canvases;
+    this.#frame = frame;
+    this.#canvas = canvas;
     this.#paint = paint;
     this.#onSize = onSize;
-    this.#resized = new ResizeObserver(([entry]) => entry && this.#resize(entry));
+    this.#resized = new ResizeObserver(() => this.#resize());
     this.#resized.observe(frame);
     this.#seen = new IntersectionObserver(([entry]) => {
       this.#isSeen = entry?.isIntersecting ?? true;
-      if (this.#isSeen) this.invalidate();
+      if (!this.#isSeen) return;
+      this.#place();
+      this.invalidate();
     });
     this.#seen.observe(frame);
   }
@@ -47,11 +57,11 @@ export class Picture {
     this.#scheduled = requestAnimationFrame((now) => this.#run(now));
   };
 
-  /** Paint anew and read the lowest canvas, red, green, blue, alpha, at a CSS pixel; null outside. */
+  /** Paint anew and read the canvas: red, green, blue, alpha, at a CSS pixel; null outside. */
   readPixel(x: number, y: number): readonly number[] | null {
     const { width, height } = this.#size;
-    const canvas = this.#canvases[0];
-    if (!canvas || x < 0 || y < 0 || x >= width || y >= height) return null;
+    const canvas = this.#canvas;
+    if (x < 0 || y < 0 || x >= width || y >= height) return null;
     this.#run(performance.now());
     const copy = document.createElement("canvas");
     copy.width = copy.height = 1;
@@ -68,12 +78,27 @@ export class Picture {
     this.#scheduled = -1;
   }
 
-  #resize(entry: ResizeObserverEntry): void {
-    const { width, height } = entry.contentRect;
-    if (width < 1 || height < 1) return;
+  /** Lay the canvas onto whole device pixels: off them every cell would be blurred, and blending costs dearly. */
+  #place(): void {
+    const box = this.#frame.getBoundingClientRect();
     const ratio = devicePixelRatio;
-    this.#size = { width, height };
-    this.#device = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+    const left = Math.ceil(box.left * ratio - 0.01);
+    const top = Math.ceil(box.top * ratio - 0.01);
+    const width = Math.floor(box.right * ratio + 0.01) - left;
+    const height = Math.floor(box.bottom * ratio + 0.01) - top;
+    if (width < 1 || height < 1) return;
+    const { style } = this.#canvas;
+    style.left = `${left / ratio - box.left}px`;
+    style.top = `${top / ratio - box.top}px`;
+    style.width = `${width / ratio}px`;
+    style.height = `${height / ratio}px`;
+    this.#device = { width, height };
+    this.#size = { width: width / ratio, height: height / ratio };
+  }
+
+  #resize(): void {
+    this.#place();
+    if (this.#size.width < 1) return;
     this.#onSize(this.#size);
     // Setting a canvas's size clears it: paint in the same frame, so that it never shows empty.
     cancelAnimationFrame(this.#scheduled);
@@ -84,10 +109,7 @@ export class Picture {
     this.#scheduled = 0;
     const { width, height } = this.#device;
     if (width < 1 || height < 1) return;
-    for (const canvas of this.#canvases) {
-      if (canvas.width !== width) canvas.width = width;
-      if (canvas.height !== height) canvas.height = height;
-    }
+    sized(this.#canvas, width, height);
     const before = performance.now();
     const moves = this.#paint(this.#size, width / this.#size.width, now);
     const took = performance.now() - before;

@@ -18,12 +18,18 @@ export interface Brush {
   readonly inks: Inks;
 }
 
-/** Clear the canvas and put one unit at one CSS pixel; null where the browser gives no context. */
-export function brushOn(canvas: HTMLCanvasElement, size: Size, ratio: number, view: View, inks: Inks): Brush | null {
-  const ctx = canvas.getContext("2d");
+/** Put one unit at one CSS pixel; null where the browser gives no context. Nothing is cleared. */
+export function brushOn(
+  canvas: HTMLCanvasElement,
+  size: Size,
+  ratio: number,
+  view: View,
+  inks: Inks,
+  options: CanvasRenderingContext2DSettings = {},
+): Brush | null {
+  const ctx = canvas.getContext("2d", { ...options, willReadFrequently: true });
   if (!ctx) return null;
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-  ctx.clearRect(0, 0, size.width, size.height);
   return { ctx, size, view, inks };
 }
 

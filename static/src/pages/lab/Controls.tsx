@@ -3,7 +3,6 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../state";
 import type { Status } from "../../stream";
 import { Button } from "../../ui/Button";
-import { written } from "../../ui/numbers";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 
@@ -13,10 +12,11 @@ const isTyping = (target: EventTarget | null): boolean =>
 
 /** Time and the world: play, step, start over, how fast, which world, who drives. */
 export function Controls({ store }: { readonly store: Store | null }) {
-  const frame = store?.frame.value;
   const world = store?.world.value;
-  const playing = frame?.playing ?? true;
-  const off = !frame;
+  const playing = store?.playing.value ?? true;
+  const auto = store?.auto.value ?? true;
+  const speed = store?.speed.value ?? 1;
+  const off = !store?.isReady.value;
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== " " || isTyping(event.target)) return;
@@ -48,12 +48,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           disabled={off}
           onClick={() => store?.send({ type: "restart" })}
         />
-        <Button
-          icon="robot"
-          pressed={frame?.auto ?? true}
-          disabled={off}
-          onClick={() => store?.send({ type: "auto", value: !frame?.auto })}
-        >
+        <Button icon="robot" pressed={auto} disabled={off} onClick={() => store?.send({ type: "auto", value: !auto })}>
           Walks by itself
         </Button>
       </div>
@@ -62,12 +57,12 @@ export function Controls({ store }: { readonly store: Store | null }) {
         <select
           class="select"
           disabled={off}
-          value={String(frame?.speed ?? 1)}
+          value={String(speed)}
           onChange={(event) => store?.send({ type: "speed", value: Number(event.currentTarget.value) })}
         >
-          {SPEEDS.map((speed) => (
-            <option key={speed} value={String(speed)} selected={speed === (frame?.speed ?? 1)}>
-              {written(speed, speed < 1 ? (speed === 0.25 ? 2 : 1) : 0)}×
+          {SPEEDS.map((one) => (
+            <option key={one} value={String(one)} selected={one === speed}>
+              {one}×
             </option>
           ))}
         </select>
