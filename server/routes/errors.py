@@ -81,7 +81,7 @@ async def _http_error(_: Request, error: Exception) -> JSONResponse:
     messages = {404: "There is nothing at this address.", 405: "This address does not take this method."}
     code = f"http.{status.phrase.lower().replace(' ', '_')}"
     headers = dict(error.headers) if error.headers else None
-    return error_response(status, code, messages.get(status, f"{status.phrase}."), headers=headers)
+    return error_response(status, code, messages.get(status, f"{str(error.detail).rstrip('.')}."), headers=headers)
 
 
 async def _invalid_request(_: Request, error: Exception) -> JSONResponse:

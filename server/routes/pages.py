@@ -40,7 +40,7 @@ def find_pages() -> Path | None:
     return next((place for place in PLACES if (place / "index.html").is_file()), None)
 
 
-def _file(relative: str, cache: str) -> Response:
+def _file(request: Request, relative: str, cache: str) -> Response:
     root = find_pages()
     if root is None or "\0" in relative:
         raise HTTPException(404)
@@ -48,21 +48,25 @@ def _file(relative: str, cache: str) -> Response:
     # resolve() first: neither ".." nor a link leads out of the folder.
     if not path.is_relative_to(root.resolve()) or path.suffix not in TYPES or not path.is_file():
         raise HTTPException(404)
-    return FileResponse(path, media_type=TYPES[path.suffix], headers={"Cache-Control": cache})
+    headers = {"Cache-Control": cache}
+    response = FileResponse(path, media_type=TYPES[path.suffix], headers=headers, stat_result=path.stat())
+    if response.headers["etag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers | {"ETag": response.headers["etag"]})
+    return response
 
 
 @router.api_route("/", methods=["GET", "HEAD"])
-async def index() -> Response:
+async def index(request: Request) -> Response:
     """The front page."""
     if find_pages() is None:
         return HTMLResponse(NOT_BUILT, status_code=503)
-    return _file("index.html", "no-cache")
+    return _file(request, "index.html", "no-cache")
 
 
 @router.api_route("/assets/{name:path}", methods=["GET", "HEAD"])
-async def asset(name: str) -> Response:
+async def asset(request: Request, name: str) -> Response:
     """A file whose name holds a digest of its content: it never changes."""
-    return _file(f"assets/{name}", "public, max-age=31536000, immutable")
+    return _file(request, f"assets/{name}", "public, max-age=31536000, immutable")
 
 
 @router.get("/3d")
@@ -73,6 +77,6 @@ async def three_d(request: Request, session: str) -> Response:
 
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])
-async def page(name: str) -> Response:
+async def page(request: Request, name: str) -> Response:
     """A page, or a file beside the pages."""
-    return _file(name, "no-cache")
+    return _file(request, name, "no-cache")

@@ -1,0 +1,171 @@
+"""Starting: settings from the environment, the printed address, a port that is taken, an import without effects."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+import structlog
+from pydantic import ValidationError
+
+from server.logging import configure_logging
+from server.serving import address_of, listen
+from server.settings import Settings
+
+ROOT = Path(__file__).parents[2]
+RUN = "from server.serving import run; from server.settings import Settings; run(Settings())"
+
+
+def environment(folder: Path, **settings: str) -> dict[str, str]:
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("GRIDBLOOM_")}
+    own = {f"GRIDBLOOM_{name.upper()}": value for name, value in settings.items()}
+    return kept | {"GRIDBLOOM_DATA_DIR": str(folder), "PYTHONPATH": str(ROOT)} | own
+
+
+def test_it_prints_where_it_runs_and_ends_when_asked(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", RUN],
+        env=environment(tmp_path, port="0", token="a-long-enough-token", log_format="json"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    found = re.fullmatch(r"Gridbloom runs at (http://127\.0\.0\.1:(\d+)/\?token=a-long-enough-token)\n", line)
+    assert found, line
+    address = found[1].replace("/?", "/api/worlds?")
+    with urllib.request.build_opener(urllib.request.HTTPCookieProcessor()).open(address, timeout=60) as answer:
+        assert b"office" in answer.read()
+    process.send_signal(signal.SIGTERM)
+    out, errors = process.communicate(timeout=60)
+    assert out == ""
+    assert process.returncode in (0, -signal.SIGTERM)
+    assert "a-long-enough-token" not in errors
+    assert "Traceback" not in errors
+    assert "Warning" not in errors
+
+
+def test_a_port_that_is_taken_is_one_sentence(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        done = subprocess.run(
+            [sys.executable, "-c", RUN],
+            env=environment(tmp_path, port=port),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert f"cannot listen on 127.0.0.1 port {port}" in done.stderr
+
+
+def test_importing_and_creating_the_application_does_nothing(tmp_path: Path) -> None:
+    program = f"""
+import os, threading
+before = set(os.listdir({str(tmp_path)!r}))
+import server.app, server.serving
+app = server.app.create_app()
+assert set(os.listdir({str(tmp_path)!r})) == before, os.listdir({str(tmp_path)!r})
+assert threading.active_count() == 1, threading.enumerate()
+import logging
+assert not logging.getLogger().handlers
+"""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program],
+        env=environment(tmp_path / "data"),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "expected"),
+    [
+        ("127.0.0.1", None, "http://127.0.0.1:80/"),
+        ("0.0.0.0", "t", "http://127.0.0.1:80/?token=t"),
+        ("::", "t", "http://[::1]:80/?token=t"),
+        ("::1", None, "http://[::1]:80/"),
+        ("maps.local", "t", "http://maps.local:80/?token=t"),
+    ],
+)
+def test_the_address_can_be_opened(host: str, token: str | None, expected: str) -> None:
+    assert address_of(host, 80, token) == expected
+
+
+def test_port_0_takes_a_free_one() -> None:
+    with listen("127.0.0.1", 0) as one, listen("127.0.0.1", 0) as other:
+        assert one.getsockname()[1] != other.getsockname()[1]
+
+
+def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GRIDBLOOM_PORT", "9000")
+    monkeypatch.setenv("GRIDBLOOM_ALLOWED_HOSTS", "a.example, b.example")
+    settings = Settings()
+    assert settings.port == 9000
+    assert settings.allowed_hosts == ("a.example", "b.example")
+    assert Settings(port=1).port == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("PORT", "70000"),
+        ("PORT", "x"),
+        ("TOKEN", "short"),
+        ("MAX_SESSIONS", "0"),
+        ("SESSION_IDLE_S", "nan"),
+        ("LOG_FORMAT", "xml"),
+    ],
+)
+def test_a_setting_that_makes_no_sense_is_refused(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
+    monkeypatch.setenv(f"GRIDBLOOM_{name}", value)
+    with pytest.raises(ValidationError):
+        Settings()
+
+
+def test_every_setting_says_what_it_is() -> None:
+    for name, field in Settings.model_fields.items():
+        assert field.description, name
+        assert field.description.endswith((".", ")")) or "or" in field.description, name
+
+
+@pytest.mark.parametrize("form", ["console", "json"])
+def test_log_lines(form: str, capsys: pytest.CaptureFixture[str]) -> None:
+    root, kept = logging.getLogger(), (logging.getLogger().handlers, logging.getLogger().level)
+    try:
+        configure_logging(form, "info")
+        structlog.get_logger("one").info("session began", cells=5)
+        structlog.get_logger("one").debug("not this")
+        logging.getLogger("library").warning("from elsewhere")
+        secret = "the " + "token"
+        try:
+            raise ZeroDivisionError(secret[:3])
+        except ZeroDivisionError:
+            structlog.get_logger("one").exception("failed")
+    finally:
+        root.handlers, _ = kept
+        root.setLevel(kept[1])
+        structlog.reset_defaults()
+    lines = capsys.readouterr().err
+    assert "session began" in lines
+    assert "from elsewhere" in lines
+    assert "ZeroDivisionError" in lines
+    assert "not this" not in lines
+    assert "the token" not in lines
