@@ -1,0 +1,78 @@
+"""Take the README's pictures from the running program: ``python -m tests.pictures``.
+
+The picture of a real log is only taken where GRIDBLOOM_TEST_DATA names the folder of real logs.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import Page, ViewportSize
+
+from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.browser.running import running_chromium, running_server
+
+HERE = Path(__file__).parent
+SIZE: ViewportSize = {"width": 1440, "height": 900}
+
+
+def save(page: Page, name: str) -> None:
+    """Keep what is on the screen, in a palette: a third of the bytes, and the eye sees no difference."""
+    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    picture.quantize(192, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
+
+
+def lab(page: Page, server: str) -> None:
+    """The lab after two minutes of the robot's walk, with a cell under the pointer."""
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.locator("label", has_text="Speed").locator("select").select_option("8")
+    until("two minutes of the walk", lambda: frame(page)["stamp"] > 120)
+    page.locator("label", has_text="Speed").locator("select").select_option("1")
+    box = page.locator(".picture").nth(1).bounding_box()
+    assert box is not None
+    x, y = page.evaluate("(xy) => gridbloom.screen(xy)", frame(page)["pose"][:2])
+    page.mouse.move(box["x"] + x + 30, box["y"] + y + 40)
+    page.wait_for_timeout(1500)
+    save(page, "lab")
+    page.locator("figure.profile").scroll_into_view_if_needed()
+    page.wait_for_timeout(500)
+    picture = Image.open(io.BytesIO(page.locator("figure.profile").screenshot())).convert("RGB")
+    picture.quantize(192, dither=Image.Dither.NONE).save(HERE / "profile.png", optimize=True)
+
+
+def log(page: Page, server: str) -> None:
+    """The Intel Research Lab at the end of its log."""
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="intel-corrected").get_by_role("button", name="Make its map").click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    page.get_by_role("slider", name="Scans in the map").focus()
+    page.keyboard.press("End")
+    until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
+    settled_digest(page)
+    page.wait_for_timeout(1500)
+    save(page, "log")
+
+
+def main() -> None:
+    """Take them all."""
+    data = os.environ.get("GRIDBLOOM_TEST_DATA")
+    with tempfile.TemporaryDirectory() as folder:
+        logs = Path(folder) / "logs"
+        logs.mkdir()
+        if data:
+            shutil.copy(Path(data) / "carmen" / "intel-corrected.log.gz", logs)
+        with running_server(Path(folder) / "data", "--logs-dir", str(logs)) as server, running_chromium() as browser:
+            page = browser.new_page(viewport=SIZE, color_scheme="light")
+            lab(page, server)
+            if data:
+                log(page, server)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,84 @@
+"""The README says what the code does: its tables are written from the code. ``python tests/test_docs.py --write``."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from pydantic_core import PydanticUndefined
+from typer.testing import CliRunner
+
+from mapper.parameters import PARAMETERS
+from server.cli import app
+from server.settings import Settings
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+def parameters_table() -> str:
+    """The parameter table as Markdown."""
+    lines = ["| name | first | from … to | what it does |", "|---|---|---|---|"]
+    for row in PARAMETERS:
+        unit = f" {row.unit}" if row.unit else ""
+        bounds = {"number": f"{row.low:g} … {row.high:g}{unit}", "choice": " · ".join(row.choices), "flag": "on · off"}
+        first = {
+            "number": f"{row.initial:g}{unit}" if row.kind == "number" else "",
+            "flag": "on" if row.initial else "off",
+        }
+        shown = first.get(row.kind, str(row.initial))
+        lines.append(f"| `{row.name}` | {shown} | {bounds[row.kind]} | {row.sentence} |")
+    return "\n".join(lines)
+
+
+def settings_table() -> str:
+    """The settings as Markdown."""
+    lines = ["| variable | default | meaning |", "|---|---|---|"]
+    for name, field in Settings.model_fields.items():
+        default = field.default if field.default is not PydanticUndefined else None
+        shown = "" if default in (None, ()) else f"`{default}`"
+        lines.append(f"| `GRIDBLOOM_{name.upper()}` | {shown} | {field.description} |")
+    return "\n".join(lines)
+
+
+TABLES = {"parameters": parameters_table, "settings": settings_table}
+
+
+def with_tables(text: str) -> str:
+    """The README's text with every table written anew."""
+    for name, table in TABLES.items():
+        pattern = rf"(?s)<!-- {name} -->.*?<!-- /{name} -->"
+        assert re.search(pattern, text), f"the README has no place for the {name}"
+        text = re.sub(pattern, lambda _, n=name, t=table: f"<!-- {n} -->\n{t()}\n<!-- /{n} -->", text)  # type: ignore[misc]
+    return text
+
+
+def test_the_tables_are_those_of_the_code() -> None:
+    text = README.read_text()
+    assert with_tables(text) == text, "write them anew: python tests/test_docs.py --write"
+
+
+@pytest.mark.parametrize("name", Settings.model_fields)
+def test_every_setting_says_what_it_means(name: str) -> None:
+    description = Settings.model_fields[name].description or ""
+    assert description.endswith(".")
+
+
+@pytest.mark.parametrize("command", re.findall(r"^    gridbloom (.+)$", README.read_text(), re.MULTILINE))
+def test_every_command_of_the_readme_exists(command: str) -> None:
+    words = [word for word in command.split() if word.islower() and not word.startswith("-") and "/" not in word]
+    options = set(re.findall(r"--[a-z-]+", command))
+    result = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "200"})
+    assert result.exit_code == 0, result.output
+    assert all(option in result.output for option in options)
+
+
+def test_every_picture_is_there() -> None:
+    pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", README.read_text())
+    assert pictures
+    assert all((README.parent / picture).is_file() for picture in pictures)
+
+
+if __name__ == "__main__" and "--write" in sys.argv:
+    README.write_text(with_tables(README.read_text()))
