@@ -102,8 +102,8 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "traversal", "Traversal", "update", "choice", "bresenham",
-        "Which cells a beam crosses.",
-        choices=("bresenham",),
+        "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
+        choices=("bresenham", "amanatides_woo"),
     ),
     Parameter(
         "no_return", "No return", "update", "choice", "ignore",

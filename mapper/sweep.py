@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
 from mapper.kernels.field import RUN_FIELDS, draw_runs, plan_runs
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
 from mapper.kernels.types import Rule, Sight
@@ -96,13 +97,21 @@ class Sweep:
         sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), _rule(config)
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
         n_scans = len(self.ranges)
-        lines = np.empty((min(step, n_scans) * self.ranges.shape[1], LINE_FIELDS), dtype=np.int64)
+        n_lines = min(step, n_scans) * self.ranges.shape[1]
+        exact = config.traversal == "amanatides_woo"
+        lines = np.empty((0 if exact else n_lines, LINE_FIELDS), dtype=np.int64)
+        rays = np.empty((n_lines if exact else 0, RAY_FIELDS))
+        flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols)
+        frame = grid.geometry.frame
         count = 0
         for first in range(0, n_scans, step):
             part = slice(first, first + step)
             work = np.zeros(rows + 1)
-            n = plan_lines(self.ranges[part], sensors[part], beams, grid.geometry.frame, sight, lines, work)
-            draw = partial(draw_lines, grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols, lines[:n], rule)
+            scans = (self.ranges[part], sensors[part], beams, frame, sight)
+            if exact:
+                draw = partial(draw_rays, *flat, rays[: plan_rays(*scans, rays, work)], frame[4], rule)
+            else:
+                draw = partial(draw_lines, *flat, lines[: plan_lines(*scans, lines, work)], rule)
             count += _in_bands(draw, np.cumsum(work)[:-1], threads, box)
         return count
 

@@ -2,23 +2,26 @@
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
 (occupancy grid mapping), table 9.2 (the inverse range sensor model); Bresenham, Algorithm for computer control of a
-digital plotter, IBM Systems Journal 4 (1965). This is the readable statement of what :mod:`mapper.kernels` compute
+digital plotter, IBM Systems Journal 4 (1965); Amanatides & Woo, A fast voxel traversal algorithm for ray tracing,
+Eurographics (1987). This is the readable statement of what :mod:`mapper.kernels` compute
 fast; the two agree to the last bit. ``sensor_pose`` is always ``T_map_laser``, metres and radians.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.geometry import transform_points
 from mapper.grid import OccupancyGrid
+from mapper.kernels.lattice import cell_of
 from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan, beam_fields
 
 Cell = tuple[int, int]
+Point = tuple[float, float]
 
 
 def bresenham(start: Cell, end: Cell) -> list[Cell]:
@@ -41,6 +44,29 @@ def bresenham(start: Cell, end: Cell) -> list[Cell]:
         if not steep or diagonal:
             col += step_col
         nabla += 2 * b - 2 * a if diagonal else 2 * b
+        cells.append((row, col))
+    return cells
+
+
+def amanatides_woo(start: Point, end: Point) -> list[Cell]:
+    """Return every cell (row, col) that the segment from ``start`` to ``end`` crosses, in this order.
+
+    The points are lattice coordinates (column, row), in cells. t counts along the segment from 0 to 1; the next border
+    is that of the column or of the row, whichever has the smaller t, and through an exact corner the row's comes first.
+    """
+    (u, v), (d_u, d_v) = start, (end[0] - start[0], end[1] - start[1])
+    (col, row), (end_col, end_row) = (int(cell_of(u)), int(cell_of(v))), (int(cell_of(end[0])), int(cell_of(end[1])))
+    step_row, step_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+
+    cells = [(row, col)]
+    while (row, col) != (end_row, end_col):
+        border_row, border_col = (row + 1 if step_row > 0 else row), (col + 1 if step_col > 0 else col)
+        t_row = (border_row - v) / d_v if row != end_row else inf
+        t_col = (border_col - u) / d_u if col != end_col else inf
+        if t_col < t_row:
+            col += step_col
+        else:
+            row += step_row
         cells.append((row, col))
     return cells
 
@@ -90,19 +116,19 @@ def evidence_along_beam(
 ) -> dict[Cell, float]:
     """Return what a reading ``z`` says of each cell on its beam.
 
-    The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2. A cell whose centre lies at
+    The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2, or crosses exactly the cells that
+    Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre lies at
     distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2; the cell that holds the
     endpoint is occupied in any case, and with r = 0 it alone is, all before it being free.
     """
     model, r = config.beam_model(), config.window
-    sensor = cell_at(grid, sensor_pose, 0.0, 0.0)
     endpoint = cell_at(grid, sensor_pose, bearing, z)
 
     if r == 0.0:
-        evidence = dict.fromkeys(bresenham(sensor, endpoint), model.log_odds_miss)
+        evidence = dict.fromkeys(cells_along(grid, sensor_pose, bearing, z, config), model.log_odds_miss)
     else:
         evidence = {}
-        for cell in bresenham(sensor, cell_at(grid, sensor_pose, bearing, z + r / 2)):
+        for cell in cells_along(grid, sensor_pose, bearing, z + r / 2, config):
             s = distance(grid, sensor_pose, cell)
             if s < z - r / 2:
                 evidence[cell] = model.log_odds_miss
@@ -116,9 +142,16 @@ def evidence_of_no_return(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z_max: float, config: MappingConfig
 ) -> dict[Cell, float]:
     """Return what a beam without return says: all cells up to the greatest range are free."""
-    sensor = cell_at(grid, sensor_pose, 0.0, 0.0)
-    last = cell_at(grid, sensor_pose, bearing, z_max)
-    return dict.fromkeys(bresenham(sensor, last), config.beam_model().log_odds_miss)
+    return dict.fromkeys(cells_along(grid, sensor_pose, bearing, z_max, config), config.beam_model().log_odds_miss)
+
+
+def cells_along(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, config: MappingConfig
+) -> list[Cell]:
+    """Return the cells that a beam crosses up to the distance ``z``, in order."""
+    if config.traversal == "amanatides_woo":
+        return amanatides_woo(point_at(grid, sensor_pose, bearing, 0.0), point_at(grid, sensor_pose, bearing, z))
+    return bresenham(cell_at(grid, sensor_pose, bearing, 0.0), cell_at(grid, sensor_pose, bearing, z))
 
 
 # --- Each cell of the perceptual field once (table 9.1) --------------------------------------------------------------
@@ -174,6 +207,13 @@ def cell_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: floa
     in_laser = z * np.array([np.cos(bearing), np.sin(bearing)])
     row, col = grid.geometry.world_to_cell(transform_points(sensor_pose, in_laser))
     return int(row), int(col)
+
+
+def point_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float) -> Point:
+    """Return the lattice coordinates (column, row), in cells, of the point at distance ``z`` along a bearing."""
+    in_laser = z * np.array([np.cos(bearing), np.sin(bearing)])
+    column, row = grid.geometry.to_lattice(transform_points(sensor_pose, in_laser))
+    return float(column), float(row)
 
 
 def distance(grid: OccupancyGrid, sensor_pose: ArrayLike, cell: Cell) -> float:

@@ -68,6 +68,7 @@ def configs(draw: st.DrawFn, update: str) -> MappingConfig:
         window=draw(some(0.0, 0.05, 0.2, 2.0, low=0.0, high=2.0)),
         log_odds_hit=draw(some(0.85, 0.0, 3.0, low=0.0, high=3.0)),
         log_odds_miss=draw(some(-0.4, 0.0, -3.0, low=-3.0, high=0.0)),
+        traversal=draw(st.sampled_from(["bresenham", "amanatides_woo"])),
         no_return=draw(st.sampled_from(["ignore", "free"])),
         clamp=draw(st.booleans()),
         log_odds_prior=draw(some(0.0, low=-0.3, high=0.3)),

@@ -1,0 +1,119 @@
+"""The per-beam update along exact rays: every cell that the segment from the sensor to the reading crosses.
+
+Numba twin of :func:`mapper.textbook.update_per_beam` with Amanatides and Woo's traversal, in the two passes of
+:mod:`mapper.kernels.lines`. A ray has one cell more for each border that it crosses, so it is walked, not entered.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from numba import njit
+
+from mapper.kernels.lattice import cell_of, to_lattice
+from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
+
+_to_lattice = njit(to_lattice, nogil=True, cache=True)
+_cell_of = njit(cell_of, nogil=True, cache=True)
+
+#: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
+#: much on either side of z a centre counts as hit. For a beam without return z is +inf.
+U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
+RAY_FIELDS = 8
+
+
+@njit(nogil=True, cache=True)
+def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
+              rays: Float64Array, work: Float64Array) -> int:  # fmt: skip
+    """Write one ray for each beam that says something; return their number.
+
+    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (≥ n_scans · n_beams, 8) float64 is written.
+    """
+    range_min, range_max, window, no_return_free = sight
+    half = 0.5 * window
+    rows = len(work) - 1
+    count = 0
+    for t in range(ranges.shape[0]):
+        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
+        u, v = _to_lattice(x, y, *frame)
+        for k in range(ranges.shape[1]):
+            z = float(ranges[t, k])
+            no_return = z > range_max
+            if no_return:
+                if not no_return_free:
+                    continue
+                z = range_max
+            elif not z >= range_min:  # too near, NaN or −Inf
+                continue
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            end_u, end_v = hit_u, hit_v
+            if window > 0.0 and not no_return:
+                px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
+                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            ray = rays[count]
+            ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
+            ray[Z], ray[HALF] = inf if no_return else z, half
+            row, end_row = int(_cell_of(v)), int(_cell_of(end_v))
+            low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
+            if low <= high:
+                cells = (abs(end_u - u) + abs(end_v - v) + 1.0) / (abs(end_row - row) + 1.0)
+                work[low] += cells
+                work[high + 1] -= cells
+            count += 1
+    return count
+
+
+@njit(nogil=True, cache=True)
+def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float, rule: Rule,
+              row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
+    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell.
+    """
+    miss, hit, low, high = rule
+    count = 0
+    for j in range(rays.shape[0]):
+        ray = rays[j]
+        u, v, d_u, d_v, z, half = ray[U], ray[V], ray[END_U] - ray[U], ray[END_V] - ray[V], ray[Z], ray[HALF]
+        row, col = int(_cell_of(v)), int(_cell_of(u))
+        end_row, end_col = int(_cell_of(ray[END_V])), int(_cell_of(ray[END_U]))
+        hit_row, hit_col = int(_cell_of(ray[HIT_V])), int(_cell_of(ray[HIT_U]))
+        s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+        ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
+        t_row = (row + ahead_row - v) / d_v if row != end_row else inf
+        t_col = (col + ahead_col - u) / d_u if col != end_col else inf
+        inside = max(row, end_row) >= row_low and min(row, end_row) < row_high
+        while inside:
+            if row_low <= row < row_high and 0 <= col < cols and (z == inf or row != hit_row or col != hit_col):
+                increment = miss
+                counts = True
+                if half > 0.0 and z < inf:
+                    c_u, c_v = col + 0.5 - u, row + 0.5 - v
+                    s = sqrt(c_u * c_u + c_v * c_v) * resolution
+                    if s >= z - half:
+                        increment = hit
+                        counts = s <= z + half
+                if counts:
+                    cell = row * cols + col
+                    log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
+                    observed[cell] = True
+                    box[0], box[1] = min(box[0], row), max(box[1], row + 1)
+                    box[2], box[3] = min(box[2], col), max(box[3], col + 1)
+                    count += 1
+            if row == end_row and col == end_col:
+                break
+            if t_col < t_row:
+                col += s_col
+                t_col = (col + ahead_col - u) / d_u if col != end_col else inf
+            else:
+                row += s_row
+                t_row = (row + ahead_row - v) / d_v if row != end_row else inf
+        if z < inf and row_low <= hit_row < row_high and 0 <= hit_col < cols:
+            cell = hit_row * cols + hit_col
+            log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
+            observed[cell] = True
+            box[0], box[1] = min(box[0], hit_row), max(box[1], hit_row + 1)
+            box[2], box[3] = min(box[2], hit_col), max(box[3], hit_col + 1)
+            count += 1
+    return count
