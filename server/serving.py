@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import signal
 import socket
 import sys
+from typing import NoReturn
 
 import uvicorn
 
@@ -73,4 +76,11 @@ def run(settings: Settings) -> None:
         server = make_server(settings)
         token = None if settings.token is None else settings.token.get_secret_value()
         print(f"Gridbloom runs at {address_of(settings.host, bound.getsockname()[1], token)}", flush=True)
-        server.run(sockets=[bound])
+        # uvicorn ends what runs and then raises the signal again: it ends the process here, and in good order.
+        signal.signal(signal.SIGTERM, _end)
+        with contextlib.suppress(KeyboardInterrupt):
+            server.run(sockets=[bound])
+
+
+def _end(*_: object) -> NoReturn:
+    raise SystemExit(0)
