@@ -1,10 +1,12 @@
 /** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
 
 import { scanPose } from "../beams";
+import { SheetRenderer } from "../gl/sheet";
 import { centreOf } from "../lattice";
 import type { Store } from "../state";
 import { toScreen } from "../view";
 import {
+  type Brush,
   brushOn,
   paintBeam,
   paintBeams,
@@ -25,7 +27,7 @@ function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: numbe
   const world = store.world.peek();
   if (!view) return;
   const colours = inks.peek();
-  const brush = brushOn(canvas, size, ratio, view, colours, { alpha: false });
+  const brush = brushOn(canvas, size, ratio, view, colours);
   if (!brush) return;
   const { ctx } = brush;
   ctx.fillStyle = colours.outside;
@@ -56,8 +58,10 @@ export function TrueWorld({ store }: { readonly store: Store }) {
       store={store}
       label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there; plus and minus zoom, 0 shows everything."
       onTap={(point) => store.teleport(point)}
-      setUp={(canvas) => {
+      setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
+        const overlay = document.createElement("canvas");
+        const renderer = rendererOn(canvas, invalidate);
         const beat: Pulse = pulse();
         let painted: readonly unknown[] = [];
         return {
@@ -73,40 +77,55 @@ export function TrueWorld({ store }: { readonly store: Store }) {
           },
           paint: (size, ratio, now) => {
             const view = store.view.peek();
-            const frame = store.frame.peek();
-            if (!view) return false;
+            if (!view || !renderer) return false;
             const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
-            if (basis.some((value, i) => value !== painted[i])) {
+            const planChanged = basis.some((value, i) => value !== painted[i]);
+            if (planChanged) {
               painted = basis;
               sized(plan, canvas.width, canvas.height);
               paintPlan(store, plan, size, ratio);
             }
-            const brush = brushOn(canvas, size, ratio, view, inks.peek(), { alpha: false });
-            if (!brush) return false;
-            brush.ctx.drawImage(plan, 0, 0, size.width, size.height);
-            if (!frame) return false;
-            const strength = beat(frame.index, now);
-            const from = scanPose(frame);
-            paintBeams(brush, from, frame, frame.range_max, strength);
-            const beam = store.inspectedBeam.peek();
-            if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
-            const map = store.map.peek();
-            const cell = store.cell.peek();
-            if (cell && map) {
-              paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
-              paintCrosshair(brush, centreOf(map.geometry, cell));
-            }
-            const carried = store.carried.peek();
-            paintRobot(brush, frame.pose, carried !== null);
-            if (carried) paintHand(brush.ctx, toScreen(view, size, ...carried), brush.inks.robot);
-            const sent = store.teleported.peek();
-            const ripples = sent !== null && !stillness.peek() && paintRipple(brush, sent.point, now - sent.at);
-            return ripples || strength > 0;
+            sized(overlay, canvas.width, canvas.height);
+            const brush = brushOn(overlay, size, ratio, view, inks.peek());
+            brush?.ctx.clearRect(0, 0, size.width, size.height);
+            const moves = brush !== null && paintOverlay(store, brush, beat, now);
+            renderer.draw(plan, planChanged, overlay);
+            return moves;
           },
         };
       }}
     />
   );
+}
+
+function rendererOn(canvas: HTMLCanvasElement, invalidate: () => void): SheetRenderer | null {
+  try {
+    return new SheetRenderer(canvas, invalidate);
+  } catch {
+    return null; // the belief beside it says what is the matter
+  }
+}
+
+function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boolean {
+  const frame = store.frame.peek();
+  if (!frame) return false;
+  const strength = beat(frame.index, now);
+  const from = scanPose(frame);
+  paintBeams(brush, from, frame, frame.range_max, strength);
+  const beam = store.inspectedBeam.peek();
+  if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
+  const map = store.map.peek();
+  const cell = store.cell.peek();
+  if (cell && map) {
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(map.geometry, cell));
+  }
+  const carried = store.carried.peek();
+  paintRobot(brush, frame.pose, carried !== null);
+  if (carried) paintHand(brush.ctx, toScreen(brush.view, brush.size, ...carried), brush.inks.robot);
+  const sent = store.teleported.peek();
+  const ripples = sent !== null && !stillness.peek() && paintRipple(brush, sent.point, now - sent.at);
+  return ripples || strength > 0;
 }
 
 /** Where the hand is while it drags the robot: the robot itself stays out of walls. */

@@ -9,16 +9,8 @@ import type { Cells } from "./cells";
 import { Glow } from "./glow";
 import { mapColours, palette } from "./palette";
 import { CHUNK, levelFor } from "./pyramid";
-import {
-  CELLS_FRAGMENT,
-  CELLS_VERTEX,
-  GLOW_FRAGMENT,
-  GLOW_VERTEX,
-  OVERLAY_FRAGMENT,
-  OVERLAY_VERTEX,
-  program,
-  uniforms,
-} from "./shaders";
+import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
+import { CORNERS, contextOf, nearestTexture, Sheets, vertexArray } from "./sheet";
 import { ChunkTextures } from "./textures";
 
 /** Lattice (column, row) → clip space, column-major 3 × 3, and how many device pixels a cell is wide. */
@@ -52,9 +44,7 @@ interface Resources {
   readonly points: WebGLVertexArrayObject;
   readonly pointBuffer: WebGLBuffer;
   readonly palette: WebGLTexture;
-  readonly overlay: WebGLProgram;
-  readonly overlayQuad: WebGLVertexArrayObject;
-  readonly overlayTexture: WebGLTexture;
+  readonly sheets: Sheets;
   readonly textures: ChunkTextures;
 }
 
@@ -70,10 +60,8 @@ export class MapRenderer {
 
   /** `redraw` is called when the canvas must be drawn again although nothing of the map changed. */
   constructor(canvas: HTMLCanvasElement, redraw: () => void) {
-    const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, stencil: false });
-    if (!gl) throw new Error("This browser offers no WebGL 2, with which the map is drawn.");
     this.#canvas = canvas;
-    this.#gl = gl;
+    this.#gl = contextOf(canvas);
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       this.#resources = null;
@@ -113,23 +101,8 @@ export class MapRenderer {
       this.#drawCells(made, map, matrix, levelFor(devicePx));
       glows = this.#drawGlow(made, matrix, devicePx, now);
     }
-    this.#drawOverlay(made, overlay);
+    made.sheets.draw(0, overlay);
     return glows;
-  }
-
-  #drawOverlay(made: Resources, overlay: HTMLCanvasElement): void {
-    const gl = this.#gl;
-    gl.useProgram(made.overlay);
-    gl.bindVertexArray(made.overlayQuad);
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, made.overlayTexture);
-    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, overlay);
-    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-    gl.disable(gl.BLEND);
   }
 
   #drawCells(made: Resources, { geometry, cells }: MapPicture, matrix: Float32Array, level: number): void {
@@ -197,13 +170,10 @@ export class MapRenderer {
     gl.useProgram(cells);
     gl.uniform1i(cellsAt.u_cells, 0);
     gl.uniform1i(cellsAt.u_palette, 1);
-    const corners = new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]);
-    const quad = this.#array(cells, "a_corner", 2, corners, gl.STATIC_DRAW);
-    const points = this.#array(glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
-    const colours = this.#nearest();
+    const quad = vertexArray(gl, cells, "a_corner", 2, CORNERS, gl.STATIC_DRAW);
+    const points = vertexArray(gl, glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
+    const colours = nearestTexture(gl);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 256, 1);
-    const overlay = program(gl, OVERLAY_VERTEX, OVERLAY_FRAGMENT);
-    const overlayTexture = this.#nearest();
     return {
       cells,
       cellsAt,
@@ -213,42 +183,9 @@ export class MapRenderer {
       points: points.array,
       pointBuffer: points.buffer,
       palette: colours,
-      overlay,
-      overlayQuad: this.#array(overlay, "a_corner", 2, corners, gl.STATIC_DRAW).array,
-      overlayTexture,
+      sheets: new Sheets(gl, 1),
       textures: new ChunkTextures(gl),
     };
-  }
-
-  /** A new texture, bound, that is looked up without blending. */
-  #nearest(): WebGLTexture {
-    const gl = this.#gl;
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-    return texture;
-  }
-
-  #array(
-    of: WebGLProgram,
-    attribute: string,
-    size: number,
-    data: Float32Array<ArrayBuffer>,
-    usage: number,
-  ): { readonly array: WebGLVertexArrayObject; readonly buffer: WebGLBuffer } {
-    const gl = this.#gl;
-    const array = gl.createVertexArray();
-    const buffer = gl.createBuffer();
-    gl.bindVertexArray(array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, data, usage);
-    const at = gl.getAttribLocation(of, attribute);
-    gl.enableVertexAttribArray(at);
-    gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
-    return { array, buffer };
   }
 }
 

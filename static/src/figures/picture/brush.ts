@@ -19,15 +19,9 @@ export interface Brush {
 }
 
 /** Put one unit at one CSS pixel; null where the browser gives no context. Nothing is cleared. */
-export function brushOn(
-  canvas: HTMLCanvasElement,
-  size: Size,
-  ratio: number,
-  view: View,
-  inks: Inks,
-  options: CanvasRenderingContext2DSettings = {},
-): Brush | null {
-  const ctx = canvas.getContext("2d", { ...options, willReadFrequently: true });
+export function brushOn(canvas: HTMLCanvasElement, size: Size, ratio: number, view: View, inks: Inks): Brush | null {
+  // Read frequently: every paint goes from the processor's memory into a texture.
+  const ctx = canvas.getContext("2d", { willReadFrequently: true });
   if (!ctx) return null;
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
   return { ctx, size, view, inks };
