@@ -53,7 +53,8 @@ def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
     return Change(touched, geometry_changed=False, cells_updated=count)
 
 
-def _sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
+def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
+    """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
     turn = -1.0 if log.upside_down else 1.0
     return Sweep(
         log.ranges[start:stop],
@@ -76,7 +77,7 @@ def geometry_for(
     """
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
-    low, high = _sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+    low, high = sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
     # A cell to spare on each side: an endpoint on the border itself must not be rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
@@ -107,7 +108,7 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    return _add(grid, _sweep_of_log(log, config, trajectory, start, stop), config)
+    return _add(grid, sweep_of_log(log, config, trajectory, start, stop), config)
 
 
 def integrate_log(

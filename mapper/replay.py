@@ -7,6 +7,7 @@ from mapper.grid import OccupancyGrid
 from mapper.integrate import CellBox, Change, geometry_for, integrate_scans
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
+from mapper.provenance import Provenance, provenance
 from mapper.scan import ScanLog
 
 
@@ -61,6 +62,13 @@ class Replay:
         self.grid, self.config = grid, config
         rows, cols = grid.geometry.shape
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
+
+    def provenance(self, row: int, col: int) -> Provenance:
+        """Return every beam that touched a cell of the map as it stands, with what it added.
+
+        Raises :class:`ConfigError` for a cell outside the grid.
+        """
+        return provenance(self.grid.geometry, self.log, self.config, (row, col), self.trajectory, self.index)
 
     def set_log(self, log: ScanLog) -> Change:
         """Go on with ``log``, which is the same log grown at its end; the map and the index stay.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
 from mapper.kernels.field import RUN_FIELDS, draw_runs, plan_runs
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
+from mapper.kernels.provenance import touches_of_fields, touches_of_lines, touches_of_rays
 from mapper.kernels.types import Rule, Sight
 from mapper.parameters import MappingConfig
 from mapper.threads import bands, cores, in_parallel
@@ -92,33 +94,50 @@ class Sweep:
         count = draw_sweep(grid, config, threads, box)
         return count, box
 
+    def touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
+        """Return the readings that touch a cell (n, 2): scan · n_beams + beam, and 1 for a hit or 0 for a miss."""
+        sensors, beams, sight, n_beams = self.sensors, self.beams, self.sight(config), self.ranges.shape[1]
+        found: list[NDArray[np.int64]] = []
+        step = max(1, _CHUNK_READINGS // max(1, n_beams))
+        planned, work = _plan_space(config, min(step, len(self.ranges)) * n_beams), np.zeros(geometry.rows + 1)
+        headings = self.headings(geometry)
+        for first in range(0, len(self.ranges), step):
+            part = slice(first, first + step)
+            scans = (self.ranges[part], sensors[part], beams)
+            out = np.empty((scans[0].size, 2), dtype=np.int64)
+            if config.update == "per_scan":
+                n = touches_of_fields(*scans, self.fields, headings[part], geometry.frame, sight, row, col, out)
+            elif config.traversal == "amanatides_woo":
+                rays = planned[: plan_rays(*scans, geometry.frame, sight, planned, work)]
+                n = touches_of_rays(rays, geometry.resolution, row, col, out)
+            else:
+                lines = planned[: plan_lines(*scans, geometry.frame, sight, planned, work)]
+                n = touches_of_lines(lines, row, col, out)
+            found.append(out[:n] + np.array([first * n_beams, 0]))
+        return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
+
     def _draw_beams(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
         rows, cols = grid.geometry.shape
-        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), _rule(config)
+        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), rule_of(config)
+        frame, flat = grid.geometry.frame, (grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols)
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
-        n_scans = len(self.ranges)
-        n_lines = min(step, n_scans) * self.ranges.shape[1]
-        exact = config.traversal == "amanatides_woo"
-        lines = np.empty((0 if exact else n_lines, LINE_FIELDS), dtype=np.int64)
-        rays = np.empty((n_lines if exact else 0, RAY_FIELDS))
-        flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols)
-        frame = grid.geometry.frame
+        planned = _plan_space(config, min(step, len(self.ranges)) * self.ranges.shape[1])
         count = 0
-        for first in range(0, n_scans, step):
+        for first in range(0, len(self.ranges), step):
             part = slice(first, first + step)
             work = np.zeros(rows + 1)
             scans = (self.ranges[part], sensors[part], beams, frame, sight)
-            if exact:
-                draw = partial(draw_rays, *flat, rays[: plan_rays(*scans, rays, work)], frame[4], rule)
+            if config.traversal == "amanatides_woo":
+                draw = partial(draw_rays, *flat, planned[: plan_rays(*scans, planned, work)], frame[4], rule)
             else:
-                draw = partial(draw_lines, *flat, lines[: plan_lines(*scans, lines, work)], rule)
+                draw = partial(draw_lines, *flat, planned[: plan_lines(*scans, planned, work)], rule)
             count += _in_bands(draw, np.cumsum(work)[:-1], threads, box)
         return count
 
     def _draw_fields(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
         rows, cols = grid.geometry.shape
         shape = (rows, -(-cols // 32))
-        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), _rule(config)
+        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), rule_of(config)
         headings, frame = self.headings(grid.geometry), grid.geometry.frame
         scratch = [(np.zeros(shape, np.uint32), np.zeros(shape, np.uint32)) for _ in range(threads)]
         step = max(threads, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
@@ -149,7 +168,14 @@ class Sweep:
         return count
 
 
-def _rule(config: MappingConfig) -> Rule:
+def _plan_space(config: MappingConfig, readings: int) -> NDArray[Any]:
+    if config.traversal == "amanatides_woo":
+        return np.empty((readings, RAY_FIELDS))
+    return np.empty((readings, LINE_FIELDS), dtype=np.int64)
+
+
+def rule_of(config: MappingConfig) -> Rule:
+    """Return the increments and the clamp as the kernels take them."""
     model = config.beam_model()
     low, high = (np.float32(limit) for limit in config.clamp_limits)
     return (np.float32(model.log_odds_miss), np.float32(model.log_odds_hit), low, high)

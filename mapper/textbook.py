@@ -101,14 +101,26 @@ def update_per_beam(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike
     z_max = min(scan.range_max, config.range_max)
     updates = 0
     for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
-        if scan.range_min <= z <= z_max:
-            evidence = evidence_along_beam(grid, sensor_pose, bearing, z, config)
-        elif z > z_max and config.no_return == "free":
-            evidence = evidence_of_no_return(grid, sensor_pose, bearing, z_max, config)
-        else:
-            continue
+        evidence = evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config)
         updates += sum(update(grid, cell, increment, config) for cell, increment in evidence.items())
     return updates
+
+
+def evidence_of_beam(
+    grid: OccupancyGrid,
+    sensor_pose: ArrayLike,
+    bearing: float,
+    z: float,
+    z_min: float,
+    z_max: float,
+    config: MappingConfig,
+) -> dict[Cell, float]:
+    """Return what one beam says of each cell: a reading, no return, or (too near, NaN, −Inf) nothing at all."""
+    if z_min <= z <= z_max:
+        return evidence_along_beam(grid, sensor_pose, bearing, z, config)
+    if z > z_max and config.no_return == "free":
+        return evidence_of_no_return(grid, sensor_pose, bearing, z_max, config)
+    return {}
 
 
 def evidence_along_beam(
@@ -187,7 +199,8 @@ def inverse_range_sensor_model(
         nearest = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
         if scan.range_min <= z <= z_max:
             evidence[nearest & (s < z - r / 2)] = model.log_odds_miss
-            evidence[nearest & (z - r / 2 <= s) & (s <= min(z_max, z + r / 2))] = model.log_odds_hit
+            if r > 0.0:
+                evidence[nearest & (z - r / 2 <= s) & (s <= min(z_max, z + r / 2))] = model.log_odds_hit
         elif z > z_max and config.no_return == "free":
             evidence[nearest & (s < z_max)] = model.log_odds_miss
 
@@ -197,6 +210,25 @@ def inverse_range_sensor_model(
             if grid.geometry.contains(endpoint):
                 evidence[endpoint] = model.log_odds_hit
     return evidence
+
+
+# --- Why a cell is what it is ----------------------------------------------------------------------------------------
+
+
+def provenance(
+    grid: OccupancyGrid, scans: list[LaserScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
+) -> list[tuple[int, int, float, np.float32]]:
+    """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
+    touches = []
+    log_odds = np.float32(config.log_odds_prior)
+    for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
+        z_max = min(scan.range_max, config.range_max)
+        for k, (z, bearing) in enumerate(zip(scan.ranges.astype(float), scan.angles, strict=True)):
+            evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
+            if cell in evidence:
+                log_odds = bayes_filter(log_odds, np.float32(evidence[cell]), config)
+                touches.append((t, k, evidence[cell], log_odds))
+    return touches
 
 
 # --- Where things are ------------------------------------------------------------------------------------------------

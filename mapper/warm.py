@@ -44,6 +44,7 @@ def warm() -> None:
         )
         replay.advance_to(0)
         replay.advance_to(replay.log.n_scans)
+        replay.provenance(0, 0)
     rows, cols = replay.grid.geometry.shape
     picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
     changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)

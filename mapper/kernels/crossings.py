@@ -17,9 +17,10 @@ _to_lattice = njit(to_lattice, nogil=True, cache=True)
 _cell_of = njit(cell_of, nogil=True, cache=True)
 
 #: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
-#: much on either side of z a centre counts as hit. For a beam without return z is +inf.
-U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
-RAY_FIELDS = 8
+#: much on either side of z a centre counts as hit; then the number of the reading (scan · n_beams + beam). For a beam
+#: without return z is +inf.
+U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF, READING = range(9)
+RAY_FIELDS = 9
 
 
 @njit(nogil=True, cache=True)
@@ -27,7 +28,7 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
               rays: Float64Array, work: Float64Array) -> int:  # fmt: skip
     """Write one ray for each beam that says something; return their number.
 
-    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (≥ n_scans · n_beams, 8) float64 is written.
+    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (≥ n_scans · n_beams, 9) float64 is written.
     """
     range_min, range_max, window, no_return_free = sight
     half = 0.5 * window
@@ -53,7 +54,7 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
                 end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
             ray = rays[count]
             ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
-            ray[Z], ray[HALF] = inf if no_return else z, half
+            ray[Z], ray[HALF], ray[READING] = inf if no_return else z, half, t * ranges.shape[1] + k
             row, end_row = int(_cell_of(v)), int(_cell_of(end_v))
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
@@ -67,7 +68,7 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
 @njit(nogil=True, cache=True)
 def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float, rule: Rule,
               row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add what ``rays`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell.
     """
@@ -117,3 +118,21 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
             box[2], box[3] = min(box[2], hit_col), max(box[3], hit_col + 1)
             count += 1
     return count
+
+
+@njit(nogil=True, cache=True)
+def _crosses(u: float, v: float, end_u: float, end_v: float, at_row: int, at_col: int) -> bool:
+    """Return whether the traversal from (u, v) to (end_u, end_v), lattice coordinates, visits a cell."""
+    d_u, d_v = end_u - u, end_v - v
+    row, col, end_row, end_col = int(_cell_of(v)), int(_cell_of(u)), int(_cell_of(end_v)), int(_cell_of(end_u))
+    if not (min(row, end_row) <= at_row <= max(row, end_row) and min(col, end_col) <= at_col <= max(col, end_col)):
+        return False
+    s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+    ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
+    # It enters the row before it leaves the column, and the column before it leaves the row. At an equal t the row's
+    # border is crossed first.
+    enter_row = (at_row - s_row + ahead_row - v) / d_v if at_row != row else -inf
+    leave_row = (at_row + ahead_row - v) / d_v if at_row != end_row else inf
+    enter_col = (at_col - s_col + ahead_col - u) / d_u if at_col != col else -inf
+    leave_col = (at_col + ahead_col - u) / d_u if at_col != end_col else inf
+    return enter_row <= leave_col and enter_col < leave_row

@@ -24,9 +24,10 @@ _to_lattice = njit(to_lattice, nogil=True, cache=True)
 _cell_of = njit(cell_of, nogil=True, cache=True)
 
 #: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
-#: first cells that are passed or hit (``far``), the step at which it visits the endpoint's cell (−1: never), that cell.
-ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL = range(9)
-LINE_FIELDS = 9
+#: first cells that are passed or hit (``far``), the step at which it visits the endpoint's cell (−1: never), that cell,
+#: and the number of its reading (scan · n_beams + beam).
+ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL, READING = range(10)
+LINE_FIELDS = 10
 
 # Steps along the minor axis in fixed point: with 40 bits of fraction the rounding error of the slope, multiplied by the
 # number of steps, stays below half of 1 / major, the least that tells two of Bresenham's decisions apart.
@@ -88,7 +89,7 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
 
     ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
     ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``sight``: see
-    :mod:`mapper.kernels.types`. ``lines`` (≥ n_scans · n_beams, 9) int64 is written; ``work`` (rows + 1,) float64 gets
+    :mod:`mapper.kernels.types`. ``lines`` (≥ n_scans · n_beams, 10) int64 is written; ``work`` (rows + 1,) float64 gets
     the differences, from row to row, of the number of cells to draw.
     """
     range_min, range_max, window, no_return_free = sight
@@ -126,6 +127,7 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
             line = lines[count]
             line[ROW], line[COL], line[END_ROW], line[END_COL] = row, col, end_row, end_col
             line[NEAR], line[FAR], line[AT], line[HIT_ROW], line[HIT_COL] = near, far, at, hit_row, hit_col
+            line[READING] = t * ranges.shape[1] + k
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
                 cells = (steps + 1.0) / (abs(end_row - row) + 1.0)
@@ -167,7 +169,7 @@ def _add(log_odds: Float32Array, observed: BoolArray, first: int, stop: int, bas
 @njit(nogil=True, cache=True)
 def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int64Array, rule: Rule, row_low: int,
                row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``lines`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add what ``lines`` (n, 10) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``box`` (4,) int64
     (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.kernels.types`.

@@ -17,6 +17,7 @@ from mapper.geometry import transform_points
 from mapper.integrate import geometry_for, integrate_log
 from mapper.kernels.lines import draw_lines
 from mapper.kernels.quantise import quantise
+from mapper.provenance import provenance
 from tests.agreement.inputs import LineCase, MappingCase, PictureCase, lines, mapping_cases, pictures
 
 
@@ -46,7 +47,7 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     drawn, observed = np.zeros(case.shape, dtype=np.float32), np.zeros(case.shape, dtype=np.bool_)
     (rows, cols), steps = case.shape, max(abs(case.end[0] - case.start[0]), abs(case.end[1] - case.start[1]))
     box = np.array([rows, 0, cols, 0])
-    line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]])
+    line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1, 0]])
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
     flat = drawn.reshape(-1), observed.reshape(-1)
     draw_lines(*flat, cols, line, (one, nothing, low, high), 0, rows, box)
@@ -110,10 +111,34 @@ def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
     return picture, changed, np.count_nonzero(picture != -128)
 
 
+def cells_to_ask(case: MappingCase) -> list[tuple[int, int]]:
+    """The sensor's cells, the endpoints' and some between, as far as they lie in the grid."""
+    asked = set()
+    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+        for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
+            for part in (0.0, 0.5, 1.0):
+                if np.isfinite(z):
+                    asked.add(textbook.cell_at(case.grid(), pose, bearing, part * z))
+    return [cell for cell in sorted(asked) if case.geometry.contains(cell)][:8]
+
+
+def provenance_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+    found = [provenance(case.geometry, case.log, case.config, cell) for cell in cells_to_ask(case)]
+    columns = [list(zip(p.scans, p.beams, p.increments, p.log_odds, strict=True)) for p in found]
+    return ([[(int(t), int(k), float(e), float(v)) for t, k, e, v in touches] for touches in columns],)
+
+
+def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    scans, poses = case.scans(), case.sensor_poses()
+    found = [textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)]
+    return ([[(t, k, float(np.float32(e)), float(v)) for t, k, e, v in touches] for touches in found],)
+
+
 TABLE = (
     Row("bresenham", line_by_kernel, line_by_textbook, lines()),
     Row("per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam")),
     Row("per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan")),
+    Row("provenance", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
 )

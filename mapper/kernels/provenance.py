@@ -1,0 +1,129 @@
+"""Which readings touched one cell, found from the scans alone: no history is kept for any cell.
+
+Each kernel tests one cell against what :mod:`mapper.kernels.lines`, :mod:`~mapper.kernels.crossings` or
+:mod:`~mapper.kernels.field` would draw. It writes, in the order of the map's making, the number of each reading (scan ·
+n_beams + beam) and whether it was a hit (1) or a miss (0), and returns how many there are.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+from numba import njit
+
+from mapper.kernels import crossings, lines
+from mapper.kernels.crossings import _crosses
+from mapper.kernels.lattice import cell_of, to_lattice
+from mapper.kernels.lines import _step_at
+from mapper.kernels.types import Float32Array, Float64Array, Frame, Int64Array, Sight
+
+_to_lattice = njit(to_lattice, nogil=True, cache=True)
+_cell_of = njit(cell_of, nogil=True, cache=True)
+
+MISS, HIT = 0, 1
+
+
+@njit(nogil=True, cache=True)
+def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -> int:
+    """Test a cell against planned lines (n, 10); ``out`` (≥ n, 2) int64 is written."""
+    count = 0
+    for j in range(planned.shape[0]):
+        line = planned[j]
+        kind = -1
+        if row == line[lines.HIT_ROW] and col == line[lines.HIT_COL]:
+            kind = HIT
+        else:
+            i = _step_at(line[lines.ROW], line[lines.COL], line[lines.END_ROW], line[lines.END_COL], row, col)
+            if 0 <= i < line[lines.FAR]:
+                kind = MISS if i < line[lines.NEAR] else HIT
+        if kind >= 0:
+            out[count, 0], out[count, 1] = line[lines.READING], kind
+            count += 1
+    return count
+
+
+@njit(nogil=True, cache=True)
+def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
+    """Test a cell against planned rays (n, 9); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
+    count = 0
+    for j in range(planned.shape[0]):
+        ray = planned[j]
+        u, v, z, half = ray[crossings.U], ray[crossings.V], ray[crossings.Z], ray[crossings.HALF]
+        end_u, end_v = ray[crossings.END_U], ray[crossings.END_V]
+        hit_row, hit_col = int(_cell_of(ray[crossings.HIT_V])), int(_cell_of(ray[crossings.HIT_U]))
+        kind = -1
+        if z < inf and row == hit_row and col == hit_col:
+            kind = HIT
+        elif _crosses(u, v, end_u, end_v, row, col):
+            kind = MISS
+            if half > 0.0 and z < inf:
+                c_u, c_v = col + 0.5 - u, row + 0.5 - v
+                s = sqrt(c_u * c_u + c_v * c_v) * resolution
+                if s >= z - half:
+                    kind = HIT if s <= z + half else -1
+        if kind >= 0:
+            out[count, 0], out[count, 1] = int(ray[crossings.READING]), kind
+            count += 1
+    return count
+
+
+@njit(nogil=True, cache=True)
+def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
+                      headings: Float64Array, frame: Frame, sight: Sight, row: int, col: int,
+                      out: Int64Array) -> int:  # fmt: skip
+    """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
+
+    A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
+    other arguments are those of :func:`mapper.kernels.field.plan_runs`.
+    """
+    range_min, range_max, window, no_return_free = sight
+    resolution, half = frame[4], 0.5 * window
+    n_beams = ranges.shape[1]
+    count = 0
+    for t in range(ranges.shape[0]):
+        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
+        u, v = _to_lattice(x, y, *frame)
+        turn_u, turn_v = headings[t, 0], headings[t, 1]
+        d_u, d_v = col + 0.5 - u, row + 0.5 - v
+        s = sqrt(d_u * d_u + d_v * d_v) * resolution
+        beam, kind = -1, -1
+        for k in range(n_beams):
+            z = float(ranges[t, k])
+            if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell lies elsewhere
+                continue
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            if int(_cell_of(ev)) == row and int(_cell_of(eu)) == col:
+                beam, kind = k, HIT
+                break
+        if beam < 0:
+            for k in range(n_beams):
+                right_u = turn_u * fields[k, 0] - turn_v * fields[k, 1]
+                right_v = turn_v * fields[k, 0] + turn_u * fields[k, 1]
+                left_u = turn_u * fields[k, 2] - turn_v * fields[k, 3]
+                left_v = turn_v * fields[k, 2] + turn_u * fields[k, 3]
+                if right_u * d_v - right_v * d_u >= 0.0 and left_u * d_v - left_v * d_u < 0.0:
+                    z = float(ranges[t, k])
+                    if range_min <= z <= range_max:
+                        if s < z - half:
+                            beam, kind = k, MISS
+                        elif s <= min(range_max, z + half) and window > 0.0:
+                            beam, kind = k, HIT
+                    elif z > range_max and no_return_free and s < range_max:
+                        beam, kind = k, MISS
+                    break
+        if beam >= 0:
+            out[count, 0], out[count, 1] = t * n_beams + beam, kind
+            count += 1
+    return count
+
+
+@njit(nogil=True, cache=True)
+def running_sum(increments: Float32Array, start: np.float32, low: np.float32, high: np.float32,
+                out: Float32Array) -> None:  # fmt: skip
+    """Write the clamped sum after each increment, beginning with ``start``; all (n,) float32 log-odds."""
+    value = start
+    for j in range(len(increments)):
+        value = min(max(value + increments[j], low), high)
+        out[j] = value
