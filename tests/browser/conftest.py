@@ -23,7 +23,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.timeout(240))
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def logs_dir(tmp_path_factory: pytest.TempPathFactory, real_logs: Path | None) -> Path:
     """Return a folder of logs that the service lists: Intel, where the real logs are."""
     folder = tmp_path_factory.mktemp("logs")
@@ -32,14 +32,15 @@ def logs_dir(tmp_path_factory: pytest.TempPathFactory, real_logs: Path | None) -
     return folder
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator[str]:
     """Return the address of a running service."""
     with running_server(tmp_path_factory.mktemp("data"), "--logs-dir", str(logs_dir)) as address:
         yield address
 
 
-@pytest.fixture(scope="package")
+# Not longer than a module: while it runs, Playwright keeps an event loop in this thread, where asyncio tests need theirs.
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """Return headless Chromium."""
     with running_chromium() as chromium:
