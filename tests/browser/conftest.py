@@ -39,7 +39,7 @@ def server(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator
         yield address
 
 
-# Not longer than a module: while it runs, Playwright keeps an event loop in this thread, where asyncio tests need theirs.
+# Not longer than a module: while it runs, Playwright keeps an event loop in this thread, and asyncio tests need theirs.
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """Return headless Chromium."""
