@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mapper.errors import ConfigError
 from mapper.geometry import compose
@@ -55,14 +55,28 @@ def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
 
 def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
     """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
-    turn = -1.0 if log.upside_down else 1.0
+    poses = log.sensor_poses(trajectory)[start:stop]
+    angle_min, angle_increment = log.sweep
+    return _sweep(log.ranges[start:stop], poses, (angle_min, angle_increment, log.range_min, log.range_max), config)
+
+
+def _sweep(
+    ranges: NDArray[np.float32],
+    poses: NDArray[np.float64],
+    sensor: tuple[float, float, float, float],
+    config: MappingConfig,
+) -> Sweep:
+    angle_min, angle_increment, range_min, range_max = sensor
+    if config.mount_upside_down:
+        angle_min, angle_increment = -angle_min, -angle_increment
+    n_beams = ranges.shape[1]
     return Sweep(
-        log.ranges[start:stop],
-        compose(log.sensor_poses(trajectory)[start:stop], np.array(config.mount)),
-        log.angles,
-        beam_fields(turn * log.angle_min, turn * log.angle_increment, log.n_beams),
-        log.range_min,
-        min(log.range_max, config.range_max),
+        ranges,
+        compose(poses, np.array(config.mount)),
+        np.asarray(angle_min + angle_increment * np.arange(n_beams), dtype=np.float64),
+        beam_fields(angle_min, angle_increment, n_beams),
+        range_min,
+        min(range_max, config.range_max),
     )
 
 
@@ -91,14 +105,8 @@ def integrate_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike,
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
-    sweep = Sweep(
-        scan.ranges[np.newaxis],
-        compose(pose, np.array(config.mount))[np.newaxis],
-        scan.angles,
-        beam_fields(scan.angle_min, scan.angle_increment, len(scan.ranges)),
-        scan.range_min,
-        min(scan.range_max, config.range_max),
-    )
+    sensor = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+    sweep = _sweep(scan.ranges[np.newaxis], pose[np.newaxis], sensor, config)
     grown = grid.grow_to_include(*sweep.bounds(config))
     change = _add(grid, sweep, config)
     return Change(change.box, grown, change.cells_updated)

@@ -149,6 +149,10 @@ PARAMETERS: tuple[Parameter, ...] = (
         "Correction of the sensor's heading on the robot, counter-clockwise.",
         unit="rad", low=-3.1416, high=3.1416, step=0.01,
     ),
+    Parameter(
+        "mount_upside_down", "Mount turned over", "mount", "flag", False,
+        "Turn the sensor over, z axis down: its beams sweep the other way round.",
+    ),
 )  # fmt: skip
 
 BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
@@ -159,7 +163,8 @@ class MappingConfig:
     """One value for each row of :data:`PARAMETERS`; units and meanings stand there.
 
     ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
-    ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``. Raises :class:`ConfigError` naming the field that is refused.
+    ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
+    Raises :class:`ConfigError` naming the field that is refused.
     """
 
     model: str = "fixed_increments"
@@ -180,6 +185,7 @@ class MappingConfig:
     mount_x: float = 0.0
     mount_y: float = 0.0
     mount_yaw: float = 0.0
+    mount_upside_down: bool = False
 
     def __post_init__(self) -> None:
         for row in PARAMETERS:

@@ -168,10 +168,15 @@ class ScanLog:
         return int(self.ranges.shape[1])
 
     @property
+    def sweep(self) -> tuple[float, float]:
+        """Bearing of the first beam and from one beam to the next, radians, counter-clockwise seen from above."""
+        return (-self.angle_min, -self.angle_increment) if self.upside_down else (self.angle_min, self.angle_increment)
+
+    @property
     def angles(self) -> NDArray[np.float64]:
         """Bearing of each beam (n_beams,) around the sensor's heading, radians, counter-clockwise seen from above."""
-        sweep = np.asarray(self.angle_min + self.angle_increment * np.arange(self.n_beams), dtype=np.float64)
-        return -sweep if self.upside_down else sweep
+        angle_min, angle_increment = self.sweep
+        return np.asarray(angle_min + angle_increment * np.arange(self.n_beams), dtype=np.float64)
 
     @property
     def default_trajectory(self) -> str:
@@ -194,12 +199,4 @@ class ScanLog:
 
     def scan(self, index: int) -> LaserScan:
         """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""
-        turn = -1.0 if self.upside_down else 1.0
-        return LaserScan(
-            self.ranges[index],
-            turn * self.angle_min,
-            turn * self.angle_increment,
-            self.range_min,
-            self.range_max,
-            int(self.stamps_ns[index]),
-        )
+        return LaserScan(self.ranges[index], *self.sweep, self.range_min, self.range_max, int(self.stamps_ns[index]))

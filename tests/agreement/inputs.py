@@ -30,7 +30,11 @@ class MappingCase:
         return compose(self.log.sensor_poses(), np.array(self.config.mount))
 
     def scans(self) -> list[LaserScan]:
-        return [self.log.scan(t) for t in range(self.log.n_scans)]
+        """The scans as the textbook takes them, with bearings as the mount has them."""
+        scans = [self.log.scan(t) for t in range(self.log.n_scans)]
+        if not self.config.mount_upside_down:
+            return scans
+        return [replace(s, angle_min=-s.angle_min, angle_increment=-s.angle_increment) for s in scans]
 
 
 def some(*values: float, low: float, high: float) -> st.SearchStrategy[float]:
@@ -74,6 +78,7 @@ def configs(draw: st.DrawFn, update: str) -> MappingConfig:
         log_odds_prior=draw(some(0.0, low=-0.3, high=0.3)),
     )
     mounted = {
+        "mount_upside_down": st.booleans(),
         "mount_x": some(0.0, low=-1, high=1),
         "mount_y": some(0.0, low=-1, high=1),
         "mount_yaw": some(0.0, low=-3, high=3),
@@ -109,7 +114,7 @@ def mapping_cases(draw: st.DrawFn, update: str) -> MappingCase:
         mount=(draw(some(0.0, low=-1, high=1)), 0.0, draw(some(0.0, np.pi, low=-3, high=3))),
         upside_down=draw(st.booleans()),
     )
-    return MappingCase(geometry, log, replace(config))
+    return MappingCase(geometry, log, config)
 
 
 @dataclass(frozen=True)

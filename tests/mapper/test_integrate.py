@@ -97,6 +97,12 @@ def test_mounts_compose_and_a_hanging_laser_sweeps_the_other_way() -> None:
     integrate_log(theirs, direct, MappingConfig(resolution=0.1))
     assert np.count_nonzero(ours.log_odds != theirs.log_odds) <= 2  # composed twice, rounded twice
 
+    turned_over = replace(mounted, upside_down=True), replace(config, mount_upside_down=True)
+    assert geometry_for(*turned_over) == geometry_for(mounted, config)
+    assert (
+        geometry_for(mounted, turned_over[1]) == geometry_for(turned_over[0], config) != geometry_for(mounted, config)
+    )
+
     hanging = replace(mounted, upside_down=True)
     mirrored = replace(mounted, ranges=mounted.ranges[:, ::-1], angle_min=-mounted.angles[-1])
     grids = [OccupancyGrid(geometry_for(hanging, config)) for _ in range(2)]

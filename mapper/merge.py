@@ -1,0 +1,59 @@
+"""Two maps of one place as one: log-odds added, the prior counted once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.errors import ConfigError
+from mapper.geometry import wrap_angle
+from mapper.grid import GridGeometry, OccupancyGrid
+
+_TOLERANCE = 1e-3  # of a cell: how far two lattices may lie apart and still be the same
+
+
+def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
+    """Return the map that holds the evidence of both: ℓ = ℓ_a + ℓ_b − ℓ₀ where both have cells.
+
+    Evidence from different scans is independent given the map, so its log-odds add (Thrun, Burgard & Fox,
+    Probabilistic Robotics, section 9.4); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial maps of a
+    log, merged, equal the map made in one go when the clamp is off, but for the rounding of float32 additions in
+    another order. With the clamp they may not: a cell that one part held at its limit has forgotten what it was told
+    beyond it, and the sum may lie outside the limits, where no single map would go.
+
+    The result covers both grids; its lattice is that of ``a``. Raises :class:`ConfigError` where resolution, yaw or
+    prior differ or the cells of one do not coincide with the other's, and :class:`mapper.errors.LimitError` where the
+    two together are too large.
+    """
+    if a.log_odds_prior != b.log_odds_prior:
+        raise ConfigError("merge.prior", f"The priors differ: {a.log_odds_prior:g} and {b.log_odds_prior:g}.")
+    row, col = _offset(a.geometry, b.geometry)
+    rows, cols = b.geometry.shape
+    top, left = min(0, row), min(0, col)
+    bottom, right = max(a.geometry.rows, row + rows), max(a.geometry.cols, col + cols)
+    corner = a.geometry.cell_to_world((top - 0.5, left - 0.5))
+    origin = (float(corner[0]), float(corner[1]), a.geometry.origin[2])
+    whole = GridGeometry(a.geometry.resolution, bottom - top, right - left, origin, a.geometry.limits)
+    out = OccupancyGrid(whole, a.log_odds_prior)
+    for grid, (at_row, at_col) in ((a, (-top, -left)), (b, (row - top, col - left))):
+        part = np.s_[at_row : at_row + grid.geometry.rows, at_col : at_col + grid.geometry.cols]
+        out.log_odds[part] += grid.log_odds - np.float32(grid.log_odds_prior)
+        out.observed[part] |= grid.observed
+    return out
+
+
+def _offset(a: GridGeometry, b: GridGeometry) -> tuple[int, int]:
+    """Return the row and the column of ``a`` at which cell (0, 0) of ``b`` lies."""
+    turn = abs(float(wrap_angle(a.origin[2] - b.origin[2])))
+    if abs(a.resolution - b.resolution) * max(b.shape) > _TOLERANCE * a.resolution or turn * max(b.shape) > _TOLERANCE:
+        raise ConfigError(
+            "merge.geometry",
+            f"Grids of {a.resolution:g} m at yaw {a.origin[2]:g} and of {b.resolution:g} m at yaw {b.origin[2]:g} "
+            "have no cells in common.",
+        )
+    exact = a.to_lattice(b.origin[:2])[::-1]
+    whole = np.round(exact)
+    if np.abs(exact - whole).max() > _TOLERANCE:
+        raise ConfigError(
+            "merge.geometry", f"The grids lie {exact[0]:g} rows and {exact[1]:g} columns apart, not a whole number."
+        )
+    return int(whole[0]), int(whole[1])
