@@ -15,8 +15,9 @@ export class Outbox {
   }
 
   put(command: Command): void {
-    if (this.#waiting.size === 0) this.#schedule(() => this.flush());
+    const isFirst = this.#waiting.size === 0;
     this.#waiting.set(command.type, command);
+    if (isFirst) this.#schedule(() => this.flush());
   }
 
   /** Add one value to the waiting `parameters` or `sensor` command. */

@@ -1,0 +1,98 @@
+import { beforeEach, expect, test } from "vitest";
+import { type Gestures, listen } from "./gestures";
+
+let element: HTMLElement;
+let told: unknown[][];
+
+beforeEach(() => {
+  element = document.createElement("div");
+  element.setPointerCapture = () => undefined;
+  told = [];
+  const tell =
+    (name: string) =>
+    (...words: unknown[]): void =>
+      void told.push([name, ...words]);
+  const gestures: Gestures = {
+    grabs: (x, y) => Math.hypot(x - 100, y - 100) < 10,
+    tap: tell("tap"),
+    doubleTap: tell("doubleTap"),
+    carry: tell("carry"),
+    pan: tell("pan"),
+    zoom: tell("zoom"),
+    hover: () => undefined,
+  };
+  listen(element, gestures);
+});
+
+let clock = 0;
+function point(type: string, x: number, y: number, more: Partial<PointerEventInit> = {}): void {
+  const event = new PointerEvent(type, {
+    clientX: x,
+    clientY: y,
+    pointerId: 1,
+    pointerType: "mouse",
+    button: 0,
+    ...more,
+  });
+  clock += 1000;
+  Object.defineProperty(event, "timeStamp", { value: clock });
+  element.dispatchEvent(event);
+}
+
+test("press and release in place is a tap", () => {
+  point("pointerdown", 20, 30);
+  point("pointermove", 22, 31);
+  point("pointerup", 22, 31);
+  expect(told).toEqual([["tap", 22, 31]]);
+});
+
+test("two quick taps in one place are one and a double tap", () => {
+  point("pointerdown", 20, 30);
+  point("pointerup", 20, 30);
+  clock -= 1900;
+  point("pointerdown", 20, 30);
+  point("pointerup", 20, 30);
+  expect(told.map(([name]) => name)).toEqual(["tap", "doubleTap"]);
+});
+
+test("a drag of empty space pans by all of its way and taps nothing", () => {
+  point("pointerdown", 20, 30);
+  point("pointermove", 30, 30);
+  point("pointermove", 35, 37);
+  point("pointerup", 35, 37);
+  expect(told).toEqual([
+    ["pan", 10, 0],
+    ["pan", 5, 7],
+  ]);
+});
+
+test("a drag that begins on the robot carries it and then lets go", () => {
+  point("pointerdown", 104, 100);
+  point("pointermove", 150, 120);
+  point("pointerup", 150, 120);
+  expect(told).toEqual([
+    ["carry", [150, 120]],
+    ["carry", null],
+  ]);
+});
+
+test("a second finger turns everything into a pinch about the middle", () => {
+  const finger = (id: number): Partial<PointerEventInit> => ({ pointerId: id, pointerType: "touch" });
+  point("pointerdown", 100, 100, finger(1));
+  point("pointerdown", 200, 100, finger(2));
+  point("pointermove", 300, 100, finger(2));
+  expect(told).toEqual([
+    ["carry", null],
+    ["pan", 50, 0],
+    ["zoom", 200, 100, 2],
+  ]);
+  point("pointerup", 300, 100, finger(2));
+  point("pointerup", 100, 100, finger(1));
+  expect(told.length).toBe(3);
+});
+
+test("a cancelled touch is no tap", () => {
+  point("pointerdown", 20, 30, { pointerType: "touch" });
+  point("pointercancel", 20, 30, { pointerType: "touch" });
+  expect(told).toEqual([]);
+});

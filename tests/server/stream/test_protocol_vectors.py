@@ -1,0 +1,179 @@
+"""The vectors by which the pages' side of the wire is held to this one: written here, read by the pages' own tests.
+
+``python tests/server/stream/test_protocol_vectors.py --write`` writes them anew after a change of the protocol.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zstandard
+
+from mapper.geometry import compose
+from mapper.grid import GridGeometry
+from mapper.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.textbook import bresenham
+from server.stream.protocol import (
+    HEADER,
+    ProtocolError,
+    TilePayload,
+    decode_command,
+    decode_tiles,
+    encode_text,
+    encode_tiles,
+)
+
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "protocol.vectors.json"
+TILE = 64
+
+COMMANDS: tuple[dict[str, Any], ...] = (
+    {"type": "ack", "seq": 4294967295},
+    {"type": "resume", "epoch_id": "0f", "epoch": 3, "revision": 17},
+    {"type": "play"},
+    {"type": "step", "scans": -1},
+    {"type": "parameters", "values": {"log_odds_hit": 0.85, "model": "step_window", "clamp": False}},
+    {"type": "teleport", "x": -1.25, "y": 0.5, "yaw": 3.1},
+    {"type": "world", "name": "büro"},
+    {"type": "inspect", "row": 12, "col": 0, "epoch": 2},
+)
+
+
+def cells(seed: int) -> np.ndarray[Any, np.dtype[np.int8]]:
+    """Return a tile (64, 64) with every value of int8 in it."""
+    rng = np.random.default_rng(seed)
+    tile = rng.integers(-128, 128, (TILE, TILE), dtype=np.int8)
+    tile[:4] = np.arange(-128, 128, dtype=np.int8).reshape(4, 64)
+    return tile
+
+
+def frames() -> list[dict[str, Any]]:
+    """Binary frames, and what is in them."""
+    out = []
+    for epoch, seq, complete, places in (
+        (1, 1, False, ()),
+        (7, 4294967295, True, ((0, 0, 1), (-3, 300, 4294967295))),
+        (4294967295, 2, False, ((32767, -32768, 5),)),
+    ):
+        pictures = [cells(10 * seq + i) for i in range(len(places))]
+        tiles = [
+            TilePayload(tx, ty, revision, zstandard.compress(picture.tobytes()))
+            for (tx, ty, revision), picture in zip(places, pictures, strict=True)
+        ]
+        out.append(
+            {
+                "hex": encode_tiles(epoch, seq, tiles, complete=complete).hex(),
+                "epoch": epoch,
+                "seq": seq,
+                "complete": complete,
+                "tiles": [
+                    {"tx": t.tx, "ty": t.ty, "revision": t.revision, "cells": picture.tobytes().hex()}
+                    for t, picture in zip(tiles, pictures, strict=True)
+                ],
+            }
+        )
+    return out
+
+
+def broken() -> list[dict[str, str]]:
+    """Frames that cannot be read, and the code that says why."""
+    whole = encode_tiles(1, 1, [TilePayload(0, 0, 1, b"abcdef"), TilePayload(1, 0, 2, b"gh")])
+    bad = [whole[:cut] for cut in range(0, len(whole), 5)] + [whole + b"x", b"\x02" + whole[1:], b""]
+    bad.append(HEADER.pack(1, 0, 0, 1, 1, 0xFFFFFFFF))
+    out = []
+    for frame in bad:
+        with pytest.raises(ProtocolError) as error:
+            decode_tiles(frame)
+        out.append({"hex": frame.hex(), "code": error.value.code})
+    return out
+
+
+def lattices() -> list[dict[str, Any]]:
+    """Points, the cells that hold them, and the cells' centres."""
+    rng = np.random.default_rng(3)
+    out = []
+    for origin in ((0.0, 0.0, 0.0), (-12.8, 3.2, 0.0), (5.0, -7.0, 0.7)):
+        geometry = GridGeometry(0.05, 640, 320, origin)
+        points = rng.uniform(-20.0, 20.0, (20, 2))
+        rc = geometry.world_to_cell(points)
+        out.append(
+            {
+                "origin": list(origin),
+                "resolution": 0.05,
+                "rows": 640,
+                "cols": 320,
+                "points": points.tolist(),
+                "cells": rc.tolist(),
+                "centres": geometry.cell_to_world(rc).tolist(),
+                "inside": geometry.contains(rc).tolist(),
+            }
+        )
+    return out
+
+
+def quantised() -> dict[str, Any]:
+    """Log-odds, and the int8 that stand for them."""
+    low, high = -2.0, 3.5
+    values = np.linspace(-2.5, 4.0, 40, dtype=np.float32)[None, :]
+    observed = np.ones_like(values, dtype=np.bool_)
+    observed[0, 0] = False
+    picture = np.full(values.shape, NEVER_OBSERVED, dtype=np.int8)
+    quantise(values, observed, low, high, 0, 1, 0, 40, TILE, picture, np.zeros((1, 1), dtype=np.bool_))
+    return {
+        "log_odds_min": low,
+        "log_odds_max": high,
+        "log_odds": np.clip(values[0], low, high).astype(float).tolist(),
+        "observed": observed[0].tolist(),
+        "int8": picture[0].tolist(),
+    }
+
+
+def lines() -> list[dict[str, Any]]:
+    """Bresenham's lines in all octants, zero length included."""
+    ends = [(0, 0), (3, 4), (-3, 4), (4, 3), (4, -3), (-4, -3), (-3, -4), (3, -4), (0, 7), (-7, 0), (5, 5), (1, 9)]
+    return [{"end": list(end), "cells": [list(cell) for cell in bresenham((2, -1), end)]} for end in ends]
+
+
+def vectors() -> dict[str, Any]:
+    """Everything, as JSON has it."""
+    made = {
+        "frames": frames(),
+        "broken": broken(),
+        "commands": [encode_text(command) for command in COMMANDS],
+        "lattices": lattices(),
+        "compose": [
+            {"a": list(a), "b": list(b), "c": compose(np.array(a), np.array(b)).tolist()}
+            for a, b in (((1.0, 2.0, 0.5), (0.3, -0.1, 0.2)), ((0.0, 0.0, -1.5), (1.0, 1.0, 0.0)))
+        ],
+        "quantised": quantised(),
+        "lines": lines(),
+    }
+    whole: dict[str, Any] = json.loads(json.dumps(made))
+    return whole
+
+
+def without_compression(frame: dict[str, Any]) -> dict[str, Any]:
+    """Return a frame's vector with its tiles decompressed: how they are compressed may differ between zstd versions."""
+    decoded = decode_tiles(bytes.fromhex(frame["hex"]))
+    read = [(t.tx, t.ty, t.revision, zstandard.decompress(t.data).hex()) for t in decoded.tiles]
+    return {key: value for key, value in frame.items() if key != "hex"} | {"read": read, "header": decoded.epoch}
+
+
+def test_what_the_pages_are_tested_with_is_what_the_server_does() -> None:
+    kept = json.loads(VECTORS.read_text(encoding="utf-8"))
+    fresh = vectors()
+    assert [without_compression(f) for f in kept.pop("frames")] == [without_compression(f) for f in fresh.pop("frames")]
+    assert kept == fresh, f"stale: run python {Path(__file__).relative_to(VECTORS.parents[2])} --write"
+
+
+def test_the_commands_of_the_vectors_are_commands_to_the_server() -> None:
+    kept = json.loads(VECTORS.read_text(encoding="utf-8"))
+    assert [decode_command(text) for text in kept["commands"]] == list(COMMANDS)
+
+
+if __name__ == "__main__" and "--write" in sys.argv:
+    VECTORS.write_text(json.dumps(vectors(), indent=1) + "\n", encoding="utf-8")
