@@ -17,7 +17,8 @@ from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
 from server.sessions.outcome import Outcome
-from server.sessions.session import Moment, Session, as_pose
+from server.sessions.session import Session
+from server.sessions.view import Moment, as_pose
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds

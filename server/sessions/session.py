@@ -8,26 +8,25 @@ else (hub, listeners, slots) belongs to the event loop.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import secrets
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Literal
 
-import numpy as np
 import structlog
-from numpy.typing import NDArray
 
 from mapper.errors import MapperError
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid, probability
+from mapper.grid import OccupancyGrid
 from mapper.integrate import CellBox
 from mapper.limits import Limits
-from mapper.parameters import PARAMETERS, MappingConfig
-from mapper.scan import LaserScan
+from mapper.parameters import MappingConfig
 from mapper.world import SensorConfig, World
+from server.sessions.messages import cell_message, moment_fields, parameter_table, parameters_message
 from server.sessions.outcome import Order, Outcome, error_message
+from server.sessions.view import Moment, SessionView
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, integer, number, values
 from server.stream.tiles import TilePicture, picture_range
@@ -36,47 +35,7 @@ TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
 MAX_ORDERS = 256  #: commands that wait for one session
 
-Pose = tuple[float, float, float]
-
 _log = structlog.get_logger(__name__)
-
-
-@dataclass(frozen=True, slots=True)
-class SessionView:
-    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
-
-    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``.
-    """
-
-    geometry: GridGeometry
-    log_odds: NDArray[np.float32]
-    observed: NDArray[np.bool_]
-    pose: Pose
-    sensor_pose: Pose
-    ranges: NDArray[np.float32]
-    angle_min: float
-    angle_increment: float
-    range_max: float
-    world: World | None
-    config: MappingConfig
-    sensor: SensorConfig | None
-    playing: bool
-    index: int
-    count: int
-
-
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
-
-    The correction of the mount among the parameters is in neither: the map composes it onto them.
-    """
-
-    pose: Pose
-    sensor_pose: Pose
-    scan_pose: Pose
-    scan: LaserScan
-    stamp_s: float
 
 
 class Session(ABC):
@@ -103,12 +62,9 @@ class Session(ABC):
         self.config = config
         self.speed = speed
         self.playing = True
-        self.listeners: list[
-            Callable[[], None]
-        ] = []  #: called on the event loop after each tick that changed something
+        self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
         self.on_close: list[Callable[[], None]] = []
         self.closed = False
-        self.created_at = clock()
         self.unwatched_since = clock()
         self.remake_seconds: Callable[[float], None] = lambda _: None
         self._clock = clock
@@ -120,6 +76,7 @@ class Session(ABC):
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._remade_ms: float | None = None
+        self._redraw = False  #: whether a tick was cut off before the picture followed the grid
         picture = TilePicture(grid.geometry, *picture_range(config), epoch=1)
         picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
         self.hub = Hub(picture, clock)
@@ -234,6 +191,7 @@ class Session(ABC):
     def _left(self) -> None:
         if not self.watched:
             self.unwatched_since = self._clock()
+            self.hub.settled = True  # nothing runs now: what was true stays true
 
     @property
     def watched(self) -> bool:
@@ -291,9 +249,8 @@ class Session(ABC):
 
     def _copy(self) -> OccupancyGrid:
         grid = self.grid
-        copy = OccupancyGrid.__new__(OccupancyGrid)
-        copy.geometry, copy.log_odds_prior = grid.geometry, grid.log_odds_prior
-        copy.log_odds, copy.observed = grid.log_odds.copy(), grid.observed.copy()
+        copy = OccupancyGrid(grid.geometry, grid.log_odds_prior)
+        copy.log_odds[:], copy.observed[:] = grid.log_odds, grid.observed
         return copy
 
     def limits(self) -> Limits:
@@ -308,7 +265,6 @@ class Session(ABC):
     # -- messages -------------------------------------------------------------------------------------------------
 
     def _hello(self) -> dict[str, Any]:
-        low, high = self.speeds
         return {
             "type": "hello",
             "protocol": SUBPROTOCOL,
@@ -316,44 +272,28 @@ class Session(ABC):
             "kind": self.kind,
             "title": self.title,
             "epoch_id": self.epoch_id,
-            "speeds": [low, high],
-            "parameters": {"table": [asdict(row) for row in PARAMETERS], "values": asdict(self.config)},
+            "speeds": list(self.speeds),
+            "parameters": parameter_table(self.config),
             "sensor": None,
             "log": None,
         } | self.particulars()
 
     def parameters_message(self) -> dict[str, Any]:
         """The ``parameters`` message."""
-        sensor = None if self.sensor is None else asdict(self.sensor)
-        return {"type": "parameters", "values": asdict(self.config), "sensor": sensor}
+        return parameters_message(self.config, self.sensor)
 
     def frame(self) -> dict[str, Any]:
         """The ``frame`` message, without its type and time."""
-        moment = self.moment()
         index, count = self.progress
-        scan = moment.scan
-        frame: dict[str, Any] = {
-            "playing": self.playing,
-            "speed": self.speed,
-            "index": index,
-            "count": count,
-            "stamp": round(moment.stamp_s, 4),
-            "pose": [round(v, 4) for v in moment.pose],
-            "sensor_pose": [round(v, 4) for v in moment.sensor_pose],
-            "scan_pose": [round(v, 4) for v in moment.scan_pose],
-            "ranges": _ranges_json(scan),
-            "angle_min": scan.angle_min,
-            "angle_increment": scan.angle_increment,
-            "range_max": min(scan.range_max, self.config.range_max),
-            "auto": False,
-        }
+        frame = {"playing": self.playing, "speed": self.speed, "index": index, "count": count, "auto": False}
         if self._remade_ms is not None:
             frame["remade_ms"] = round(self._remade_ms, 2)
-        return frame
+        return frame | moment_fields(self.moment(), self.config)
 
     def _publish_frame(self) -> None:
         frame = self.frame()
-        self.hub.publish(frame, (frame["pose"][0], frame["pose"][1]), settled=not self.playing)
+        running = self.playing and self.watched
+        self.hub.publish(frame, (frame["pose"][0], frame["pose"][1]), settled=not running)
 
     # -- the task -------------------------------------------------------------------------------------------------
 
@@ -374,20 +314,30 @@ class Session(ABC):
                 continue
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
-            async with self._lock:
-                outcome = await self._loop.run_in_executor(self._pool, self._compute, orders, dt)
-            self._deliver(outcome)
+            try:
+                async with self._lock:
+                    outcome = await self._loop.run_in_executor(self._pool, self._compute, orders, dt)
+                self._deliver(outcome)
+            except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
+                _log.exception("a tick failed")
+                self._stop()
+
+    def _stop(self) -> None:
+        """Stand still after a defect, and say so."""
+        self.playing = False
+        self._redraw = True
+        self.hub.tell_all(error_message("internal", "The session stopped because of a defect in the service."))
+        with contextlib.suppress(Exception):  # the defect may lie in what is shown
+            self._publish_frame()
 
     async def _wait(self, seconds: float | None) -> None:
         """Wait for a command or a client, at most ``seconds``."""
         self._wake.clear()
         if self.closed or self._orders or (seconds is not None and seconds <= 0.0):
             return
-        try:
+        with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self._wake.wait()
-        except TimeoutError:
-            pass
 
     def _deliver(self, outcome: Outcome) -> None:
         """Send what a tick left (event loop)."""
@@ -448,11 +398,6 @@ class Session(ABC):
             self.playing = False
             outcome.changed = True
             outcome.notices.append(error_message(error.code, error.message))
-        except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
-            _log.exception("a tick failed")
-            self.playing = False
-            outcome.changed = True
-            outcome.notices.append(error_message("internal", "The session stopped because of a defect in the service."))
         self._draw(outcome)
         return outcome
 
@@ -477,10 +422,11 @@ class Session(ABC):
             outcome.picture = TilePicture(grid.geometry, low, high, old.epoch + 1, old.newest)
             outcome.picture.update(grid, whole)
             outcome.changed = True
-        elif outcome.new_grid:
+        elif outcome.new_grid or self._redraw:
             old.update(grid, whole)
         elif outcome.box is not None:
             old.update(grid, outcome.box)
+        self._redraw = False
 
     def _obey(self, order: Order, outcome: Outcome) -> None:
         command = order.command
@@ -509,37 +455,4 @@ class Session(ABC):
             raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {picture.epoch}.")
         if not grid.geometry.contains((row, col)):
             raise ProtocolError("command.cell", f"Cell ({row}, {col}) lies outside the map.")
-        x, y = grid.geometry.cell_to_world((row, col))
-        value, observed = float(grid.log_odds[row, col]), bool(grid.observed[row, col])
-        p_occ = float(probability(value))
-        state = "unknown"
-        if observed and p_occ > OCCUPIED_THRESHOLD:
-            state = "occupied"
-        elif observed and p_occ < FREE_THRESHOLD:
-            state = "free"
-        return {
-            "type": "cell",
-            "row": row,
-            "col": col,
-            "epoch": epoch,
-            "x": float(x),
-            "y": float(y),
-            "observed": observed,
-            "log_odds": value,
-            "p_occ": p_occ,
-            "state": state,
-        }
-
-
-def _ranges_json(scan: LaserScan) -> list[float | None]:
-    """Return the scan's readings in metres, None for no return and for what is no reading."""
-    ranges = scan.ranges
-    measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
-    rounded = np.round(ranges.astype(np.float64), 3).tolist()
-    return [r if ok else None for r, ok in zip(rounded, measured.tolist(), strict=True)]
-
-
-def as_pose(row: NDArray[np.float64]) -> Pose:
-    """Return (3,) as a tuple of plain numbers."""
-    x, y, yaw = (float(v) for v in row)
-    return (x, y, yaw)
+        return cell_message(grid, row, col, epoch)

@@ -19,7 +19,8 @@ from mapper.scan import LaserScan, ScanLog
 from mapper.world import SENSOR_PARAMETERS, WORLDS, Recording, SensorConfig, Simulation, World
 from mapper.world.lidar import measure
 from server.sessions.outcome import Outcome
-from server.sessions.session import Moment, Pose, Session, as_pose
+from server.sessions.session import Session
+from server.sessions.view import Moment, Pose, as_pose
 from server.stream.protocol import ProtocolError, integer, number, text, values
 
 DEFAULT_WORLD = "office"

@@ -225,17 +225,22 @@ class Client:
         now = self.hub.clock()
         if self._unacknowledged:
             return max(0.0, self._unacknowledged[0][1] + ACK_TIMEOUT_S - now) + 0.01
-        if now < self._fresh_after:
-            return self._fresh_after - now
+        if self.hub.settled and self._wants_frame():
+            # Never past due: the instant may have come since take() looked, and nothing else would wake the client.
+            return max(0.0, self._fresh_after - now)
         return 3600.0
 
     def _may_send_frame(self) -> bool:
         hub = self.hub
-        if len(self._unacknowledged) >= (1 if self.is_slow else WINDOW) or not hub.frame_number:
+        if len(self._unacknowledged) >= (1 if self.is_slow else WINDOW):
             return False
         if (hub.clock() if hub.settled else hub.published_at) < self._fresh_after:
             return False
-        return self._frame_number != hub.frame_number or self._has_dirty()
+        return self._wants_frame()
+
+    def _wants_frame(self) -> bool:
+        number = self.hub.frame_number
+        return number > 0 and (self._frame_number != number or self._has_dirty())
 
     def _has_dirty(self) -> bool:
         self._follow_epoch()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -110,6 +112,19 @@ async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) ->
     stopped = session.view().pose
     await asyncio.sleep(0.2)
     assert session.view().pose == stopped
+
+
+async def test_whoever_comes_late_is_not_sent_the_past(registry: SessionRegistry) -> None:
+    session = await registry.create_world("me", "room", seed=4)
+    for _ in range(2):
+        await asyncio.sleep(0.3)
+        came = time.monotonic()
+        client = session.join()
+        frames = [json.loads(m) for m in client.take() if isinstance(m, str) and '"type":"frame"' in m]
+        assert [frame["t"] >= came - 1e-4 for frame in frames] == [True]
+        count = session.view().count
+        await eventually(lambda count=count: session.view().count > count)  # type: ignore[misc]
+        session.leave(client)
 
 
 async def test_a_teleport_sees_at_once_even_when_paused(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
@@ -234,6 +249,7 @@ async def test_a_defect_stops_the_session_and_says_so(
         patched.setattr(WorldMapper, "advance", broken)
         await eventually(lambda: not session.playing)
         await obey(session, type="pause")
+    assert '"playing":false' in session.hub.frame_text()
     assert '"code":"internal"' in "".join(str(message) for message in client.take())
     await obey(session, type="play")
     count = session.view().count

@@ -323,6 +323,33 @@ def test_a_client_that_never_acknowledges_is_lost_after_a_while() -> None:
     assert client.wait_s() < 1.0
 
 
+def test_a_frame_that_is_held_back_is_never_forgotten() -> None:
+    """The instant at which it may go can pass between two looks at the clock: here every look takes a while."""
+    source = Source()
+    source.publish(settled=True)
+    browser = Browser(source)
+    browser.read()
+    for looks_take in np.linspace(1e-3, 0.019, 40):
+        source.publish(settled=True)
+        source.clock.now += 0.2
+        browser.acknowledge()
+
+        def slowly(step: float = float(looks_take)) -> float:
+            source.clock.now += step
+            return source.clock.now
+
+        source.hub.clock = slowly
+        for _ in range(200):
+            if browser.read():
+                break
+            wait = browser.client.wait_s()
+            assert wait < 1.0
+            source.clock.now += wait
+        else:
+            pytest.fail("the frame was never sent")
+        source.hub.clock = source.clock
+
+
 def test_answers_do_not_pile_up() -> None:
     source = Source()
     source.publish()

@@ -1,0 +1,75 @@
+"""The messages that a session sends, as :mod:`server.stream.protocol` describes them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
+from mapper.parameters import PARAMETERS, MappingConfig
+from mapper.scan import LaserScan
+from mapper.world import SensorConfig
+from server.sessions.view import Moment, Pose
+
+
+def parameter_table(config: MappingConfig) -> dict[str, Any]:
+    """Return the ``parameters`` of ``hello``: the table and the values."""
+    return {"table": [asdict(row) for row in PARAMETERS], "values": asdict(config)}
+
+
+def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:
+    """Return a ``parameters`` message."""
+    return {"type": "parameters", "values": asdict(config), "sensor": None if sensor is None else asdict(sensor)}
+
+
+def moment_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
+    """Return the part of a ``frame`` message that says where the robot is and what it sees."""
+    scan = moment.scan
+    return {
+        "stamp": round(moment.stamp_s, 4),
+        "pose": _rounded(moment.pose),
+        "sensor_pose": _rounded(moment.sensor_pose),
+        "scan_pose": _rounded(moment.scan_pose),
+        "ranges": _ranges(scan),
+        "angle_min": scan.angle_min,
+        "angle_increment": scan.angle_increment,
+        "range_max": min(scan.range_max, config.range_max),
+    }
+
+
+def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int) -> dict[str, Any]:
+    """Return a ``cell`` message."""
+    x, y = grid.geometry.cell_to_world((row, col))
+    value, observed = float(grid.log_odds[row, col]), bool(grid.observed[row, col])
+    p_occ = float(probability(value))
+    state = "unknown"
+    if observed and p_occ > OCCUPIED_THRESHOLD:
+        state = "occupied"
+    elif observed and p_occ < FREE_THRESHOLD:
+        state = "free"
+    return {
+        "type": "cell",
+        "row": row,
+        "col": col,
+        "epoch": epoch,
+        "x": float(x),
+        "y": float(y),
+        "observed": observed,
+        "log_odds": value,
+        "p_occ": p_occ,
+        "state": state,
+    }
+
+
+def _rounded(pose: Pose) -> list[float]:
+    return [round(value, 4) for value in pose]
+
+
+def _ranges(scan: LaserScan) -> list[float | None]:
+    """Return the scan's readings in metres, None for no return and for what is no reading."""
+    ranges = scan.ranges
+    measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
+    rounded = np.round(ranges.astype(np.float64), 3).tolist()
+    return [r if ok else None for r, ok in zip(rounded, measured.tolist(), strict=True)]

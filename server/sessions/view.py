@@ -1,0 +1,59 @@
+"""What a session shows at one instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import GridGeometry
+from mapper.parameters import MappingConfig
+from mapper.scan import LaserScan
+from mapper.world import SensorConfig, World
+
+Pose = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SessionView:
+    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
+
+    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``.
+    """
+
+    geometry: GridGeometry
+    log_odds: NDArray[np.float32]
+    observed: NDArray[np.bool_]
+    pose: Pose
+    sensor_pose: Pose
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    world: World | None
+    config: MappingConfig
+    sensor: SensorConfig | None
+    playing: bool
+    index: int
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
+
+    The correction of the mount among the parameters is in neither: the map composes it onto them.
+    """
+
+    pose: Pose
+    sensor_pose: Pose
+    scan_pose: Pose
+    scan: LaserScan
+    stamp_s: float
+
+
+def as_pose(row: NDArray[np.float64]) -> Pose:
+    """Return (3,) as a tuple of plain numbers."""
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)
