@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 
-from mapper.errors import ReadError
+from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import carmen, dpslam
 from mapper.logs.lines import GZIP_MAGIC, Progress, opened
@@ -30,6 +31,23 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"%PDF", "a PDF document"),
 )
 
+FORMATS: tuple[tuple[frozenset[str], Callable[[Path, Limits, Progress | None], ScanLog]], ...] = (
+    (carmen.WORDS, carmen.read_carmen),
+    (dpslam.WORDS, dpslam.read_dpslam),
+)
+
+
+def is_log(path: str | os.PathLike[str]) -> bool:
+    """Return whether the file at ``path`` begins as a log of a known format does; only its beginning is read.
+
+    False for a file that cannot be opened. A log may begin well and still be one that :func:`open_log` refuses.
+    """
+    try:
+        _reader_for(Path(path))
+    except MapperError:
+        return False
+    return True
+
 
 def open_log(
     path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
@@ -41,12 +59,16 @@ def open_log(
     larger than ``limits`` allow.
     """
     file = Path(path)
+    return _reader_for(file)(file, limits, progress)
+
+
+def _reader_for(file: Path) -> Callable[[Path, Limits, Progress | None], ScanLog]:
+    """Return the reader of the format that the file begins in; raise :class:`ReadError` where it begins in none."""
     head, cut = _head(file)
     words = _first_words(head)
-    if words & carmen.WORDS:
-        return carmen.read_carmen(file, limits, progress)
-    if words & dpslam.WORDS:
-        return dpslam.read_dpslam(file, limits, progress)
+    for format_words, reader in FORMATS:
+        if words & format_words:
+            return reader
     if cut and b"\n" not in head:
         raise ReadError("log.truncated", "The gzip data ends early, before the first line of a log.")
     raise _not_a_log(head)

@@ -50,13 +50,13 @@ class LogSummary:
 
 def summarise(log: ScanLog) -> LogSummary:
     """Return the figures of ``log``."""
-    span = int(log.stamps_ns.max() - log.stamps_ns.min()) if log.n_scans else 0
+    seconds = recorded_seconds(log)
     return LogSummary(
         name=log.name,
         format=log.format,
         scans=log.n_scans,
         beams=log.n_beams,
-        duration_s=span / 1e9,
+        duration_s=float(seconds[-1]) if len(seconds) else 0.0,
         field_of_view_deg=math.degrees(abs(log.angle_increment)) * max(0, log.n_beams - 1),
         angle_min=log.angle_min,
         angle_increment=log.angle_increment,
@@ -69,6 +69,20 @@ def summarise(log: ScanLog) -> LogSummary:
         ),
         notes=log.notes,
     )
+
+
+def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
+    """Return how much of the recorded time is over at each scan (n_scans,), in seconds since the earliest stamp.
+
+    Never decreasing: where the clock steps back, time stands still until it has caught up. The last one is the log's
+    duration; all are zero for a log without times.
+    """
+    if log.n_scans == 0:
+        return np.zeros(0)
+    latest = np.maximum.accumulate(log.stamps_ns)
+    # As unsigned numbers: the span of two absurd stamps does not fit into a signed one.
+    span_ns: NDArray[np.uint64] = latest.view(np.uint64) - log.stamps_ns.min(keepdims=True).view(np.uint64)
+    return span_ns.astype(np.float64) * 1e-9
 
 
 def _length(poses: NDArray[np.float64]) -> float:

@@ -13,23 +13,22 @@ import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import structlog
 
 from mapper.errors import LimitError, MapperError, ReadError
+from mapper.logs.summary import summarise
 from mapper.scan import ScanLog
 from server.library.cache import LogCache
-from server.library.folder import FolderLog, list_folder
+from server.library.folder import FolderLog, LogFolder
 from server.library.intake import Received, receive, too_large
 from server.library.names import display_name
 from server.library.packed import StalePackError, read_pack
-from server.library.reading import Reader, summarise
+from server.library.reading import Reader
 from server.library.records import Failure, JsonRecords, Record, Records
+from server.library.sample import SAMPLE_ID, Sample
 from server.settings import Settings
 
-SAMPLE_ID = "sample-office"
-SAMPLE_NAME = "A simulated office (sample)"
 DAY_S = 86_400.0
 
 _log = structlog.get_logger(__name__)
@@ -58,41 +57,55 @@ class LibraryLimits:
 
 
 class Library:
-    """The logs of one server. Call :meth:`start` before and :meth:`close` after use."""
+    """The logs of one server. Call :meth:`start` before and :meth:`close` after use.
 
-    def __init__(self, settings: Settings, limits: LibraryLimits | None = None, records: Records | None = None) -> None:
+    ``reader`` is one that outlives the library; without it the library has its own.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        limits: LibraryLimits | None = None,
+        records: Records | None = None,
+        reader: Reader | None = None,
+    ) -> None:
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._folder = settings.logs_dir
+        self._folder = None if settings.logs_dir is None else LogFolder(settings.logs_dir)
         root = settings.data_dir / "library"
         self._blobs, self._packs, self._incoming = root / "blobs", root / "packs", root / "incoming"
         for folder in (self._blobs, self._packs, self._incoming):
             folder.mkdir(parents=True, exist_ok=True)
         self._store: Records = records or JsonRecords(root / "records")
-        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were opened
+        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
         self._folder_logs: dict[str, FolderLog] = {}
+        self._looking = asyncio.Lock()  #: held while the folder is looked through
         self._jobs: dict[str, asyncio.Task[None]] = {}
+        self._survey_job: asyncio.Task[None] | None = None
         self._uploads = 0
-        self._reader = Reader(timeout_s=self._limits.read_timeout_s, memory_bytes=self._limits.read_memory_bytes)
+        self._own_reader = reader is None
+        self._reader = reader or Reader(
+            timeout_s=self._limits.read_timeout_s, memory_bytes=self._limits.read_memory_bytes
+        )
         self._cache = LogCache(self._limits.cache_bytes)
-        self._sample = Record(SAMPLE_ID, "", SAMPLE_NAME, "sample", "ready", 0)
-        self._sample_job: asyncio.Task[ScanLog] | None = None
+        self._sample = Sample(self._cache)
 
     async def start(self) -> None:
         """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end."""
+        await self._look_into_folder()
         for record in await asyncio.to_thread(lambda: list(self._store.load())):
             kept = record
-            if not self._blob(record.id).is_file():
+            if not (record.id in self._folder_logs if record.source == "folder" else self._blob(record.id).is_file()):
                 self._store.delete(record.id)
                 continue
-            if record.state in ("queued", "reading"):
+            if record.source == "upload" and record.state in ("queued", "reading"):
                 failure = Failure("log.interrupted", "Reading was interrupted; upload the log again to retry.")
                 kept = replace(record, state="failed", progress=0.0, error=failure)
                 self._store.put(kept)
             self._records[kept.id] = kept
         self._expire()
-        await self._refresh_folder()
         await asyncio.to_thread(self._sweep)
+        self._begin_survey()
 
     def _expire(self) -> None:
         """Delete the uploads that nobody has used for a long time."""
@@ -114,13 +127,13 @@ class Library:
 
     async def close(self) -> None:
         """End the jobs and the reading process."""
-        jobs: set[asyncio.Task[Any]] = {*self._jobs.values()}
-        if self._sample_job is not None:
-            jobs.add(self._sample_job)
+        jobs = [*self._jobs.values(), *([] if self._survey_job is None else [self._survey_job])]
         for job in jobs:
             job.cancel()
         await asyncio.gather(*jobs, return_exceptions=True)
-        await self._reader.close()
+        await self._sample.close()
+        if self._own_reader:
+            await self._reader.close()
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
@@ -206,42 +219,67 @@ class Library:
 
     async def list(self, owner: str) -> Sequence[Record]:
         """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
-        await self._refresh_folder()
+        await self._look_into_folder()
+        self._begin_survey()
+        self._sample.begin()
         uploads = sorted((r for r in self._uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True)
         folder = [self._folder_record(log) for log in self._folder_logs.values()]
-        return [*(self._with_progress(record) for record in [*uploads, *folder]), self._sample]
+        return [*(self._with_progress(record) for record in [*uploads, *folder]), self._sample.record]
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
-            return self._sample
+            return self._sample.record
         record = self._records.get(log_id)
-        if record is None and log_id in self._folder_logs:
+        if log_id in self._folder_logs:
             record = self._folder_record(self._folder_logs[log_id])
-        if record is None or (record.source == "upload" and record.owner != owner):
+        elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
+            record = None
+        if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
         return self._with_progress(record)
 
     def _with_progress(self, record: Record) -> Record:
         return replace(record, progress=self._reader.progress) if record.state == "reading" else record
 
-    async def _refresh_folder(self) -> None:
+    # -- the folder ---------------------------------------------------------------------------------------------
+
+    async def _look_into_folder(self) -> None:
         if self._folder is None:
             return
-        found = await asyncio.to_thread(list_folder, self._folder)
-        self._folder_logs = {log.id: log for log in found}
+        async with self._looking:
+            self._folder_logs = {log.id: log for log in await asyncio.to_thread(self._folder.logs)}
         for record in [r for r in self._records.values() if r.source == "folder" and r.id not in self._folder_logs]:
             if record.id not in self._jobs:
-                del self._records[record.id]
-                self._cache.drop(record.id)
-                self._pack(record.id).unlink(missing_ok=True)
+                self._forget(record.id)
 
     def _folder_record(self, log: FolderLog) -> Record:
         known = self._records.get(log.id)
         if known is not None:
             return known
-        name = display_name(log.name)
-        return Record(log.id, "", name, "folder", "ready", log.bytes, created_s=log.modified_s)
+        return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
+
+    def _unknown(self) -> Record | None:
+        """Return a log of which it is not known what it holds although nobody has asked for it; None where all are."""
+        folder = (self._folder_record(log) for log in self._folder_logs.values() if log.id not in self._records)
+        unsaid = (record for record in self._records.values() if record.state == "ready" and record.summary is None)
+        return next(folder, None) or next(unsaid, None)
+
+    def _begin_survey(self) -> None:
+        if self._survey_job is None and self._unknown() is not None:
+            self._survey_job = asyncio.create_task(self._survey())
+
+    async def _survey(self) -> None:
+        """Find out what the logs hold that nobody has opened: one after the other, so that who waits, waits for one.
+
+        Nothing of them is packed: a folder may be larger than the room for packs.
+        """
+        try:
+            while (record := self._unknown()) is not None:
+                self._queue(record, pack=False)
+                await asyncio.wait([self._jobs[record.id]])
+        finally:
+            self._survey_job = None
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -254,71 +292,58 @@ class Library:
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
             record = replace(self._records[log_id], used_s=time.time())
             self._save(record)
+        if record.source == "sample":
+            return await self._sample.load()
         kept = self._cache.get(log_id)
         if kept is not None:
             return kept
-        if record.source == "sample":
-            return await self._load_sample()
-        if record.state == "ready":
+        for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
+            record = await self._settled(owner, log_id)
             try:
                 return await self._unpack(record)
             except StalePackError:
-                record = self._queue(record)
+                self._queue(self.get(owner, log_id))
+        raise ReadError("log.storage", "What was read of the log could not be stored; try again.")
+
+    async def _settled(self, owner: str, log_id: str) -> Record:
+        """Return the record of a log after the job that is under way; raise what the reader raised."""
         job = self._jobs.get(log_id)
         if job is not None:
             await asyncio.wait([job])  # not the job itself: it may be cancelled, and that is not ours to be
         record = self.get(owner, log_id)
         if record.error is not None:
             raise ReadError(record.error.code, record.error.message)
-        try:
-            return await self._unpack(record)
-        except StalePackError as error:
-            raise ReadError("log.storage", "What was read of the log could not be stored; try again.") from error
+        return record
 
     async def _unpack(self, record: Record) -> ScanLog:
         log = await asyncio.to_thread(read_pack, self._pack(record.id))
         log = replace(log, name=record.name)
         self._cache.put(record.id, log)
         if record.summary is None:
-            self._records[record.id] = replace(record, summary=summarise(log))
-        return log
-
-    async def _load_sample(self) -> ScanLog:
-        if self._sample_job is None:
-            self._sample_job = asyncio.create_task(self._make_sample())
-        return await asyncio.shield(self._sample_job)
-
-    async def _make_sample(self) -> ScanLog:
-        from mapper.world import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
-
-        try:
-            log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)
-        finally:
-            self._sample_job = None
-        self._cache.put(SAMPLE_ID, log)
-        self._sample = replace(self._sample, summary=summarise(log), bytes=int(log.ranges.nbytes))
+            self._save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
         return log
 
     # -- jobs ---------------------------------------------------------------------------------------------------
 
-    def _queue(self, record: Record) -> Record:
-        """Queue a log for reading, once, and return its record in that state."""
+    def _queue(self, record: Record, *, pack: bool = True) -> Record:
+        """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
         if record.id in self._jobs:
             return self._records[record.id]
         queued = replace(record, state="queued", progress=0.0, error=None)
         self._save(queued)
         source = self._folder_logs[record.id].path if record.source == "folder" else self._blob(record.id)
-        self._jobs[record.id] = asyncio.create_task(self._read(queued, source))
+        target = self._pack(record.id) if pack else None
+        self._jobs[record.id] = asyncio.create_task(self._read(queued, source, target))
         return queued
 
-    async def _read(self, record: Record, source: Path) -> None:
+    async def _read(self, record: Record, source: Path, pack: Path | None) -> None:
         """The job: wait for the reader, read, and say how it went."""
         started = time.monotonic()
         try:
             async with self._reader.turn():
                 self._save(replace(record, state="reading"))
                 started = time.monotonic()
-                summary = await self._reader.read(source, self._pack(record.id))
+                summary = await self._reader.read(source, pack)
             done = replace(record, state="ready", progress=1.0, summary=summary)
             _log.info("log read", log=record.id, scans=summary.scans, seconds=round(time.monotonic() - started, 3))
         except MapperError as error:
@@ -338,7 +363,8 @@ class Library:
 
     def _save(self, record: Record) -> None:
         self._records[record.id] = record
-        if record.source == "upload":
+        # Of the folder's logs only what was found out is worth keeping: all else is found out again.
+        if record.source == "upload" or record.state == "ready":
             with contextlib.suppress(OSError):  # a full disk must not stop a log that is in memory
                 self._store.put(record)
 

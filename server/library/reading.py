@@ -19,12 +19,11 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
 from mapper.errors import LimitError, ReadError
-from mapper.scan import ScanLog
+from mapper.logs import open_log
+from mapper.logs.summary import LogSummary, summarise
 from server.library.packed import write_pack
-from server.library.records import Summary
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
-LONGEST_NOTE = 300
 
 _progress: Synchronized[float] | None = None  #: the worker's end of the shared number
 
@@ -53,40 +52,25 @@ def _out_of_time(*_: object) -> None:
     raise _OutOfTime
 
 
-def read_job(source: str, pack: str, timeout_s: float) -> Summary:
-    """Read the log file ``source``, pack it into ``pack`` and return what it holds. Runs in the worker.
+def read_job(source: str, pack: str | None, timeout_s: float) -> LogSummary:
+    """Read the log file ``source``, pack it into ``pack`` if there is one and return what it holds. Runs in the worker.
 
     Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
     """
-    from mapper.logs import open_log  # noqa: PLC0415 - the readers are only needed in the worker
-
     _note_progress(0.0)
     signal.signal(signal.SIGALRM, _out_of_time)
     signal.setitimer(signal.ITIMER_REAL, timeout_s)
     try:
         log = open_log(Path(source), progress=_note_progress)
-        write_pack(log, Path(pack))
+        if pack is not None:
+            write_pack(log, Path(pack))
+        return summarise(log)
     except _OutOfTime:
         raise _time_error(timeout_s) from None
     except MemoryError:
         raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-    return summarise(log)
-
-
-def summarise(log: ScanLog) -> Summary:
-    """Return what the list of logs shows of ``log``."""
-    stamps = log.stamps_ns
-    duration_s = float(stamps.max() - stamps.min()) * 1e-9 if len(stamps) else 0.0
-    return Summary(
-        scans=log.n_scans,
-        beams=log.n_beams,
-        duration_s=duration_s,
-        format=log.format,
-        trajectories=tuple((name, t.description) for name, t in log.trajectories.items()),
-        notes=tuple(note[:LONGEST_NOTE] for note in log.notes),
-    )
 
 
 def _time_error(timeout_s: float) -> LimitError:
@@ -120,8 +104,8 @@ class Reader:
         """Return the lock whose holder may call :meth:`read`."""
         return self._turn
 
-    async def read(self, source: Path, pack: Path) -> Summary:
-        """Have ``source`` read into ``pack``; the caller holds :meth:`turn`.
+    async def read(self, source: Path, pack: Path | None) -> LogSummary:
+        """Have ``source`` read, and packed into ``pack`` if there is one; the caller holds :meth:`turn`.
 
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
@@ -146,7 +130,7 @@ class Reader:
             self._end_worker()
             raise
 
-    def _submit(self, source: Path, pack: Path) -> asyncio.Future[Summary]:
+    def _submit(self, source: Path, pack: Path | None) -> asyncio.Future[LogSummary]:
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
                 1,
@@ -154,7 +138,9 @@ class Reader:
                 initializer=_start_worker,
                 initargs=(self._progress, self._pid, self._memory_bytes),
             )
-        return asyncio.get_running_loop().run_in_executor(self._pool, read_job, str(source), str(pack), self._timeout_s)
+        return asyncio.get_running_loop().run_in_executor(
+            self._pool, read_job, str(source), None if pack is None else str(pack), self._timeout_s
+        )
 
     def _end_worker(self) -> ProcessPoolExecutor | None:
         """End the worker at once; the next job gets a new one."""

@@ -1,4 +1,4 @@
-"""What is known of each log, and where that is kept: one small JSON file per uploaded log.
+"""What is known of each log, and where that is kept: one small JSON file per log.
 
 :class:`Records` is all that the library asks of a store, so that a database can take the place of the files.
 """
@@ -11,20 +11,10 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
+from mapper.logs.summary import LogSummary, ReadingCounts, TrajectorySummary
+
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
-
-
-@dataclass(frozen=True, slots=True)
-class Summary:
-    """What a log holds, known once it was read: what the list of logs shows."""
-
-    scans: int
-    beams: int
-    duration_s: float
-    format: str
-    trajectories: tuple[tuple[str, str], ...]  #: (name, description), the default first
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +30,7 @@ class Record:
     """One log. ``owner`` is the visitor who uploaded it, empty for the logs that everybody sees.
 
     ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
-    ``summary`` is None until it was. A log of the folder is ``ready`` before that: it is read when it is opened.
+    ``summary`` is None until it was. The sample is ``ready`` before that: it is made when somebody asks for it.
     """
 
     id: str
@@ -54,7 +44,7 @@ class Record:
     used_s: float = 0.0  #: when it was last uploaded or opened, to the day
     progress: float = 0.0
     error: Failure | None = None
-    summary: Summary | None = field(default=None, repr=False)
+    summary: LogSummary | None = field(default=None, repr=False)
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -71,13 +61,13 @@ class Record:
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,
-            "trajectories": [{"name": n, "description": d} for n, d in summary.trajectories] if summary else [],
+            "trajectories": [asdict(trajectory) for trajectory in summary.trajectories] if summary else [],
             "notes": list(summary.notes) if summary else [],
         }
 
 
 class Records(Protocol):
-    """A store of the records of uploaded logs."""
+    """A store of the records of logs."""
 
     def load(self) -> Iterable[Record]:
         """Return every record that can be read."""
@@ -125,9 +115,18 @@ def _from_json(data: dict[str, Any]) -> Record:
     values = {f.name: data[f.name] for f in fields(Record) if f.name in data}
     if values.get("error") is not None:
         values["error"] = Failure(**values["error"])
-    if values.get("summary") is not None:
-        summary = dict(values["summary"])
-        summary["trajectories"] = tuple((str(n), str(d)) for n, d in summary["trajectories"])
-        summary["notes"] = tuple(str(note) for note in summary["notes"])
-        values["summary"] = Summary(**summary)
+    values["summary"] = _summary(values.get("summary"))
     return Record(**values)
+
+
+def _summary(data: dict[str, Any] | None) -> LogSummary | None:
+    """Return the summary that ``asdict`` made ``data`` of; None for one of another version: it can be made again."""
+    try:
+        values = dict(data or {})
+        values["readings"] = ReadingCounts(**values["readings"])
+        values["trajectories"] = tuple(TrajectorySummary(**one) for one in values["trajectories"])
+        values["mount"] = tuple(values["mount"])
+        values["notes"] = tuple(values["notes"])
+        return LogSummary(**values)
+    except (TypeError, KeyError):
+        return None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mapper.geometry import wrap_angle
-from mapper.logs import open_log
+from mapper.logs import is_log, open_log
 from mapper.logs.summary import summarise
 
 
@@ -66,6 +66,15 @@ def test_the_corrected_poses_are_those_of_the_reference_trajectory(data_file):
     distance = np.array([np.hypot(*(reference[:, 1:3] - pose[:2]).T).min() for pose in poses])
     assert np.median(distance) < 0.01
     assert distance.max() < 0.2
+
+
+def test_logs_are_told_from_their_neighbours(data_dir):
+    """Among all the data only the CARMEN and DP-SLAM logs are logs: not maps, trajectories, bags, pictures or prose."""
+    files = [path for path in data_dir.rglob("*") if path.is_file()]
+    logs = {str(path.relative_to(data_dir)) for path in files if is_log(path)}
+    assert logs == {
+        str(path.relative_to(data_dir)) for path in files if path.parent.name == "carmen" and ".log" in path.name
+    }
 
 
 def test_a_log_of_another_kind_is_named(data_file):

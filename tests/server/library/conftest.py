@@ -1,4 +1,4 @@
-"""A library in a folder of the test's own."""
+"""A library in a folder of the test's own; the process that reads logs is the module's, for a new one takes time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import pytest_asyncio
 
+from mapper.world import sample_log
 from server.library import Library, LibraryLimits
+from server.library.reading import Reader
 from server.settings import Settings
 
 
@@ -20,15 +23,31 @@ def settings(tmp_path: Path) -> Settings:
     return Settings(**values)
 
 
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def reader() -> AsyncIterator[Reader]:
+    limits = LibraryLimits()
+    reader = Reader(timeout_s=limits.read_timeout_s, memory_bytes=limits.read_memory_bytes)
+    yield reader
+    await reader.close()
+
+
+@pytest.fixture(autouse=True)
+def _short_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sample as short as a sample can be: every list of logs has it made."""
+    monkeypatch.setattr("mapper.world.sample_log", lambda: sample_log(5))
+
+
 Make = Callable[..., "Library"]
 
 
-@pytest.fixture
-async def make_library(settings: Settings) -> AsyncIterator[Make]:
+@pytest_asyncio.fixture(loop_scope="module")
+async def make_library(settings: Settings, reader: Reader) -> AsyncIterator[Make]:
+    """Makes libraries; one with limits, or asked to, has a reader of its own."""
     made: list[Library] = []
 
-    def make(**limits: float) -> Library:
-        library = Library(settings, LibraryLimits(**limits))  # type: ignore[arg-type]
+    def make(*, own_reader: bool = False, **limits: float) -> Library:
+        shared = None if own_reader or limits else reader
+        library = Library(settings, LibraryLimits(**limits), reader=shared)  # type: ignore[arg-type]
         made.append(library)
         return library
 
@@ -37,7 +56,7 @@ async def make_library(settings: Settings) -> AsyncIterator[Make]:
         await library.close()
 
 
-@pytest.fixture
+@pytest_asyncio.fixture(loop_scope="module")
 async def library(make_library: Make) -> Library:
     library = make_library()
     await library.start()

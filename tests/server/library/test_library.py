@@ -16,6 +16,9 @@ from mapper.errors import LimitError, MapperError, ReadError
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
 from server.settings import Settings
 from tests.server.library.small_logs import carmen, in_pieces
+from tests.server.service import eventually
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 
 def files(settings: Settings) -> list[str]:
@@ -25,10 +28,8 @@ def files(settings: Settings) -> list[str]:
 
 async def settled(library: Library, owner: str, log_id: str) -> Record:
     """The record once its job has ended."""
-    async with asyncio.timeout(30):
-        while (record := library.get(owner, log_id)).state in ("queued", "reading"):  # noqa: ASYNC110 - as a page polls
-            await asyncio.sleep(0.01)
-    return record
+    await eventually(lambda: library.get(owner, log_id).state not in ("queued", "reading"))
+    return library.get(owner, log_id)
 
 
 def address_space_limit(pid: int) -> str:
@@ -61,7 +62,7 @@ async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Cal
     assert await first.load("ann", record.id) is log
     await first.close()
 
-    second = make_library()
+    second = make_library(own_reader=True)
     await second.start()
     again = await second.load("ann", record.id)
     assert second._reader.worker_pid == 0, "nothing had to be read"
@@ -124,10 +125,10 @@ async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, setti
 
 
 async def test_delete_while_the_log_is_queued_or_read(library: Library, settings: Settings) -> None:
-    data = carmen(5000)
-    records = [await library.put("ann", "x", in_pieces(data + b"# %d\n" % i, 100_000)) for i in range(3)]
+    records = [await library.put("ann", "x", in_pieces(carmen(n), 100_000)) for n in (15_000, 20, 21)]
     waiting = asyncio.create_task(library.load("ann", records[0].id))
-    await asyncio.sleep(0.05)
+    await eventually(lambda: library.get("ann", records[0].id).state == "reading")
+    assert [library.get("ann", record.id).state for record in records[1:]] == ["queued", "queued"]
     await asyncio.gather(*(library.delete("ann", record.id) for record in records))
     with pytest.raises(LogNotFoundError):
         await waiting
@@ -275,9 +276,7 @@ async def test_a_killed_worker_fails_its_own_job_only(library: Library) -> None:
     slow = carmen(8000)
     first = await library.put("ann", "first", in_pieces(slow, 100_000))
     second = await library.put("ann", "second", in_pieces(carmen(4)))
-    async with asyncio.timeout(30):
-        while library._reader.progress == 0.0:  # noqa: ASYNC110 - a number that another process writes
-            await asyncio.sleep(0.001)
+    await eventually(lambda: library.get("ann", first.id).progress > 0.0)
     assert library.get("ann", first.id).state == "reading"
     os.kill(library._reader.worker_pid, signal.SIGKILL)
     failed = await settled(library, "ann", first.id)
@@ -349,11 +348,28 @@ async def test_old_uploads_leave(make_library: Callable[..., Library], settings:
 # -- the folder and the sample -------------------------------------------------------------------------------------
 
 
-async def test_the_folder_is_listed_for_everybody_and_read_when_opened(library: Library, settings: Settings) -> None:
-    folder = settings.logs_dir
-    assert folder is not None
+@pytest.fixture
+def folder(settings: Settings) -> Path:
+    assert settings.logs_dir is not None
+    return settings.logs_dir
+
+
+async def in_folder(library: Library) -> dict[str, Record]:
+    """The folder's logs by name."""
+    return {record.name: record for record in await library.list("ann") if record.source == "folder"}
+
+
+async def surveyed(library: Library) -> dict[str, Record]:
+    """The folder's logs once all is known of them."""
+    for record in (await in_folder(library)).values():
+        await settled(library, "ann", record.id)
+    return await in_folder(library)
+
+
+async def test_the_folder_lists_its_logs_and_nothing_else(library: Library, settings: Settings, folder: Path) -> None:
     (folder / "b.log").write_bytes(carmen(6))
     (folder / "A.log.gz").write_bytes(gzip.compress(carmen(9)))
+    (folder / "no name for a log").write_bytes(b"# found in a drawer\n" + carmen(2))
     (folder / ".hidden").write_bytes(carmen(1))
     (folder / "sub").mkdir()
     outside = settings.data_dir.parent / "secret.log"
@@ -362,35 +378,111 @@ async def test_the_folder_is_listed_for_everybody_and_read_when_opened(library: 
     (folder / "loop").symlink_to(folder / "loop")
     (folder / "twin.log").symlink_to(folder / "b.log")
     os.mkfifo(folder / "pipe")
+    (folder / "README.log").write_text("# Logs\n\nThese are logs.\n")
+    (folder / "b.tum").write_text("976052857.1 0.1 0.2 0 0 0 0 1\n" * 50)
+    (folder / "map.pgm").write_bytes(b"P5\n2 2\n255\n\0\0\0\0")
+    (folder / "map.log.gz").write_bytes(gzip.compress(b"P5\n2 2\n255\n\0\0\0\0"))
+    (folder / "broken.log.gz").write_bytes(b"\x1f\x8b\x08" + bytes(range(40)))
+    (folder / "empty.log").write_bytes(b"")
+    assert list(await in_folder(library)) == ["A.log.gz", "b.log", "no name for a log", "twin.log"]
 
-    listed = [r for r in await library.list("ann") if r.source == "folder"]
-    assert [r.name for r in listed] == ["A.log.gz", "b.log", "twin.log"]
-    assert all(r.state == "ready" and r.summary is None for r in listed)
-    assert library._reader.worker_pid == 0
-    for owner in ("ann", "bob"):
-        assert (await library.load(owner, listed[0].id)).n_scans == 9
-        assert library.get(owner, listed[0].id).public()["scans"] == 9
+
+async def test_what_the_folder_holds_is_found_out_by_itself(
+    make_library: Callable[..., Library], settings: Settings, folder: Path
+) -> None:
+    (folder / "a.log").write_bytes(carmen(6))
+    (folder / "b.log").write_bytes(carmen(2) + b"FLASER 3 1.0\n" + carmen(1))
+    (folder / "c.log.gz").write_bytes(gzip.compress(carmen(9)))
+    library = make_library()
+    await library.start()
+    at_once = await in_folder(library)
+    assert all(one.state in ("queued", "reading") and one.summary is None for one in at_once.values())
+    logs = await surveyed(library)
+    assert [(name, one.state, one.public()["scans"]) for name, one in logs.items()] == [
+        ("a.log", "ready", 6),
+        ("b.log", "failed", None),
+        ("c.log.gz", "ready", 9),
+    ]
+    assert logs["b.log"].error is not None
+    assert "Line 3" in logs["b.log"].error.message
+    assert logs["a.log"].public()["duration_s"] == 5.0
+    assert not [name for name in files(settings) if name.startswith("library/packs")], "nobody has opened any"
+
+    # A log that is dropped into the folder is there at the next look.
+    (folder / "d.log").write_bytes(carmen(4))
+    assert (await in_folder(library))["d.log"].state != "ready"
+    assert (await surveyed(library))["d.log"].public()["scans"] == 4
+    await library.close()
+
+    # What is known is known after a restart as well, while the files are the same.
+    (folder / "a.log").unlink()
+    (folder / "b.log").unlink()
+    (folder / "d.log").write_bytes(carmen(5))
+    second = make_library(own_reader=True)
+    await second.start()
+    known = await in_folder(second)
+    assert list(known) == ["c.log.gz", "d.log"]
+    assert known["c.log.gz"] == logs["c.log.gz"]
+    assert known["d.log"].state != "ready"
+    assert (await surveyed(second))["d.log"].public()["scans"] == 5
+
+
+async def test_a_log_of_the_folder_opens_for_everybody(library: Library, folder: Path) -> None:
+    (folder / "run.log").write_bytes(carmen(9))
+    record = (await in_folder(library))["run.log"]
+    # Before, while and after it is found out what it holds.
+    logs = await asyncio.gather(library.load("ann", record.id), library.load("bob", record.id))
+    assert [log.n_scans for log in logs] == [9, 9]
+    assert library.get("bob", record.id).state == "ready"
     with pytest.raises(LogReadOnlyError):
-        await library.delete("ann", listed[0].id)
+        await library.delete("ann", record.id)
 
     # The id says which bytes: another file by the same name is another log.
-    (folder / "A.log.gz").write_bytes(gzip.compress(carmen(11)))
-    changed = next(r for r in await library.list("ann") if r.name == "A.log.gz")
-    assert changed.id != listed[0].id
+    (folder / "run.log").write_bytes(carmen(11))
+    changed = (await in_folder(library))["run.log"]
+    assert changed.id != record.id
+    await surveyed(library)
     assert (await library.load("ann", changed.id)).n_scans == 11
     with pytest.raises(LogNotFoundError):
-        library.get("ann", listed[0].id)
+        library.get("ann", record.id)
 
 
-async def test_a_folder_log_that_is_none_fails_when_opened(library: Library, settings: Settings) -> None:
-    folder = settings.logs_dir
-    assert folder is not None
-    (folder / "README.md").write_text("# Not a log\n")
-    record = next(r for r in await library.list("ann") if r.source == "folder")
+async def test_who_opens_a_log_does_not_wait_for_the_whole_folder(
+    make_library: Callable[..., Library], folder: Path
+) -> None:
+    for i in range(6):
+        (folder / f"{i}.log").write_bytes(carmen(3000 + i))
+    library = make_library()
+    await library.start()
+    last = (await in_folder(library))["5.log"]
+    assert (await library.load("ann", last.id)).n_scans == 3005
+    assert "queued" in [one.state for one in (await in_folder(library)).values()]
+
+
+async def test_a_log_of_the_folder_that_fails_says_why(library: Library, folder: Path) -> None:
+    (folder / "bad.log").write_bytes(b"PARAM robot_width 1 host 1\n")
+    record = (await in_folder(library))["bad.log"]
     with pytest.raises(ReadError) as caught:
         await library.load("ann", record.id)
+    assert caught.value.code == "log.no_scans"
     assert str(folder) not in caught.value.message
     assert library.get("ann", record.id).state == "failed"
+
+
+async def test_a_record_of_an_older_summary_finds_it_out_again(
+    make_library: Callable[..., Library], settings: Settings
+) -> None:
+    first = make_library()
+    await first.start()
+    record = await first.put("ann", "run.log", in_pieces(carmen(7)))
+    await settled(first, "ann", record.id)
+    await first.close()
+    path = settings.data_dir / "library" / "records" / f"{record.id}.json"
+    path.write_text(path.read_text().replace('"scans"', '"n_of_scans"'))
+    second = make_library()
+    await second.start()
+    assert second.get("ann", record.id).summary is None
+    await eventually(lambda: second.get("ann", record.id).public()["scans"] == 7)
 
 
 async def test_a_folder_that_is_gone_is_empty(library: Library, settings: Settings) -> None:
@@ -405,6 +497,11 @@ async def test_the_sample_is_always_there(library: Library) -> None:
     one, two = await asyncio.gather(library.load("ann", SAMPLE_ID), library.load("bob", SAMPLE_ID))
     assert one is two
     assert {"true", "odometry"} <= set(one.trajectories)
-    assert library.get("ann", SAMPLE_ID).public()["scans"] == one.n_scans
     with pytest.raises(LogReadOnlyError):
         await library.delete("ann", SAMPLE_ID)
+
+
+async def test_what_the_sample_holds_is_known_soon_after_a_look(library: Library) -> None:
+    await library.list("ann")
+    await eventually(lambda: library.get("ann", SAMPLE_ID).summary is not None)
+    assert library.get("ann", SAMPLE_ID).public()["scans"] == (await library.load("ann", SAMPLE_ID)).n_scans

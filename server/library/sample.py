@@ -1,0 +1,54 @@
+"""The built-in sample: a simulated run, made when it is first asked for, so that nobody needs a log to begin."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+
+from mapper.logs.summary import summarise
+from mapper.scan import ScanLog
+from server.library.cache import LogCache
+from server.library.records import Record
+
+SAMPLE_ID = "sample-office"
+SAMPLE_NAME = "A simulated office (sample)"
+
+
+class Sample:
+    """The sample and its record; the log itself is kept in ``cache`` as the others are. Used from the event loop."""
+
+    def __init__(self, cache: LogCache) -> None:
+        self._cache = cache
+        self.record = Record(SAMPLE_ID, "", SAMPLE_NAME, "sample", "ready", 0)
+        self._job: asyncio.Task[ScanLog] | None = None
+
+    def begin(self) -> None:
+        """Have the sample made, unless what it holds is known or is being found out."""
+        if self.record.summary is None and self._job is None:
+            self._job = asyncio.create_task(self._make())
+
+    async def load(self) -> ScanLog:
+        """Return the sample, made anew if it is not kept."""
+        kept = self._cache.get(SAMPLE_ID)
+        if kept is not None:
+            return kept
+        if self._job is None:
+            self._job = asyncio.create_task(self._make())
+        return await asyncio.shield(self._job)
+
+    async def _make(self) -> ScanLog:
+        from mapper.world import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
+
+        try:
+            log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)
+        finally:
+            self._job = None
+        self._cache.put(SAMPLE_ID, log)
+        self.record = replace(self.record, summary=summarise(log), bytes=int(log.ranges.nbytes))
+        return log
+
+    async def close(self) -> None:
+        """Give up what is under way."""
+        if self._job is not None:
+            self._job.cancel()
+            await asyncio.gather(self._job, return_exceptions=True)
