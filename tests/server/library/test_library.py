@@ -125,7 +125,7 @@ async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, setti
 
 
 async def test_delete_while_the_log_is_queued_or_read(library: Library, settings: Settings) -> None:
-    records = [await library.put("ann", "x", in_pieces(carmen(n), 100_000)) for n in (15_000, 20, 21)]
+    records = [await library.put("ann", "x", in_pieces(carmen(n), 100_000)) for n in (12_000, 20, 21)]
     waiting = asyncio.create_task(library.load("ann", records[0].id))
     await eventually(lambda: library.get("ann", records[0].id).state == "reading")
     assert [library.get("ann", record.id).state for record in records[1:]] == ["queued", "queued"]
