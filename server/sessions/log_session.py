@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
+from mapper.logs.summary import recorded_seconds
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
@@ -73,6 +74,7 @@ class LogSession(Session):
         self._log_id = log_id
         self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
         self._times = play_times(replay.log.stamps_ns)
+        self._recorded = recorded_seconds(replay.log)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands ask for
         duration = float(self._times[-1])
@@ -118,9 +120,7 @@ class LogSession(Session):
             scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
         base = as_pose(log.trajectory(self.trajectory).poses[newest])
         sensor = as_pose(self._sensor_poses[newest])
-        # Stamps are absolute and large: as seconds since the first scan they keep their digits.
-        stamp_s = (float(log.stamps_ns[newest]) - float(log.stamps_ns[0])) * 1e-9
-        return Moment(base, sensor, sensor, scan, stamp_s)
+        return Moment(base, sensor, sensor, scan, float(self._recorded[newest]))
 
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""
@@ -132,7 +132,7 @@ class LogSession(Session):
                 "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
-                "duration_s": float(self._times[-1]),
+                "duration_s": float(self._recorded[-1]),
                 "format": log.format,
                 "notes": list(log.notes),
             }
@@ -146,7 +146,8 @@ class LogSession(Session):
         poses = self.log.trajectory(self.trajectory).poses
         every = -(-len(poses) // MAX_PATH_POINTS)
         path = np.round(poses[::every, :2], 3).tolist()
-        return {"type": "trajectory", "name": self.trajectory, "every": every, "poses": path}
+        stamps = np.round(self._recorded[::every], 1).tolist()
+        return {"type": "trajectory", "name": self.trajectory, "every": every, "poses": path, "stamps": stamps}
 
     def remake(self, config: MappingConfig, outcome: Outcome) -> None:
         """Make the map anew at the same scan."""

@@ -23,7 +23,8 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                  speeds: [least, greatest], sensor: {table, values}|null, world: name (of a world session),
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
-                first message; ``table`` is rows of mapper.parameters.Parameter as objects; ``epoch_id`` changes when
+                first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
+                log has no times; ``table`` is rows of mapper.parameters.Parameter as objects; ``epoch_id`` changes when
                 the server restarts or the session is made anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
 ``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
@@ -33,8 +34,9 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 those of the newest scan, ``null`` for no return or no reading; ``scan_pose`` is where the sensor was
                 then, ``sensor_pose`` where it is now, both T_map_laser as the robot states it, without the correction
                 of the mount that the parameters hold
-``trajectory``  {name, every, poses: [[x, y], ...]}   log sessions only: the base at every scan (of very long logs at
-                each ``every``-th), sent at the start and after a change
+``trajectory``  {name, every, poses: [[x, y], ...], stamps: [s, ...]}   log sessions only: the base at every scan (of
+                very long logs at scans 0, ``every``, 2 · ``every``, ...), and how much of the recorded time is over
+                then; sent at the start and after a change
 ``parameters``  {values, sensor: values|null}    after a change by anyone, or as the answer to a refused one
 ``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
 ``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log

@@ -18,7 +18,7 @@ from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_log
 from mapper.logs import open_log
 from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.scan import ScanLog, Trajectory
 from server.sessions import SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times
 from tests.server.service import eventually
@@ -186,6 +186,43 @@ async def test_a_log_that_is_too_large_at_first_is_mapped_coarser(
     assert session.cells <= 50_000
     with pytest.raises(LimitError):
         await make_registry(max_cells=4096).create_log("me", office_log)
+
+
+async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    """A clock that steps back and a pause of 100 s: the page hears of the recorded time, and never of its going back."""
+    stamps = np.arange(office_log.n_scans) * 1_000_000_000 + 10**18
+    stamps[50] -= 20_000_000_000
+    stamps[60:] += 100_000_000_000
+    session = await registry.create_log("me", replace(office_log, stamps_ns=stamps))
+    duration = float(office_log.n_scans - 1 + 100)
+    assert session.particulars()["log"]["duration_s"] == pytest.approx(duration)
+    heard = []
+    for index in (1, 50, 51, 52, 60, 61, office_log.n_scans):
+        await obey(session, type="seek", index=index)
+        heard.append(session.moment().stamp_s)
+    assert heard == pytest.approx([0.0, 49.0, 49.0, 51.0, 59.0, 160.0, duration])
+
+
+@pytest.mark.parametrize(("n_scans", "every"), [(20_000, 1), (20_001, 2), (50_000, 3)])
+async def test_the_way_of_a_long_log_is_thinned_and_says_so(
+    registry: SessionRegistry, office_log: ScanLog, n_scans: int, every: int
+) -> None:
+    log = replace(
+        office_log,
+        ranges=np.full((n_scans, 1), 1.0, dtype=np.float32),
+        stamps_ns=np.arange(n_scans) * 100_000_000,
+        trajectories={"scan": Trajectory(np.stack([np.arange(n_scans) * 1e-3] * 2 + [np.zeros(n_scans)], axis=-1))},
+    )
+    session = await registry.create_log("me", log)
+    way = next(message for message in session.slots() if message["type"] == "trajectory")
+    assert (way["name"], way["every"]) == ("scan", every)
+    assert len(way["poses"]) == len(way["stamps"]) <= 20_000
+    for i in (0, 1, 777, len(way["poses"]) - 1):
+        assert way["poses"][i] == pytest.approx([i * every * 1e-3] * 2)
+        assert way["stamps"][i] == pytest.approx(i * every * 0.1)
+    assert n_scans - every <= (len(way["poses"]) - 1) * every < n_scans
 
 
 async def test_the_intel_log(
