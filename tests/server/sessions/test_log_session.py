@@ -191,7 +191,7 @@ async def test_a_log_that_is_too_large_at_first_is_mapped_coarser(
 async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    """A clock that steps back and a pause of 100 s: the page hears of the recorded time, and never of its going back."""
+    """A clock that steps back and a pause of 100 s: the page hears of the recorded time, which never goes back."""
     stamps = np.arange(office_log.n_scans) * 1_000_000_000 + 10**18
     stamps[50] -= 20_000_000_000
     stamps[60:] += 100_000_000_000
