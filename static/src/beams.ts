@@ -14,9 +14,6 @@ export interface Beam {
 
 const TURN = 2 * Math.PI;
 
-/** The pose of the sensor when the newest scan was taken; older servers say only where the sensor is now. */
-export const scanPose = (frame: Frame): Pose => frame.scan_pose ?? frame.sensor_pose;
-
 export function beamAt(frame: Frame, index: number): Beam | null {
   const range = frame.ranges[index];
   if (range === undefined) return null;

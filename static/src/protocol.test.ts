@@ -61,6 +61,7 @@ describe("text frames", () => {
     stamp: 0,
     pose: [0, 0, 0],
     sensor_pose: [0, 0, 0],
+    scan_pose: [0, 0, 0],
     ranges: [1, null],
     angle_min: 0,
     angle_increment: 0.1,

@@ -54,7 +54,7 @@ export interface Hello {
   readonly title: string;
   readonly epoch_id: string;
   /** The least and the greatest speed. */
-  readonly speeds?: readonly [number, number];
+  readonly speeds: readonly [number, number];
   readonly parameters: Table;
   readonly sensor: Table | null;
   readonly log: LogInfo | null;
@@ -83,7 +83,7 @@ export interface Frame {
   readonly pose: Pose;
   readonly sensor_pose: Pose;
   /** Where the sensor was when it measured `ranges`. */
-  readonly scan_pose?: Pose;
+  readonly scan_pose: Pose;
   readonly ranges: readonly (number | null)[];
   readonly angle_min: number;
   readonly angle_increment: number;
@@ -92,10 +92,18 @@ export interface Frame {
   readonly auto: boolean;
 }
 
+/** Where the base was at each scan, of very long logs at each `every`-th. */
+export interface Trajectory {
+  readonly type: "trajectory";
+  readonly name: string;
+  readonly every: number;
+  readonly poses: readonly Point[];
+}
+
 export interface WorldMessage {
   readonly type: "world";
   readonly name: string;
-  readonly title?: string;
+  readonly title: string;
   readonly names: readonly string[];
   readonly bounds: readonly [number, number, number, number];
   readonly polygons: readonly (readonly Point[])[];
@@ -122,7 +130,7 @@ export type ServerMessage =
   | Frame
   | WorldMessage
   | CellMessage
-  | { readonly type: "trajectory"; readonly poses: readonly Point[] }
+  | Trajectory
   | { readonly type: "parameters"; readonly values: Values; readonly sensor: Values | null }
   | { readonly type: "notice"; readonly code: string; readonly message: string }
   | { readonly type: "error"; readonly code: string; readonly message: string; readonly detail?: unknown }
@@ -233,6 +241,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     kind: (value) => value === "world" || value === "log",
     title: isText,
     epoch_id: isText,
+    speeds: isNumbers(2),
     parameters: isTable,
     sensor: orNull(isTable),
     log: orNull(isObject),
@@ -255,14 +264,15 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     count: isNumber,
     pose: isNumbers(3),
     sensor_pose: isNumbers(3),
+    scan_pose: isNumbers(3),
     ranges: isList,
     angle_min: isNumber,
     angle_increment: isNumber,
     range_max: isNumber,
   },
-  trajectory: { poses: isList },
+  trajectory: { every: isNumber, poses: isList },
   parameters: { values: isObject, sensor: orNull(isObject) },
-  world: { name: isText, names: isList, bounds: isNumbers(4), polygons: isList },
+  world: { name: isText, title: isText, names: isList, bounds: isNumbers(4), polygons: isList },
   notice: { code: isText, message: isText },
   error: { code: isText, message: isText },
   cell: { row: isNumber, col: isNumber, epoch: isNumber, observed: isFlag, log_odds: isNumber, p_occ: isNumber },

@@ -99,6 +99,7 @@ const hello = (epoch_id: string): Hello => ({
   kind: "world",
   title: "t",
   epoch_id,
+  speeds: [1, 1],
   parameters: { table: [], values: { log_odds_hit: 0.85 } },
   sensor: null,
   log: null,
@@ -134,7 +135,8 @@ const frame: Frame = {
   count: 1,
   stamp: 0,
   pose: [3, 3, 0],
-  sensor_pose: [3, 3, Math.PI / 2],
+  sensor_pose: [3, 3, 1],
+  scan_pose: [3, 3, Math.PI / 2],
   ranges: [1, 2, null, 1.5],
   angle_min: -Math.PI,
   angle_increment: Math.PI / 2,
@@ -231,11 +233,11 @@ describe("the store", () => {
 
   test("the correction of the mount turns the beams in the map, not in the world", () => {
     store.receive(hello("a"));
-    store.receive({ ...frame, sensor_pose: [1, 2, 0] });
+    store.receive({ ...frame, scan_pose: [1, 2, 0] });
     store.setParameter("mount_x", 0.5);
     store.setParameter("mount_yaw", 0.1);
     expect(store.beliefPose.value).toEqual([1.5, 2, 0.1]);
-    expect(store.frame.value?.sensor_pose).toEqual([1, 2, 0]);
+    expect(store.frame.value?.scan_pose).toEqual([1, 2, 0]);
   });
 
   test("the beam that is looked at is the one towards the pointer, straight ahead without one", () => {

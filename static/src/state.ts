@@ -2,7 +2,7 @@
 
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { decompress } from "fzstd";
-import { type Beam, beamAt, beamToward, scanPose } from "./beams";
+import { type Beam, beamAt, beamToward } from "./beams";
 import { byteAt } from "./belief";
 import { Cells, type OnBloom } from "./gl/cells";
 import { type Cell, cellAt, compose, contains, extent } from "./lattice";
@@ -20,6 +20,7 @@ import {
   type ServerMessage,
   TILE,
   type TilesFrame,
+  type Trajectory,
   type Value,
   type WorldMessage,
 } from "./protocol";
@@ -47,7 +48,7 @@ export class Store implements Receiver {
   readonly hello = signal<Hello | null>(null);
   readonly frame = signal<Frame | null>(null);
   readonly world = signal<WorldMessage | null>(null);
-  readonly trajectory = signal<readonly Point[]>([]);
+  readonly trajectory = signal<Trajectory | null>(null);
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
 
@@ -111,7 +112,7 @@ export class Store implements Receiver {
       const frame = this.frame.value;
       if (!frame) return null;
       const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
-      return compose(scanPose(frame), [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
+      return compose(frame.scan_pose, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
     });
     this.cell = computed(() => {
       const probe = this.probe.value;
@@ -208,7 +209,7 @@ export class Store implements Receiver {
         this.world.value = message;
         return;
       case "trajectory":
-        this.trajectory.value = message.poses;
+        this.trajectory.value = message;
         return;
       case "parameters":
         this.mapping.hear(message.values);

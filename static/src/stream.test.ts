@@ -104,6 +104,7 @@ const hello = {
   kind: "world",
   title: "t",
   epoch_id: "e",
+  speeds: [1, 1],
   parameters: { table: [], values: {} },
   sensor: null,
   log: null,

@@ -15,8 +15,8 @@ import {
   paintBeams,
   paintCell,
   paintCrosshair,
+  paintPath,
   paintRobot,
-  tracePath,
 } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
@@ -100,11 +100,12 @@ function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
-  if (trajectory.length > 1) tracePath(brush, trajectory, frame?.index ?? trajectory.length);
+  if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
   if (frame && from) {
     strength = beat(frame.index, now);
-    paintBeams(brush, from, frame, frame.range_max, strength);
+    // Faint: the cells that the beams speak about are what there is to see here.
+    paintBeams(brush, from, frame, frame.range_max, 0.5 * strength, 1.5);
     const beam = store.inspectedBeam.peek();
     if (beam && map && store.probe.peek()) {
       paintBeamCells(brush, map.geometry, cellsOf(map.geometry, from, beam, frame.range_max), beam, frame.range_max);

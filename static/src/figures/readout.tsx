@@ -14,10 +14,10 @@ interface Reading {
   readonly col: string;
   readonly logOdds: string;
   readonly p: string;
-  readonly state: CellState | "never observed" | "";
+  readonly state: CellState | "never observed" | "point at a cell";
 }
 
-const NOTHING: Reading = { row: "–", col: "–", logOdds: "–", p: "–", state: "" };
+const NOTHING: Reading = { row: "–", col: "–", logOdds: "–", p: "–", state: "point at a cell" };
 
 function readingOf(store: Store): ReadonlySignal<Reading> {
   return computed(() => {
@@ -80,7 +80,7 @@ export function Readout({ store }: { readonly store: Store }) {
     () => ({ row: field("row"), col: field("col"), logOdds: field("logOdds"), p: field("p"), state: field("state") }),
     [reading],
   );
-  const kind = useMemo(() => computed(() => `readout-state ${reading.value.state.replace(" ", "-")}`), [reading]);
+  const kind = useMemo(() => computed(() => `readout-state ${reading.value.state.replaceAll(" ", "-")}`), [reading]);
   return (
     <div class="readout">
       <dl>

@@ -1,6 +1,5 @@
 /** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
 
-import { scanPose } from "../beams";
 import { SheetRenderer } from "../gl/sheet";
 import { centreOf } from "../lattice";
 import type { Store } from "../state";
@@ -110,7 +109,7 @@ function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boo
   const frame = store.frame.peek();
   if (!frame) return false;
   const strength = beat(frame.index, now);
-  const from = scanPose(frame);
+  const from = frame.scan_pose;
   paintBeams(brush, from, frame, frame.range_max, strength);
   const beam = store.inspectedBeam.peek();
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);

@@ -89,7 +89,11 @@ function Pictures({ session }: { readonly session: Live | null }) {
         actions={<Button kind="quiet" icon="fit" label="Show everything" onClick={fit} />}
         caption={
           <p class="hint">
-            Click: the robot goes there. Drag it, or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>.
+            Click: the robot goes there. Or drag it
+            <span class="hint-keys">
+              , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
+            </span>
+            .
           </p>
         }
       >
@@ -184,26 +188,25 @@ function ProfileBox({ store }: { readonly store: Store }) {
   );
 }
 
-function Settings({ session }: { readonly session: Live }) {
-  const { store } = session;
+function Model({ store }: { readonly store: Store }) {
   const hello = store.hello.value;
-  if (!hello) return null;
   return (
-    <>
+    hello && (
       <ParameterPanel
         table={hello.parameters.table}
         values={store.mapping.values}
         set={(name, value) => store.setParameter(name, value)}
       />
-      {hello.sensor && (
-        <ParameterPanel
-          table={hello.sensor.table}
-          values={store.sensor.values}
-          set={(name, value) => store.setSensor(name, value)}
-        />
-      )}
-      <Takeaway id={session.id} />
-    </>
+    )
+  );
+}
+
+function Sensor({ store }: { readonly store: Store }) {
+  const table = store.hello.value?.sensor?.table;
+  return (
+    table && (
+      <ParameterPanel table={table} values={store.sensor.values} set={(name, value) => store.setSensor(name, value)} />
+    )
   );
 }
 
@@ -244,12 +247,16 @@ function Lab() {
       )}
       <Pictures session={session} />
       <div class="lab-below">
-        <section class="lab-profile" aria-label="Inverse sensor model">
-          {store && <ProfileBox store={store} />}
-        </section>
-        <aside class="lab-settings" aria-label="Settings">
-          {session && <Settings session={session} />}
-        </aside>
+        <div class="lab-column">
+          <section class="lab-profile" aria-label="Inverse sensor model">
+            {store && <ProfileBox store={store} />}
+          </section>
+          <div class="lab-row">
+            {store && <Sensor store={store} />}
+            {session && <Takeaway id={session.id} />}
+          </div>
+        </div>
+        <aside aria-label="Parameters">{store && <Model store={store} />}</aside>
       </div>
     </main>
   );

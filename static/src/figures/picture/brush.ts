@@ -9,6 +9,7 @@ import type { Inks } from "./inks";
 /** The simulated robot is a disc of this radius, metres. */
 export const ROBOT_RADIUS = 0.2;
 const SMALLEST_ROBOT_PX = 8;
+const NEAR_PX = 40;
 export const RIPPLE_MS = 700;
 
 export interface Brush {
@@ -48,8 +49,15 @@ function endpoints(brush: Brush, from: Pose, frame: Frame, rangeMax: number): Fl
   return ends;
 }
 
-/** All beams of a scan: a wash, a line each, a dot at each reading. `strength` 0 … 1 fades them after the scan. */
-export function paintBeams(brush: Brush, from: Pose, frame: Frame, rangeMax: number, strength: number): void {
+/** All beams of a scan: a line each, a dot of `dotPx` at each reading. `strength` 0 … 1 fades them after the scan. */
+export function paintBeams(
+  brush: Brush,
+  from: Pose,
+  frame: Frame,
+  rangeMax: number,
+  strength: number,
+  dotPx = 2.5,
+): void {
   const { ctx, inks } = brush;
   const ends = endpoints(brush, from, frame, rangeMax);
   const [sx, sy] = place(brush, [from[0], from[1]]);
@@ -68,7 +76,7 @@ export function paintBeams(brush: Brush, from: Pose, frame: Frame, rangeMax: num
   ctx.stroke();
   ctx.globalAlpha = 0.55 + 0.45 * strength;
   ctx.fillStyle = inks.beam;
-  const dot = 2 + strength;
+  const dot = dotPx + strength;
   for (let i = 0; i < ends.length; i += 2) {
     const x = ends[i] as number;
     if (!Number.isNaN(x)) ctx.fillRect(x - dot / 2, (ends[i + 1] as number) - dot / 2, dot, dot);
@@ -104,14 +112,19 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   const { ctx, inks } = brush;
   const [x, y] = place(brush, [pose[0], pose[1]]);
   const radius = robotPx(brush.view) * (isHeld ? 1.2 : 1);
-  ctx.beginPath();
-  ctx.arc(x, y, radius + 2, 0, 2 * Math.PI);
-  ctx.fillStyle = inks.halo;
-  ctx.fill();
+  if (radius <= NEAR_PX) {
+    ctx.beginPath();
+    ctx.arc(x, y, radius + 2, 0, 2 * Math.PI);
+    ctx.fillStyle = inks.halo;
+    ctx.fill();
+  }
   ctx.beginPath();
   ctx.arc(x, y, radius, 0, 2 * Math.PI);
+  // Seen from near it would hide the cells under it.
+  ctx.globalAlpha = radius > NEAR_PX ? 0.3 : 1;
   ctx.fillStyle = inks.robotFill;
   ctx.fill();
+  ctx.globalAlpha = 1;
   ctx.lineWidth = 2;
   ctx.strokeStyle = inks.robot;
   ctx.stroke();
@@ -123,8 +136,10 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   ctx.lineTo(x - radius * (0.45 * c - 0.5 * s), y - radius * (0.45 * s + 0.5 * c));
   ctx.lineTo(x - radius * (0.45 * c + 0.5 * s), y - radius * (0.45 * s - 0.5 * c));
   ctx.closePath();
+  ctx.globalAlpha = radius > NEAR_PX ? 0.4 : 1;
   ctx.fillStyle = inks.halo;
   ctx.fill();
+  ctx.globalAlpha = 1;
   ctx.lineWidth = 1;
   ctx.stroke();
 }
@@ -208,7 +223,7 @@ export function tracePolygon(brush: Brush, points: readonly Point[]): void {
 }
 
 /** The way of a log's robot: solid as far as it has come, faint ahead. */
-export function tracePath(brush: Brush, poses: readonly Point[], done: number): void {
+export function paintPath(brush: Brush, poses: readonly Point[], done: number): void {
   const { ctx, inks } = brush;
   const near = 1.5 * brush.view.scale;
   for (const [from, to, alpha] of [

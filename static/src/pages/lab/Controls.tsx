@@ -49,7 +49,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           onClick={() => store?.send({ type: "restart" })}
         />
         <Button icon="robot" pressed={auto} disabled={off} onClick={() => store?.send({ type: "auto", value: !auto })}>
-          Walks by itself
+          Auto-walk
         </Button>
       </div>
       <label class="lab-choice">
