@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than
 Draw = Callable[[int, int, NDArray[np.int64]], int]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: what is derived once is kept
 class Sweep:
     """Scans of one sensor, with the poses it had."""
 
@@ -42,13 +42,13 @@ class Sweep:
     range_min: float
     range_max: float
 
-    @property
+    @cached_property
     def sensors(self) -> NDArray[np.float64]:
         """(n_scans, 4): x, y, cos θ, sin θ."""
         theta = np.ascontiguousarray(self.sensor_poses[:, 2])
         return np.column_stack([self.sensor_poses[:, :2], np.cos(theta), np.sin(theta)])
 
-    @property
+    @cached_property
     def beams(self) -> NDArray[np.float64]:
         """(n_beams, 2): cosine and sine of the bearings."""
         return np.column_stack([np.cos(self.angles), np.sin(self.angles)])
@@ -96,42 +96,55 @@ class Sweep:
 
     def touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
         """Return the readings that touch a cell (n, 2): scan · n_beams + beam, and 1 for a hit or 0 for a miss."""
-        sensors, beams, sight, n_beams = self.sensors, self.beams, self.sight(config), self.ranges.shape[1]
-        found: list[NDArray[np.int64]] = []
-        step = max(1, _CHUNK_READINGS // max(1, n_beams))
-        planned, work = _plan_space(config, min(step, len(self.ranges)) * n_beams), np.zeros(geometry.rows + 1)
-        headings = self.headings(geometry)
-        for first in range(0, len(self.ranges), step):
-            part = slice(first, first + step)
-            scans = (self.ranges[part], sensors[part], beams)
-            out = np.empty((scans[0].size, 2), dtype=np.int64)
+        headings, sight, n_beams = self.headings(geometry), self.sight(config), self.ranges.shape[1]
+        found = [np.empty((0, 2), dtype=np.int64)]
+        for part in self._chunks():
+            out = np.empty((self.ranges[part].size, 2), dtype=np.int64)
             if config.update == "per_scan":
-                n = touches_of_fields(*scans, self.fields, headings[part], geometry.frame, sight, row, col, out)
-            elif config.traversal == "amanatides_woo":
-                rays = planned[: plan_rays(*scans, geometry.frame, sight, planned, work)]
-                n = touches_of_rays(rays, geometry.resolution, row, col, out)
+                scans = (self.ranges[part], self.sensors[part], self.beams, self.fields, headings[part])
+                n = touches_of_fields(*scans, geometry.frame, sight, row, col, out)
             else:
-                lines = planned[: plan_lines(*scans, geometry.frame, sight, planned, work)]
-                n = touches_of_lines(lines, row, col, out)
-            found.append(out[:n] + np.array([first * n_beams, 0]))
-        return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
+                planned, _ = self._plan_beams(part, geometry, config, cores())
+                if config.traversal == "amanatides_woo":
+                    n = touches_of_rays(planned, geometry.resolution, row, col, out)
+                else:
+                    n = touches_of_lines(planned, row, col, out)
+            found.append(out[:n] + np.array([part.start * n_beams, 0]))
+        return np.concatenate(found)
+
+    def _chunks(self) -> list[slice]:
+        """The scans in parts whose plans stay in the caches."""
+        step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
+        return [slice(first, min(first + step, len(self.ranges))) for first in range(0, len(self.ranges), step)]
+
+    def _plan_beams(
+        self, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
+    ) -> tuple[NDArray[Any], NDArray[np.float64]]:
+        """Plan the beams of some scans; return the lines or rays and the number of cells to draw in each row."""
+        ranges, sensors, n_beams = self.ranges[part], self.sensors[part], self.ranges.shape[1]
+        work = np.zeros((threads, geometry.rows + 1))
+        plan, planned = _plan_space(config, ranges.size)
+        view = (self.beams, geometry.frame, self.sight(config))
+        cuts = np.linspace(0, len(ranges), threads + 1).astype(int)
+        in_parallel(
+            [
+                partial(plan, ranges[a:b], sensors[a:b], *view, planned[a * n_beams : b * n_beams], own)
+                for a, b, own in zip(cuts[:-1], cuts[1:], work, strict=True)
+            ]
+        )
+        return planned, np.cumsum(work.sum(axis=0))[:-1]
 
     def _draw_beams(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
-        rows, cols = grid.geometry.shape
-        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), rule_of(config)
-        frame, flat = grid.geometry.frame, (grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols)
-        step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
-        planned = _plan_space(config, min(step, len(self.ranges)) * self.ranges.shape[1])
+        rule, frame = rule_of(config), grid.geometry.frame
+        flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
         count = 0
-        for first in range(0, len(self.ranges), step):
-            part = slice(first, first + step)
-            work = np.zeros(rows + 1)
-            scans = (self.ranges[part], sensors[part], beams, frame, sight)
+        for part in self._chunks():
+            planned, work = self._plan_beams(part, grid.geometry, config, threads)
             if config.traversal == "amanatides_woo":
-                draw = partial(draw_rays, *flat, planned[: plan_rays(*scans, planned, work)], frame[4], rule)
+                draw = partial(draw_rays, *flat, planned, frame[4], rule)
             else:
-                draw = partial(draw_lines, *flat, planned[: plan_lines(*scans, planned, work)], rule)
-            count += _in_bands(draw, np.cumsum(work)[:-1], threads, box)
+                draw = partial(draw_lines, *flat, planned, rule)
+            count += _in_bands(draw, work, threads, box)
         return count
 
     def _draw_fields(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
@@ -168,10 +181,11 @@ class Sweep:
         return count
 
 
-def _plan_space(config: MappingConfig, readings: int) -> NDArray[Any]:
+def _plan_space(config: MappingConfig, readings: int) -> tuple[Callable[..., None], NDArray[Any]]:
+    """Return the kernel that plans the beams, and room for what it writes."""
     if config.traversal == "amanatides_woo":
-        return np.empty((readings, RAY_FIELDS))
-    return np.empty((readings, LINE_FIELDS), dtype=np.int64)
+        return plan_rays, np.empty((readings, RAY_FIELDS))
+    return plan_lines, np.empty((readings, LINE_FIELDS), dtype=np.int64)
 
 
 def rule_of(config: MappingConfig) -> Rule:

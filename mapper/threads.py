@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
+from threading import Lock
 from typing import TypeVar
 
 import numpy as np
@@ -26,11 +27,31 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(max(cores() - 1, 1), thread_name_prefix="mapper")
 
 
-def in_parallel(tasks: Iterable[Callable[[], T]]) -> list[T]:
-    """Run the tasks, the first in the calling thread; return their results in order."""
-    first, *others = tasks
-    running = [_pool().submit(task) for task in others]
-    return [first(), *(future.result() for future in running)]
+def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
+    """Run the tasks on the calling thread and as many others as are free; return their results in order.
+
+    Whoever is free takes the next task, so on a busy machine the caller does them all and waits for nobody.
+    """
+    results: dict[int, T] = {}
+    waiting = iter(enumerate(tasks))
+    lock = Lock()
+
+    def work() -> None:
+        while True:
+            with lock:
+                place, task = next(waiting, (None, None))
+            if place is None or task is None:
+                return
+            results[place] = task()
+
+    helpers = [_pool().submit(work) for _ in range(min(len(tasks), cores()) - 1)]
+    try:
+        work()
+    finally:
+        for helper in helpers:
+            if not helper.cancel():
+                helper.result()
+    return [results[place] for place in range(len(tasks))]
 
 
 def bands(work: NDArray[np.float64], parts: int) -> list[tuple[int, int]]:

@@ -6,7 +6,7 @@ Numba twin of :func:`mapper.textbook.update_per_beam` with Amanatides and Woo's 
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import inf, isnan, nan, sqrt
 
 from numba import njit
 
@@ -17,27 +17,27 @@ _to_lattice = njit(to_lattice, nogil=True, cache=True)
 _cell_of = njit(cell_of, nogil=True, cache=True)
 
 #: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
-#: much on either side of z a centre counts as hit; then the number of the reading (scan · n_beams + beam). For a beam
-#: without return z is +inf.
-U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF, READING = range(9)
-RAY_FIELDS = 9
+#: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that says nothing, NaN.
+U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
+RAY_FIELDS = 8
 
 
 @njit(nogil=True, cache=True)
 def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-              rays: Float64Array, work: Float64Array) -> int:  # fmt: skip
-    """Write one ray for each beam that says something; return their number.
+              rays: Float64Array, work: Float64Array) -> None:  # fmt: skip
+    """Write the ray of each beam, scan after scan.
 
-    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (≥ n_scans · n_beams, 9) float64 is written.
+    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (n_scans · n_beams, 8) float64 is written.
     """
     range_min, range_max, window, no_return_free = sight
     half = 0.5 * window
     rows = len(work) - 1
-    count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         u, v = _to_lattice(x, y, *frame)
         for k in range(ranges.shape[1]):
+            ray = rays[t * ranges.shape[1] + k]
+            ray[Z] = nan
             z = float(ranges[t, k])
             no_return = z > range_max
             if no_return:
@@ -52,30 +52,31 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
             if window > 0.0 and not no_return:
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
                 end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
-            ray = rays[count]
             ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
-            ray[Z], ray[HALF], ray[READING] = inf if no_return else z, half, t * ranges.shape[1] + k
+            ray[Z], ray[HALF] = inf if no_return else z, half
             row, end_row = int(_cell_of(v)), int(_cell_of(end_v))
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
                 cells = (abs(end_u - u) + abs(end_v - v) + 1.0) / (abs(end_row - row) + 1.0)
                 work[low] += cells
                 work[high + 1] -= cells
-            count += 1
-    return count
 
 
 @njit(nogil=True, cache=True)
 def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float, rule: Rule,
               row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``rays`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell.
     """
     miss, hit, low, high = rule
+    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for j in range(rays.shape[0]):
         ray = rays[j]
+        if isnan(ray[Z]):
+            continue
         u, v, d_u, d_v, z, half = ray[U], ray[V], ray[END_U] - ray[U], ray[END_V] - ray[V], ray[Z], ray[HALF]
         row, col = int(_cell_of(v)), int(_cell_of(u))
         end_row, end_col = int(_cell_of(ray[END_V])), int(_cell_of(ray[END_U]))
@@ -99,8 +100,8 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
                     cell = row * cols + col
                     log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
                     observed[cell] = True
-                    box[0], box[1] = min(box[0], row), max(box[1], row + 1)
-                    box[2], box[3] = min(box[2], col), max(box[3], col + 1)
+                    top, bottom = min(top, row), max(bottom, row + 1)
+                    left, right = min(left, col), max(right, col + 1)
                     count += 1
             if row == end_row and col == end_col:
                 break
@@ -114,9 +115,10 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
             cell = hit_row * cols + hit_col
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
             observed[cell] = True
-            box[0], box[1] = min(box[0], hit_row), max(box[1], hit_row + 1)
-            box[2], box[3] = min(box[2], hit_col), max(box[3], hit_col + 1)
+            top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
+            left, right = min(left, hit_col), max(right, hit_col + 1)
             count += 1
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
     return count
 
 

@@ -427,6 +427,8 @@ def draw_runs(log_odds: Float32Array, observed: BoolArray, cols: int, runs: Int6
     ``log_odds``, ``observed``, ``cols`` and ``box`` as in :func:`mapper.kernels.lines.draw_lines`.
     """
     miss, hit, low, high = rule
+    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for j in range(runs.shape[0]):
         r = runs[j, ROW]
@@ -437,7 +439,8 @@ def draw_runs(log_odds: Float32Array, observed: BoolArray, cols: int, runs: Int6
         for cell in range(uint64(r * cols + first), uint64(r * cols + stop)):
             log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
             observed[cell] = True
-        box[0], box[1] = min(box[0], r), max(box[1], r + 1)
-        box[2], box[3] = min(box[2], first), max(box[3], stop)
+        top, bottom = min(top, r), max(bottom, r + 1)
+        left, right = min(left, first), max(right, stop)
         count += stop - first
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
     return count

@@ -24,10 +24,10 @@ _to_lattice = njit(to_lattice, nogil=True, cache=True)
 _cell_of = njit(cell_of, nogil=True, cache=True)
 
 #: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
-#: first cells that are passed or hit (``far``), the step at which it visits the endpoint's cell (−1: never), that cell,
-#: and the number of its reading (scan · n_beams + beam).
-ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL, READING = range(10)
-LINE_FIELDS = 10
+#: first cells that are passed or hit (``far``; 0: none, the beam says nothing), the step at which it visits the
+#: endpoint's cell (−1: never), that cell (−1, −1: none is hit).
+ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL = range(9)
+LINE_FIELDS = 9
 
 # Steps along the minor axis in fixed point: with 40 bits of fraction the rounding error of the slope, multiplied by the
 # number of steps, stays below half of 1 / major, the least that tells two of Bresenham's decisions apart.
@@ -84,23 +84,24 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 @njit(nogil=True, cache=True)
 def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-               lines: Int64Array, work: Float64Array) -> int:  # fmt: skip
-    """Write one line for each beam that says something; return their number.
+               lines: Int64Array, work: Float64Array) -> None:  # fmt: skip
+    """Write the line of each beam, scan after scan.
 
     ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
     ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``sight``: see
-    :mod:`mapper.kernels.types`. ``lines`` (≥ n_scans · n_beams, 10) int64 is written; ``work`` (rows + 1,) float64 gets
-    the differences, from row to row, of the number of cells to draw.
+    :mod:`mapper.kernels.types`. ``lines`` (n_scans · n_beams, 9) int64 is written; to ``work`` (rows + 1,) float64
+    the differences, from row to row, of the number of cells to draw are added.
     """
     range_min, range_max, window, no_return_free = sight
     resolution, half = frame[4], 0.5 * window
     rows = len(work) - 1
-    count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         u, v = _to_lattice(x, y, *frame)
         row, col = int(_cell_of(v)), int(_cell_of(u))
         for k in range(ranges.shape[1]):
+            line = lines[t * ranges.shape[1] + k]
+            line[FAR], line[HIT_ROW], line[HIT_COL] = 0, -1, -1
             z = float(ranges[t, k])
             no_return = z > range_max
             if no_return:
@@ -124,17 +125,13 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
                 near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
                 far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)
                 at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
-            line = lines[count]
             line[ROW], line[COL], line[END_ROW], line[END_COL] = row, col, end_row, end_col
             line[NEAR], line[FAR], line[AT], line[HIT_ROW], line[HIT_COL] = near, far, at, hit_row, hit_col
-            line[READING] = t * ranges.shape[1] + k
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
                 cells = (steps + 1.0) / (abs(end_row - row) + 1.0)
                 work[low] += cells
                 work[high + 1] -= cells
-            count += 1
-    return count
 
 
 @njit(nogil=True, cache=True)
@@ -169,25 +166,29 @@ def _add(log_odds: Float32Array, observed: BoolArray, first: int, stop: int, bas
 @njit(nogil=True, cache=True)
 def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int64Array, rule: Rule, row_low: int,
                row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``lines`` (n, 10) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+    """Add what ``lines`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``box`` (4,) int64
     (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.kernels.types`.
     """
     miss, hit, low, high = rule
+    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for j in range(lines.shape[0]):
         line = lines[j]
+        if line[FAR] == 0 and line[HIT_ROW] == -1 and line[HIT_COL] == -1:
+            continue
         row, col, end_row, end_col = line[ROW], line[COL], line[END_ROW], line[END_COL]
         d_row, d_col = abs(end_row - row), abs(end_col - col)
         s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
         steep = d_row > d_col
         major, minor = (d_row, d_col) if steep else (d_col, d_row)
         first, stop = 0, min(line[FAR], major + 1)
-        top, right = max(row, end_row), max(col, end_col)
-        if top < row_low or min(row, end_row) >= row_high:
+        low_row, high_row = min(row, end_row), max(row, end_row)
+        if high_row < row_low or low_row >= row_high:
             stop = 0
-        elif min(row, end_row) < row_low or top >= row_high or min(col, end_col) < 0 or right >= cols:
+        elif low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
             first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, first, stop)
             first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
         if first < stop:
@@ -208,14 +209,15 @@ def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
             for i in (first, stop - 1):
                 n = (2 * i * minor + major) // max(2 * major, 1)
                 r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
-                box[0], box[1], box[2], box[3] = min(box[0], r), max(box[1], r + 1), min(box[2], c), max(box[3], c + 1)
+                top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
         r, c = line[HIT_ROW], line[HIT_COL]
         if row_low <= r < row_high and 0 <= c < cols:
             cell = r * cols + c
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
             observed[cell] = True
-            box[0], box[1], box[2], box[3] = min(box[0], r), max(box[1], r + 1), min(box[2], c), max(box[3], c + 1)
+            top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
             count += 1
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
     return count
 
 

@@ -7,7 +7,7 @@ n_beams + beam) and whether it was a hit (1) or a miss (0), and returns how many
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import inf, isnan, sqrt
 
 import numpy as np
 from numba import njit
@@ -26,7 +26,7 @@ MISS, HIT = 0, 1
 
 @njit(nogil=True, cache=True)
 def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -> int:
-    """Test a cell against planned lines (n, 10); ``out`` (≥ n, 2) int64 is written."""
+    """Test a cell against planned lines (n, 9); ``out`` (≥ n, 2) int64 is written."""
     count = 0
     for j in range(planned.shape[0]):
         line = planned[j]
@@ -38,19 +38,21 @@ def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -
             if 0 <= i < line[lines.FAR]:
                 kind = MISS if i < line[lines.NEAR] else HIT
         if kind >= 0:
-            out[count, 0], out[count, 1] = line[lines.READING], kind
+            out[count, 0], out[count, 1] = j, kind
             count += 1
     return count
 
 
 @njit(nogil=True, cache=True)
 def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
-    """Test a cell against planned rays (n, 9); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
+    """Test a cell against planned rays (n, 8); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
     count = 0
     for j in range(planned.shape[0]):
         ray = planned[j]
         u, v, z, half = ray[crossings.U], ray[crossings.V], ray[crossings.Z], ray[crossings.HALF]
         end_u, end_v = ray[crossings.END_U], ray[crossings.END_V]
+        if isnan(z):
+            continue
         hit_row, hit_col = int(_cell_of(ray[crossings.HIT_V])), int(_cell_of(ray[crossings.HIT_U]))
         kind = -1
         if z < inf and row == hit_row and col == hit_col:
@@ -63,7 +65,7 @@ def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int
                 if s >= z - half:
                     kind = HIT if s <= z + half else -1
         if kind >= 0:
-            out[count, 0], out[count, 1] = int(ray[crossings.READING]), kind
+            out[count, 0], out[count, 1] = j, kind
             count += 1
     return count
 
