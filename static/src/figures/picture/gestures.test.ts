@@ -96,3 +96,13 @@ test("a cancelled touch is no tap", () => {
   point("pointercancel", 20, 30, { pointerType: "touch" });
   expect(told).toEqual([]);
 });
+
+test("a finger that sets out upwards leaves the view alone; one that sets out sideways pans", () => {
+  point("pointerdown", 20, 80, { pointerType: "touch" });
+  point("pointermove", 22, 50, { pointerType: "touch" });
+  point("pointercancel", 22, 50, { pointerType: "touch" });
+  expect(told).toEqual([]);
+  point("pointerdown", 20, 80, { pointerType: "touch" });
+  point("pointermove", 50, 78, { pointerType: "touch" });
+  expect(told).toEqual([["pan", 30, -2]]);
+});

@@ -72,6 +72,8 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (mode === "pressed") {
       const slop = event.pointerType === "mouse" ? SLOP_MOUSE : SLOP_TOUCH;
       if (Math.hypot(at.x - start.x, at.y - start.y) < slop) return;
+      // A finger that sets out upwards or downwards scrolls the page: the browser is about to take it away.
+      if (event.pointerType === "touch" && Math.abs(at.y - start.y) > Math.abs(at.x - start.x)) return;
       mode = "pan";
       element.dataset.mode = mode;
       gestures.pan(at.x - start.x, at.y - start.y);
