@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from math import inf, isnan, nan, sqrt
 
-from numba import njit
-
+from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
 
-_to_lattice = njit(to_lattice, nogil=True, cache=True)
-_cell_of = njit(cell_of, nogil=True, cache=True)
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
 
 #: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
 #: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that says nothing, NaN.
@@ -22,7 +21,7 @@ U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
 RAY_FIELDS = 8
 
 
-@njit(nogil=True, cache=True)
+@jit
 def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
               rays: Float64Array, work: Float64Array) -> None:  # fmt: skip
     """Write the ray of each beam, scan after scan.
@@ -62,7 +61,7 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
                 work[high + 1] -= cells
 
 
-@njit(nogil=True, cache=True)
+@jit
 def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float, rule: Rule,
               row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
     """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
@@ -122,7 +121,7 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
     return count
 
 
-@njit(nogil=True, cache=True)
+@jit
 def _crosses(u: float, v: float, end_u: float, end_v: float, at_row: int, at_col: int) -> bool:
     """Return whether the traversal from (u, v) to (end_u, end_v), lattice coordinates, visits a cell."""
     d_u, d_v = end_u - u, end_v - v

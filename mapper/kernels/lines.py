@@ -14,14 +14,14 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
 from numpy import uint64
 
+from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
 
-_to_lattice = njit(to_lattice, nogil=True, cache=True)
-_cell_of = njit(cell_of, nogil=True, cache=True)
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
 
 #: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
 #: first cells that are passed or hit (``far``; 0: none, the beam says nothing), the step at which it visits the
@@ -35,7 +35,7 @@ _BITS = 40
 MAX_STEPS = 1 << 19  #: the longest line, in cells, for which that holds
 
 
-@njit(nogil=True, cache=True)
+@jit
 def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int, limit: float, resolution: float,
              inclusive: bool) -> int:  # fmt: skip
     """Return how many cells at the start of a line have their centre nearer to (u, v) than ``limit`` metres.
@@ -68,7 +68,7 @@ def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int,
     return i
 
 
-@njit(nogil=True, cache=True)
+@jit
 def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col: int) -> int:
     """Return the step at which a line visits a cell, or −1."""
     d_row, d_col = abs(end_row - row), abs(end_col - col)
@@ -82,7 +82,7 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
     return -1
 
 
-@njit(nogil=True, cache=True)
+@jit
 def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
                lines: Int64Array, work: Float64Array) -> None:  # fmt: skip
     """Write the line of each beam, scan after scan.
@@ -134,7 +134,7 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
                 work[high + 1] -= cells
 
 
-@njit(nogil=True, cache=True)
+@jit
 def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, along_major: bool, first: int,
           stop: int) -> tuple[int, int]:  # fmt: skip
     """Narrow the steps [first, stop) of a line to those whose coordinate on one axis lies in [low, high)."""
@@ -150,7 +150,7 @@ def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, al
     return first, stop
 
 
-@njit(nogil=True, cache=True)
+@jit
 def _add(log_odds: Float32Array, observed: BoolArray, first: int, stop: int, base: int, along: int, across: int,
          slope: int, increment: np.float32, low: np.float32, high: np.float32) -> int:  # fmt: skip
     """Add ``increment`` at the steps [first, stop) of a line in the flat arrays; return how many those are."""
@@ -163,7 +163,7 @@ def _add(log_odds: Float32Array, observed: BoolArray, first: int, stop: int, bas
     return max(stop - first, 0)
 
 
-@njit(nogil=True, cache=True)
+@jit
 def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int64Array, rule: Rule, row_low: int,
                row_high: int, box: Int64Array) -> int:  # fmt: skip
     """Add what ``lines`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
@@ -221,7 +221,7 @@ def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
     return count
 
 
-@njit(nogil=True, cache=True)
+@jit
 def reach(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, sight: Sight, bounds: Float64Array) -> None:
     """Widen ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to hold the sensors and what they see.
 

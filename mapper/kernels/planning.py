@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from mapper.kernels.compiled import jit
 
-@njit(nogil=True, cache=True)
+
+@jit
 def shortest_paths(
     cost: NDArray[np.float64],
     start_row: int,

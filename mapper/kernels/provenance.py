@@ -10,21 +10,21 @@ from __future__ import annotations
 from math import inf, isnan, sqrt
 
 import numpy as np
-from numba import njit
 
 from mapper.kernels import crossings, lines
+from mapper.kernels.compiled import jit
 from mapper.kernels.crossings import _crosses
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.lines import _step_at
 from mapper.kernels.types import Float32Array, Float64Array, Frame, Int64Array, Sight
 
-_to_lattice = njit(to_lattice, nogil=True, cache=True)
-_cell_of = njit(cell_of, nogil=True, cache=True)
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
 
 MISS, HIT = 0, 1
 
 
-@njit(nogil=True, cache=True)
+@jit
 def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -> int:
     """Test a cell against planned lines (n, 9); ``out`` (≥ n, 2) int64 is written."""
     count = 0
@@ -43,7 +43,7 @@ def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -
     return count
 
 
-@njit(nogil=True, cache=True)
+@jit
 def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
     """Test a cell against planned rays (n, 8); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
     count = 0
@@ -70,7 +70,7 @@ def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int
     return count
 
 
-@njit(nogil=True, cache=True)
+@jit
 def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
                       headings: Float64Array, frame: Frame, sight: Sight, row: int, col: int,
                       out: Int64Array) -> int:  # fmt: skip
@@ -121,7 +121,7 @@ def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float6
     return count
 
 
-@njit(nogil=True, cache=True)
+@jit
 def running_sum(increments: Float32Array, start: np.float32, low: np.float32, high: np.float32,
                 out: Float32Array) -> None:  # fmt: skip
     """Write the clamped sum after each increment, beginning with ``start``; all (n,) float32 log-odds."""

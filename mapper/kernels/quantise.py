@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from math import floor
 
-from numba import njit
 from numpy import int8
 
+from mapper.kernels.compiled import jit
 from mapper.kernels.types import BoolArray, Float32Array, Int8Array
 
 NEVER_OBSERVED = -128  #: the picture's value for a cell that no beam touched
 
 
-@njit(nogil=True, cache=True)
+@jit
 def quantise(
     log_odds: Float32Array,
     observed: BoolArray,

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from mapper.kernels.compiled import jit
 
 Float64Array = NDArray[np.float64]
 
@@ -18,7 +19,7 @@ VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two e
 BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop the beam that just grazes a vertex
 
 
-@njit(nogil=True, cache=True)
+@jit
 def cast_rays(
     segments: Float64Array,
     x: float,
@@ -69,7 +70,7 @@ def cast_rays(
                     out[i] = t
 
 
-@njit(nogil=True, cache=True)
+@jit
 def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) -> float:
     """Return the clearance of (x, y), and write the nearest point of any edge into ``out`` (2,).
 
@@ -100,7 +101,7 @@ def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) 
     return -math.sqrt(best) if winding != 0 else math.sqrt(best)
 
 
-@njit(nogil=True, cache=True)
+@jit
 def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) -> None:
     """Write into ``out`` (n,) the clearance of each of ``points`` (n, 2), as :func:`nearest_edge` defines it."""
     nearest = np.zeros(2)
@@ -108,7 +109,7 @@ def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) 
         out[i] = nearest_edge(segments, points[i, 0], points[i, 1], nearest)
 
 
-@njit(nogil=True, cache=True)
+@jit
 def arc_clearance(
     segments: Float64Array,
     x: float,
@@ -136,7 +137,7 @@ def arc_clearance(
     return least
 
 
-@njit(nogil=True, cache=True)
+@jit
 def chord_clearance(segments: Float64Array, x0: float, y0: float, x1: float, y1: float) -> float:
     """Return the least distance in metres between the straight line from (x0, y0) to (x1, y1) and any edge.
 
