@@ -43,9 +43,12 @@ def provenance(
     cell: tuple[int, int],
     trajectory: str | None = None,
     stop: int | None = None,
+    before: float | None = None,
 ) -> Provenance:
     """Return what the first ``stop`` scans of ``log`` (None: all) did to ``cell`` (row, col) of a map.
 
+    ``before`` is the log-odds that the cell held before them, None for the prior: a map of several logs is told log by
+    log.
     A per-scan update that hits a cell is credited to the first beam that ended in it. Raises :class:`ConfigError` for
     a cell outside the grid or for scans that the log does not have.
     """
@@ -62,6 +65,6 @@ def provenance(
     readings, hits = touches[:, 0], touches[:, 1] == 1
     increments = np.where(hits, hit, miss).astype(np.float32)
     log_odds = np.empty_like(increments)
-    running_sum(increments, np.float32(config.log_odds_prior), low, high, log_odds)
+    running_sum(increments, np.float32(config.log_odds_prior if before is None else before), low, high, log_odds)
     scans, beams = np.divmod(readings, max(1, log.n_beams))
     return Provenance(scans, beams, log.ranges[scans, beams], hits, increments, log_odds)

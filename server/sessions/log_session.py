@@ -20,6 +20,7 @@ from mapper.scan import ScanLog
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import Moment, as_pose
+from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
@@ -121,6 +122,10 @@ class LogSession(Session):
         base = as_pose(log.trajectory(self.trajectory).poses[newest])
         sensor = as_pose(self._sensor_poses[newest])
         return Moment(base, sensor, sensor, scan, float(self._recorded[newest]))
+
+    def sources(self) -> list[Source]:
+        """The log, as far as it is in the map."""
+        return [Source(self.log, self.trajectory, self._replay.index, self._recorded)]
 
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""

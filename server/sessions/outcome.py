@@ -31,6 +31,7 @@ class Outcome:
     notices: list[dict[str, Any]] = field(default_factory=list)
     answers: list[tuple[Client | None, dict[str, Any]]] = field(default_factory=list)
     reminded: list[Client | None] = field(default_factory=list)  #: whose sliders stand where they were refused
+    questions: dict[Client | None, dict[str, Any]] = field(default_factory=dict)  #: each client's newest "why"
 
     def add(self, change: Change) -> None:
         """Take up what an update of the grid changed."""

@@ -27,6 +27,7 @@ from mapper.world import SensorConfig, World
 from server.sessions.messages import cell_message, moment_fields, parameter_table, parameters_message
 from server.sessions.outcome import Order, Outcome, error_message
 from server.sessions.view import Moment, SessionView
+from server.sessions.why import Source, why_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, integer, number, values
 from server.stream.tiles import TilePicture, picture_range
@@ -116,6 +117,10 @@ class Session(ABC):
     @abstractmethod
     def advance(self, dt: float, outcome: Outcome) -> None:
         """Let ``dt`` seconds pass, 0 to only carry out what commands left to do (worker thread)."""
+
+    @abstractmethod
+    def sources(self) -> list[Source]:
+        """The scans that the map is made of, in that order (worker thread)."""
 
     @abstractmethod
     def particulars(self) -> dict[str, Any]:
@@ -399,6 +404,8 @@ class Session(ABC):
             outcome.changed = True
             outcome.notices.append(error_message(error.code, error.message))
         self._draw(outcome)
+        for client, question in outcome.questions.items():
+            self._explain(client, question, outcome)
         return outcome
 
     def _refuse(self, outcome: Outcome, client: Client | None, error: ProtocolError | MapperError) -> None:
@@ -442,17 +449,36 @@ class Session(ABC):
                     raise ProtocolError("command.value", f"The speed must be between {low:g} and {high:g}.")
                 self.speed = value
             case "inspect":
-                outcome.answers.append((order.client, self._inspect(command)))
+                row, col, epoch = self._cell_of(command)
+                outcome.answers.append((order.client, cell_message(self.grid, row, col, epoch)))
+                return
+            case "why":
+                outcome.questions[order.client] = command  # answered once, from the map that this tick leaves
                 return
             case _:
                 self.obey(command, outcome)
         outcome.changed = True
 
-    def _inspect(self, command: dict[str, Any]) -> dict[str, Any]:
+    def _cell_of(self, command: dict[str, Any], picture: TilePicture | None = None) -> tuple[int, int, int]:
+        """Return the row, column and epoch that a command names, of a cell of the map."""
         row, col, epoch = (integer(command, key) for key in ("row", "col", "epoch"))
-        grid, picture = self.grid, self.hub.picture
-        if epoch != picture.epoch:
-            raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {picture.epoch}.")
-        if not grid.geometry.contains((row, col)):
+        now = (picture or self.hub.picture).epoch
+        if epoch != now:
+            raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {now}.")
+        if not self.grid.geometry.contains((row, col)):
             raise ProtocolError("command.cell", f"Cell ({row}, {col}) lies outside the map.")
-        return cell_message(grid, row, col, epoch)
+        return row, col, epoch
+
+    def _explain(self, client: Client | None, command: dict[str, Any], outcome: Outcome) -> None:
+        """Answer a "why" from the map as this tick leaves it."""
+        try:
+            row, col, epoch = self._cell_of(command, outcome.picture)
+            until = None if command.get("until") is None else integer(command, "until")
+            about = {"row": row, "col": col, "epoch": epoch, "index": self.progress[0]}
+            answer = why_message(self.grid, self.sources(), self.config, about, until)
+            outcome.answers.append((client, answer))
+        except (ProtocolError, MapperError) as error:
+            self._refuse(outcome, client, error)
+        except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
+            _log.exception("a command failed", command="why")
+            outcome.answers.append((client, error_message("internal", "The cell could not be explained.")))

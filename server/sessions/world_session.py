@@ -21,6 +21,7 @@ from mapper.world.lidar import measure
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import Moment, Pose, as_pose
+from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, number, text, values
 
 DEFAULT_WORLD = "office"
@@ -199,6 +200,13 @@ class WorldSession(Session):
             raise RuntimeError("a world session has taken a scan before it starts")
         seen_from = compose(self._mapper.newest_pose, simulation.mount)
         return Moment(simulation.pose, as_pose(simulation.sensor_pose), as_pose(seen_from), scan, simulation.time)
+
+    def sources(self) -> list[Source]:
+        """The recordings, one for each kind of sensor."""
+        return [
+            Source(log, log.default_trajectory, log.n_scans, np.asarray(log.stamps_ns * 1e-9, dtype=np.float64))
+            for log in self.logs()
+        ]
 
     def particulars(self) -> dict[str, Any]:
         """The sensor and its parameters."""

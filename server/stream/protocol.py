@@ -43,6 +43,15 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 ``error``       {code, message, detail}   the last command was refused; everything goes on
 ``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}
                 answers ``inspect``
+``why``         {row, col, epoch, index, log_odds, prior, log_odds_min|null, log_odds_max|null, per_scan, total, hits,
+                 first_scan|null, curve: [[n, log_odds], ...], touches: [{n, scan, stamp, beam, pose: [x, y, yaw],
+                 bearing, range|null, hit, increment, log_odds}, ...]}
+                answers ``why`` from the map of ``index`` scans: ``total`` beams touched the cell, ``hits`` of them
+                argued for occupied; touch ``n`` (from 1) is the beam ``beam`` of scan ``scan`` (from 0), taken by a
+                sensor at ``pose``, T_map_laser with the correction of the mount, ``bearing`` radians from its x axis;
+                ``range`` is null for no return; ``log_odds`` is what the cell held after ``increment`` was added and
+                clamped (limits null: no clamp). ``touches`` are at most 300; ``curve`` runs over all of them, at most
+                600 with the least and the greatest of each stretch kept. ``per_scan``: each scan counts once
 ``pong``        {id, t}
 
 Browser → server:
@@ -54,7 +63,8 @@ Browser → server:
 ``parameters``  {values: {name: value, ...}}
 ``teleport``    {x, y, yaw?}      ``drive`` {linear, angular}  (m/s, rad/s; held for 0.5 s)   ``auto`` {value: bool}
 ``world``       {name}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
-``inspect``     {row, col, epoch}
+``inspect``     {row, col, epoch}       ``why`` {row, col, epoch, until?: n}   (the touches up to the n-th, else the
+                 newest; of several that wait only the last is answered)
 ``ping``        {id}
 
 The socket is closed with 1008 (no subprotocol, too many malformed frames or too many commands), 4404 (there is no such

@@ -1,0 +1,134 @@
+"""Why a cell is what it is: the answer to ``why``, as :mod:`server.stream.protocol` describes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import OccupancyGrid
+from mapper.integrate import sweep_of_log
+from mapper.parameters import MappingConfig
+from mapper.provenance import Provenance, provenance
+from mapper.scan import ScanLog
+from server.stream.protocol import ProtocolError
+
+MAX_TOUCHES = 300  #: told in detail
+STRETCHES = 300  #: of the curve, each with its least and its greatest value
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Scans that a map is made of: the first ``stop`` of a log, with one of its trajectories."""
+
+    log: ScanLog
+    trajectory: str
+    stop: int
+    stamps_s: NDArray[np.float64]  #: (n_scans,), as the ``frame`` message has them
+
+
+def why_message(
+    grid: OccupancyGrid,
+    sources: Sequence[Source],
+    config: MappingConfig,
+    about: dict[str, int],
+    until: int | None = None,
+) -> dict[str, Any]:
+    """Return a ``why`` message about the cell (row, col), epoch and index of ``about``.
+
+    ``until`` is the last touch to tell in detail, None for the newest. Raises :class:`ProtocolError` for one below 1.
+    """
+    if until is not None and until < 1:
+        raise ProtocolError("command.until", f"Touches count from 1; there is none up to {until}.")
+    row, col = about["row"], about["col"]
+    told: list[Provenance] = []
+    before: float | None = None
+    for source in sources:
+        part = provenance(grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, before)
+        if len(part.log_odds):
+            before = float(part.log_odds[-1])
+        told.append(part)
+    counts = [len(part.scans) for part in told]
+    total = sum(counts)
+    stop = total if until is None else min(until, total)
+    low, high = (limit if np.isfinite(limit) else None for limit in map(float, config.clamp_limits))
+    first_scans = np.cumsum([0, *(source.stop for source in sources)])
+    touches: list[dict[str, Any]] = []
+    first_scan = None
+    n = 0
+    for source, part, first in zip(sources, told, first_scans[:-1].tolist(), strict=True):
+        if first_scan is None and len(part.scans):
+            first_scan = first + int(part.scans[0])
+        inside = slice(max(0, stop - MAX_TOUCHES - n), max(0, stop - n))
+        touches += _touches(source, part, config, inside, n, first)
+        n += len(part.scans)
+    return {
+        "type": "why",
+        **about,
+        "log_odds": float(grid.log_odds[row, col]),
+        "prior": float(config.log_odds_prior),
+        "log_odds_min": low,
+        "log_odds_max": high,
+        "per_scan": config.update == "per_scan",
+        "total": total,
+        "hits": sum(int(np.count_nonzero(part.hits)) for part in told),
+        "first_scan": first_scan,
+        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in told)])),
+        "touches": touches,
+    }
+
+
+def _touches(
+    source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
+) -> list[dict[str, Any]]:
+    """Return the touches ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
+    sweep = sweep_of_log(source.log, config, source.trajectory, 0, source.stop)
+    scans, beams = part.scans[inside], part.beams[inside]
+    ranges = part.ranges[inside].astype(np.float64)
+    returned = (ranges >= sweep.range_min) & (ranges <= sweep.range_max)
+    columns = zip(
+        scans.tolist(),
+        np.round(source.stamps_s[scans], 3).tolist(),
+        beams.tolist(),
+        np.round(sweep.sensor_poses[scans], 4).tolist(),
+        np.round(sweep.angles[beams], 5).tolist(),
+        np.round(np.where(returned, ranges, 0.0), 3).tolist(),
+        returned.tolist(),
+        part.hits[inside].tolist(),
+        part.increments[inside].tolist(),
+        part.log_odds[inside].tolist(),
+        strict=True,
+    )
+    return [
+        {
+            "n": n + inside.start + i + 1,
+            "scan": first_scan + scan,
+            "stamp": stamp,
+            "beam": beam,
+            "pose": pose,
+            "bearing": bearing,
+            "range": reading if is_reading else None,
+            "hit": hit,
+            "increment": round(increment, 6),
+            "log_odds": round(log_odds, 6),
+        }
+        for i, (scan, stamp, beam, pose, bearing, reading, is_reading, hit, increment, log_odds) in enumerate(columns)
+    ]
+
+
+def thinned(log_odds: NDArray[np.float32]) -> list[list[float]]:
+    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` touches, n from 1, the last one always among them.
+
+    Of each stretch of touches the least and the greatest stay, so that no excursion is lost.
+    """
+    if len(log_odds) <= 2 * STRETCHES:
+        kept = np.arange(len(log_odds))
+    else:
+        edges = np.linspace(0, len(log_odds) - 1, STRETCHES, dtype=np.int64)
+        pairs = zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
+        ends = [(a + int(log_odds[a:b].argmin()), a + int(log_odds[a:b].argmax())) for a, b in pairs]
+        kept = np.unique([*(i for pair in ends for i in pair), len(log_odds) - 1])
+    return [[i + 1, round(value, 4)] for i, value in zip(kept.tolist(), log_odds[kept].tolist(), strict=True)]

@@ -1,0 +1,190 @@
+"""What is told of a cell: against the textbook's own recount, the map, and the cap on what one message holds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper import textbook
+from mapper.geometry import compose
+from mapper.scan import ScanLog
+from server.sessions import Session, SessionRegistry
+from server.sessions.why import MAX_TOUCHES, STRETCHES, thinned
+from server.stream.protocol import encode_text
+
+
+async def answer(obey: Callable[..., Any], session: Session, **question: Any) -> dict[str, Any]:
+    """Ask a session and return what it says: a ``why`` or an ``error``."""
+    client = session.join()
+    client.take()
+    session.enqueue({"type": "why", "epoch": session.hub.picture.epoch} | question, client)
+    await obey(session, type="pause")
+    said = [json.loads(message) for message in client.take() if isinstance(message, str)]
+    session.leave(client)
+    found: list[dict[str, Any]] = [message for message in said if message["type"] in ("why", "error")]
+    assert len(found) == 1
+    return found[0]
+
+
+def some_cells(session: Session, n: int) -> list[tuple[int, int]]:
+    """Return cells of the map: occupied ones, others that were seen, and one that never was."""
+    grid, random = session.grid, np.random.default_rng(11)
+    kinds = (np.argwhere(grid.log_odds > 1.0), np.argwhere(grid.observed), np.argwhere(~grid.observed)[:1])
+    return [(int(row), int(col)) for cells in kinds for row, col in random.permutation(cells)[:n]]
+
+
+async def test_every_touch_is_the_textbooks(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=12)
+    await obey(session, type="parameters", values={"resolution": 0.2, "mount_x": 0.1, "range_max": 8.0})
+    poses = compose(office_log.sensor_poses()[:12], np.array(session.config.mount))
+    scans = [office_log.scan(i) for i in range(12)]
+    for row, col in some_cells(session, 3):
+        expected = textbook.provenance(session.grid, scans, poses, (row, col), session.config)
+        told = await answer(obey, session, row=row, col=col)
+        assert (told["index"], told["total"], told["per_scan"]) == (12, len(expected), False)
+        assert told["hits"] == sum(evidence > 0 for _, _, evidence, _ in expected)
+        assert told["first_scan"] == (expected[0][0] if expected else None)
+        assert told["log_odds"] == session.grid.log_odds[row, col]
+        newest = expected[-MAX_TOUCHES:]
+        assert [(t["scan"], t["beam"]) for t in told["touches"]] == [(scan, beam) for scan, beam, _, _ in newest]
+        for n, touch, (scan, beam, evidence, log_odds) in zip(
+            range(len(expected) - len(newest) + 1, len(expected) + 1), told["touches"], newest, strict=True
+        ):
+            z = float(scans[scan].ranges[beam])
+            assert touch["n"] == n
+            assert touch["hit"] is (evidence > 0)
+            assert touch["increment"] == pytest.approx(evidence, abs=1e-6)
+            assert touch["log_odds"] == pytest.approx(float(log_odds), abs=1e-6)
+            assert touch["pose"] == pytest.approx(poses[scan], abs=1e-4)
+            assert touch["bearing"] == pytest.approx(scans[scan].angles[beam], abs=1e-5)
+            assert touch["range"] == pytest.approx(z, abs=1e-3)
+
+
+@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+async def test_the_last_value_is_the_maps(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, update: str
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=office_log.n_scans)
+    await obey(session, type="parameters", values={"update": update, "clamp": False, "no_return": "free"})
+    for row, col in some_cells(session, 6):
+        told = await answer(obey, session, row=row, col=col)
+        assert (told["log_odds_min"], told["log_odds_max"]) == (None, None)
+        assert told["per_scan"] is (update == "per_scan")
+        if told["total"]:
+            assert told["touches"][-1]["n"] == told["curve"][-1][0] == told["total"]
+            assert told["touches"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-5)
+        else:
+            assert told["log_odds"] == told["prior"]
+            assert (told["touches"], told["curve"]) == ([], [])
+
+
+async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+    session = await registry.create_world("me", "room", seed=4)
+    await obey(session, type="pause")
+    await obey(session, type="step", scans=10)
+    await obey(session, type="sensor", values={"n_beams": 90})
+    await obey(session, type="step", scans=10)
+    lengths = [source.stop for source in session.sources()]
+    assert len(lengths) == 2
+    both = 0
+    for row, col in some_cells(session, 8):
+        told = await answer(obey, session, row=row, col=col)
+        if told["total"] == 0:
+            continue
+        assert told["touches"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-6)
+        assert [t["n"] for t in told["touches"]] == list(
+            range(told["total"] - len(told["touches"]) + 1, told["total"] + 1)
+        )
+        scans = [t["scan"] for t in told["touches"]]
+        assert scans == sorted(scans)
+        both += told["first_scan"] < lengths[0] <= scans[-1]
+        # Each touch goes on from where the one before it left the cell, over the change of the sensor as well.
+        for touch, following in zip(told["touches"], told["touches"][1:], strict=False):
+            assert following["log_odds"] == pytest.approx(
+                float(np.clip(touch["log_odds"] + following["increment"], -2.0, 3.5)), abs=1e-5
+            )
+    assert both > 0
+
+
+async def test_earlier_touches_can_be_asked_for(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await registry.create_log("me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=office_log.n_scans)
+    x, y, _ = office_log.trajectory(None).poses[0]
+    row, col = (int(i) for i in session.grid.geometry.world_to_cell((x, y)))
+    newest = await answer(obey, session, row=row, col=col)
+    assert newest["total"] > MAX_TOUCHES == len(newest["touches"])  # beams start here
+    first = await answer(obey, session, row=row, col=col, until=40)
+    assert [touch["n"] for touch in first["touches"]] == list(range(1, 41))
+    assert first["touches"][0]["scan"] == first["first_scan"] == 0
+    assert {key: first[key] for key in first if key != "touches"} == {
+        key: newest[key] for key in newest if key != "touches"
+    }
+    assert (await answer(obey, session, row=row, col=col, until=10**9))["touches"] == newest["touches"]
+    assert len(encode_text(newest)) < 80_000
+
+
+@pytest.mark.parametrize(
+    ("question", "code"),
+    [
+        ({"row": -1, "col": 0}, "command.cell"),
+        ({"row": 0, "col": 10**6}, "command.cell"),
+        ({"row": 0, "col": 0, "epoch": 99}, "command.epoch"),
+        ({"row": 0.5, "col": 0}, "command.row"),
+        ({"row": 0, "col": 0, "until": 0}, "command.until"),
+        ({"row": 0, "col": 0, "until": "all"}, "command.until"),
+    ],
+)
+async def test_a_question_that_has_no_answer(
+    registry: SessionRegistry, obey: Callable[..., Any], question: dict[str, Any], code: str
+) -> None:
+    session = await registry.create_world("me", "room", seed=4)
+    await obey(session, type="pause")
+    said = await answer(obey, session, **question)
+    assert (said["type"], said["code"]) == ("error", code)
+
+
+async def test_of_many_questions_the_last_is_answered(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+    session = await registry.create_world("me", "room", seed=4)
+    await obey(session, type="pause")
+    epoch = session.hub.picture.epoch
+    for col in range(20):
+        session.enqueue({"type": "why", "row": 0, "col": col, "epoch": epoch}, None)
+    assert (await answer(obey, session, row=3, col=5))["col"] == 5
+    client = session.join()
+    client.take()
+    for col in range(20):
+        session.enqueue({"type": "why", "row": 0, "col": col, "epoch": epoch}, client)
+    await obey(session, type="pause")
+    said = [json.loads(message) for message in client.take() if isinstance(message, str)]
+    assert [message["col"] for message in said if message["type"] == "why"] == [19]
+
+
+@pytest.mark.parametrize("n", [0, 1, 600, 601, 5000])
+def test_a_thinned_curve_keeps_every_extreme(n: int) -> None:
+    log_odds = np.random.default_rng(n).normal(size=n).astype(np.float32)
+    if n > 1000:
+        log_odds[777] = 9.0
+    curve = thinned(log_odds)
+    assert len(curve) <= 2 * STRETCHES
+    numbers = [int(i) for i, _ in curve]
+    assert numbers == sorted(set(numbers))
+    assert all(
+        value == pytest.approx(float(log_odds[i - 1]), abs=1e-4)
+        for i, value in zip(numbers, (v for _, v in curve), strict=True)
+    )
+    if n:
+        assert numbers[-1] == n
+        assert {round(float(log_odds.min()), 4), round(float(log_odds.max()), 4)} <= {v for _, v in curve}
