@@ -59,7 +59,7 @@ export function TrueWorld({ store }: { readonly store: Store }) {
       onTap={(point) => store.teleport(point)}
       setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
-        const overlay = document.createElement("canvas");
+        const painting = document.createElement("canvas");
         const renderer = rendererOn(canvas, invalidate);
         const beat: Pulse = pulse();
         let painted: readonly unknown[] = [];
@@ -78,17 +78,16 @@ export function TrueWorld({ store }: { readonly store: Store }) {
             const view = store.view.peek();
             if (!view || !renderer) return false;
             const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
-            const planChanged = basis.some((value, i) => value !== painted[i]);
-            if (planChanged) {
+            if (basis.some((value, i) => value !== painted[i])) {
               painted = basis;
               sized(plan, canvas.width, canvas.height);
               paintPlan(store, plan, size, ratio);
             }
-            sized(overlay, canvas.width, canvas.height);
-            const brush = brushOn(overlay, size, ratio, view, inks.peek());
-            brush?.ctx.clearRect(0, 0, size.width, size.height);
+            sized(painting, canvas.width, canvas.height);
+            const brush = brushOn(painting, size, ratio, view, inks.peek());
+            brush?.ctx.drawImage(plan, 0, 0, size.width, size.height);
             const moves = brush !== null && paintOverlay(store, brush, beat, now);
-            renderer.draw(plan, planChanged, overlay);
+            renderer.draw(painting);
             return moves;
           },
         };

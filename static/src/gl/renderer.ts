@@ -10,7 +10,7 @@ import { Glow } from "./glow";
 import { mapColours, palette } from "./palette";
 import { CHUNK, levelFor } from "./pyramid";
 import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
-import { CORNERS, contextOf, nearestTexture, Sheets, vertexArray } from "./sheet";
+import { CORNERS, contextOf, nearestTexture, Sheet, vertexArray } from "./sheet";
 import { ChunkTextures } from "./textures";
 
 /** Lattice (column, row) → clip space, column-major 3 × 3, and how many device pixels a cell is wide. */
@@ -44,7 +44,7 @@ interface Resources {
   readonly points: WebGLVertexArrayObject;
   readonly pointBuffer: WebGLBuffer;
   readonly palette: WebGLTexture;
-  readonly sheets: Sheets;
+  readonly overlay: Sheet;
   readonly textures: ChunkTextures;
 }
 
@@ -101,7 +101,7 @@ export class MapRenderer {
       this.#drawCells(made, map, matrix, levelFor(devicePx));
       glows = this.#drawGlow(made, matrix, devicePx, now);
     }
-    made.sheets.draw(0, overlay);
+    made.overlay.draw(overlay);
     return glows;
   }
 
@@ -183,7 +183,7 @@ export class MapRenderer {
       points: points.array,
       pointBuffer: points.buffer,
       palette: colours,
-      sheets: new Sheets(gl, 1),
+      overlay: new Sheet(gl),
       textures: new ChunkTextures(gl),
     };
   }

@@ -36,34 +36,43 @@ export function vertexArray(
 /** The corners of a unit square as a triangle strip. */
 export const CORNERS = new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]);
 
-/** Puts canvases over the picture, one after the other; each keeps the texture it was last given. */
-export class Sheets {
+/** A canvas as a layer of a picture. */
+export class Sheet {
   readonly #gl: WebGL2RenderingContext;
   readonly #program: WebGLProgram;
   readonly #quad: WebGLVertexArrayObject;
-  readonly #textures: WebGLTexture[];
+  readonly #texture: WebGLTexture;
+  #width = 0;
+  #height = 0;
 
-  constructor(gl: WebGL2RenderingContext, count: number) {
+  constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
     this.#program = program(gl, OVERLAY_VERTEX, OVERLAY_FRAGMENT);
     this.#quad = vertexArray(gl, this.#program, "a_corner", 2, CORNERS, gl.STATIC_DRAW).array;
-    this.#textures = Array.from({ length: count }, () => nearestTexture(gl));
+    this.#texture = nearestTexture(gl);
   }
 
-  /** Lay sheet `index` over the picture; with `canvas` it first takes that canvas's pixels. */
-  draw(index: number, canvas: HTMLCanvasElement | null): void {
+  /** Lay a canvas over all that was drawn; an opaque one replaces it. */
+  draw(canvas: HTMLCanvasElement, isOpaque = false): void {
     const gl = this.#gl;
+    const { width, height } = canvas;
     gl.useProgram(this.#program);
     gl.bindVertexArray(this.#quad);
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, this.#textures[index] as WebGLTexture);
-    if (canvas) {
-      gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, canvas);
-      gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    if (this.#width === width && this.#height === height) {
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, canvas);
+    } else {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, canvas);
+      this.#width = width;
+      this.#height = height;
     }
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    if (!isOpaque) {
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    }
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     gl.disable(gl.BLEND);
   }
@@ -77,33 +86,29 @@ export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
 }
 
 /**
- * A picture that is only sheets: an opaque one at the bottom that changes seldom, one over it that changes often. What
- * is painted on the processor and uploaded costs the same everywhere; a 2D canvas in the page would, without graphics
- * hardware, make the browser rasterise the page around it with every frame.
+ * A picture that is one opaque canvas. Painted on the processor and shown through WebGL it costs the same everywhere;
+ * a 2D canvas in the page would, without graphics hardware, make the browser rasterise the page around it each time.
  */
 export class SheetRenderer {
   readonly #canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
-  #sheets: Sheets | null = null;
+  #sheet: Sheet | null = null;
 
   constructor(canvas: HTMLCanvasElement, redraw: () => void) {
     this.#canvas = canvas;
     this.#gl = contextOf(canvas);
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
-      this.#sheets = null;
+      this.#sheet = null;
     });
     canvas.addEventListener("webglcontextrestored", redraw);
   }
 
-  /** Draw both sheets; the lower one is read only when `lowerChanged`. */
-  draw(lower: HTMLCanvasElement, lowerChanged: boolean, upper: HTMLCanvasElement): void {
+  draw(painted: HTMLCanvasElement): void {
     const gl = this.#gl;
     if (gl.isContextLost()) return;
-    const isNew = this.#sheets === null;
-    this.#sheets ??= new Sheets(gl, 2);
+    this.#sheet ??= new Sheet(gl);
     gl.viewport(0, 0, this.#canvas.width, this.#canvas.height);
-    this.#sheets.draw(0, lowerChanged || isNew ? lower : null);
-    this.#sheets.draw(1, upper);
+    this.#sheet.draw(painted, true);
   }
 }

@@ -1,9 +1,9 @@
 import "../style/index.css";
 import "./lab.css";
-import { computed, effect, type ReadonlySignal, signal, useSignal, useSignalEffect } from "@preact/signals";
+import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { render } from "preact";
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { type Connection, connect } from "../connect";
 import { exposeHook } from "../debug";
 import { Belief } from "../figures/belief";
@@ -17,6 +17,7 @@ import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Connected, Controls } from "./lab/Controls";
+import { useReading } from "./lab/reading";
 import { openSession } from "./lab/session";
 import { share, Takeaway } from "./lab/Takeaway";
 
@@ -148,43 +149,20 @@ function Pictures({ session }: { readonly session: Live | null }) {
   );
 }
 
-/** How often the profile follows a beam that nobody points at: a calm figure, and a page with time for its pictures. */
-const IDLE_MS = 300;
-
-/** The reading of the beam that is looked at: at once while somebody points, now and then otherwise. */
-function useReading(store: Store): ReadonlySignal<number | null | undefined> {
-  const reading = useMemo(() => signal<number | null | undefined>(undefined), []);
-  useEffect(() => {
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const read = (): void => {
-      clearTimeout(timer);
-      timer = undefined;
-      reading.value = store.inspectedBeam.peek()?.range;
-    };
-    const stop = effect(() => {
-      void store.inspectedBeam.value;
-      if (store.probe.value) read();
-      else timer ??= setTimeout(read, IDLE_MS);
-    });
-    return () => {
-      stop();
-      clearTimeout(timer);
-    };
-  }, [store, reading]);
-  return reading;
-}
-
 function ProfileBox({ store }: { readonly store: Store }) {
-  const reading = useReading(store);
+  const place = useRef<HTMLDivElement>(null);
+  const reading = useReading(store, place);
   const isPointed = useMemo(() => computed(() => store.probe.value !== null), [store]);
   const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
   return (
-    <Profile
-      parameters={store.mapping.values}
-      setParameter={set}
-      reading={reading}
-      beamName={isPointed.value ? "the beam towards the pointer" : "the beam straight ahead"}
-    />
+    <div ref={place}>
+      <Profile
+        parameters={store.mapping.values}
+        setParameter={set}
+        reading={reading}
+        beamName={isPointed.value ? "the beam towards the pointer" : "the beam straight ahead"}
+      />
+    </div>
   );
 }
 
