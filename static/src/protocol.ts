@@ -43,6 +43,7 @@ export interface LogInfo {
   readonly trajectory: string;
   readonly trajectories: readonly { readonly name: string; readonly description: string }[];
   readonly n_beams: number;
+  /** The recorded time; 0 for a log without times. */
   readonly duration_s: number;
 }
 
@@ -98,6 +99,8 @@ export interface Trajectory {
   readonly name: string;
   readonly every: number;
   readonly poses: readonly Point[];
+  /** How much of the recorded time is over then, in seconds. */
+  readonly stamps: readonly number[];
 }
 
 export interface WorldMessage {
@@ -270,7 +273,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     angle_increment: isNumber,
     range_max: isNumber,
   },
-  trajectory: { every: isNumber, poses: isList },
+  trajectory: { name: isText, every: isNumber, poses: isList, stamps: isList },
   parameters: { values: isObject, sensor: orNull(isObject) },
   world: { name: isText, title: isText, names: isList, bounds: isNumbers(4), polygons: isList },
   notice: { code: isText, message: isText },

@@ -5,17 +5,19 @@ import { indexAt, keyedIndex, placeOf } from "./seek";
 interface TimelineProps {
   readonly index: number;
   readonly count: number;
+  /** The recorded time at an index, where the log has times. */
+  readonly timeAt?: ((index: number) => string) | undefined;
   readonly onSeek: (index: number) => void;
 }
 
 /** A seek bar over scans. While it is dragged the thumb stays under the finger, whatever the server has reached. */
-export function Timeline({ index, count, onSeek }: TimelineProps) {
+export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
   const hovered = useSignal<number | null>(null);
   const shown = dragged.value ?? index;
   const place = placeOf(shown, count);
-  const label = (at: number): string => `scan ${at}`;
+  const label = (at: number): string => `scan ${at}${timeAt ? ` · ${timeAt(at)}` : ""}`;
   const preview = dragged.value ?? hovered.value;
 
   const at = (event: PointerEvent): number => {
@@ -42,7 +44,7 @@ export function Timeline({ index, count, onSeek }: TimelineProps) {
       aria-valuemin={0}
       aria-valuemax={count}
       aria-valuenow={shown}
-      aria-valuetext={`${label(shown)} of ${count}`}
+      aria-valuetext={`scan ${shown} of ${count}${timeAt ? `, at ${timeAt(shown)}` : ""}`}
       onPointerDown={(event) => {
         event.currentTarget.setPointerCapture(event.pointerId);
         drag(event);

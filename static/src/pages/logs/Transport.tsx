@@ -1,4 +1,5 @@
 import { useEffect } from "preact/hooks";
+import type { Trajectory } from "../../protocol";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { clock } from "../../ui/numbers";
@@ -12,6 +13,10 @@ function speeds(now: number, [low, high]: readonly [number, number]): readonly n
   return [...new Set([...round, now])].sort((a, b) => a - b);
 }
 
+/** How much of the recorded time is over when `index` scans are in the map. */
+const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
+  stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
+
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
 
@@ -20,12 +25,11 @@ export function Transport({ store }: { store: Store }) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
-  const toggle = (): void => store.send({ type: store.frame.peek()?.playing ? "pause" : "play" });
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== " " || isTyping(event.target)) return;
       event.preventDefault();
-      store.send({ type: store.frame.peek()?.playing ? "pause" : "play" });
+      store.togglePlaying();
     };
     addEventListener("keydown", onKey);
     return () => removeEventListener("keydown", onKey);
@@ -34,6 +38,8 @@ export function Transport({ store }: { store: Store }) {
   const count = frame?.count ?? 0;
   const index = frame?.index ?? 0;
   const duration = hello?.log?.duration_s ?? 0;
+  const way = store.trajectory.value;
+  const timeAt = duration > 0 && way ? (at: number): string => clock(stampAt(way, at)) : undefined;
   const speed = frame?.speed ?? 1;
   return (
     <section class="viewer-transport" aria-label="Playback">
@@ -42,7 +48,7 @@ export function Transport({ store }: { store: Store }) {
         icon={playing ? "pause" : index >= count && count > 0 ? "restart" : "play"}
         label={playing ? "Pause" : index >= count && count > 0 ? "Play again" : "Play"}
         disabled={!frame}
-        onClick={toggle}
+        onClick={() => store.togglePlaying()}
       />
       <Button
         icon="stepBack"
@@ -56,10 +62,21 @@ export function Transport({ store }: { store: Store }) {
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: 1 })}
       />
-      <Timeline index={index} count={count} onSeek={(to) => store.sendSoon({ type: "seek", index: to })} />
+      <Timeline
+        index={index}
+        count={count}
+        timeAt={timeAt}
+        onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
+      />
       <output class="viewer-position" data-index={index} data-count={count}>
-        {index} of {count}
-        {duration > 0 && frame ? ` · ${clock(frame.stamp)}` : ""}
+        <span>
+          {index} of {count}
+        </span>
+        {duration > 0 && frame && (
+          <span>
+            {clock(frame.stamp)} of {clock(duration)}
+          </span>
+        )}
       </output>
       <label class="speed">
         <span class="visually-hidden">Speed</span>

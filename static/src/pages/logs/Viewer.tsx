@@ -16,6 +16,7 @@ import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
 import { toast } from "../../ui/Toast";
 import { Transport } from "./Transport";
+import { sentence, witness } from "./words";
 
 interface ViewerProps {
   readonly session: string;
@@ -133,10 +134,16 @@ function Remade({ store }: { store: Store }) {
 function Side({ store, session }: { store: Store; session: string }) {
   const hello = store.hello.value;
   const picked = useSignal<string | null>(null);
+  useSignalEffect(() => {
+    // The server has spoken: it took what was picked, or refused it, or somebody else picked another.
+    void store.trajectory.value;
+    void store.notice.value;
+    picked.value = null;
+  });
   if (!hello) return <aside class="viewer-side" />;
   const file = (kind: string): string => `/api/sessions/${encodeURIComponent(session)}/map.${kind}`;
   const trajectories = hello.log?.trajectories ?? [];
-  const trajectory = picked.value ?? hello.log?.trajectory ?? "";
+  const trajectory = picked.value ?? store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
   const chosen = trajectories.find((one) => one.name === trajectory);
   return (
     <aside class="viewer-side" aria-label="Settings">
@@ -144,14 +151,14 @@ function Side({ store, session }: { store: Store; session: string }) {
         <Panel title="Trajectory">
           <Choice
             label="Where the robot was, according to"
-            options={trajectories.map((one) => ({ value: one.name, label: one.name }))}
+            options={trajectories.map((one) => ({ value: one.name, label: witness(one.name) }))}
             value={trajectory}
             onChange={(name) => {
               picked.value = name;
               store.send({ type: "trajectory", name });
             }}
           />
-          {chosen?.description && <p class="quiet">{chosen.description}</p>}
+          {chosen?.description && <p class="quiet">{sentence(chosen.description)}</p>}
         </Panel>
       )}
       <ParameterPanel

@@ -13,7 +13,11 @@ export interface LogRecord {
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;
-  readonly trajectories: readonly { readonly name: string; readonly description: string }[];
+  readonly trajectories: readonly {
+    readonly name: string;
+    readonly description: string;
+    readonly length_m: number;
+  }[];
   readonly notes: readonly string[];
 }
 
@@ -47,10 +51,24 @@ async function sentence(answer: Response): Promise<string> {
 
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-const isMoving = (log: LogRecord): boolean => log.state === "queued" || log.state === "reading";
+export const isMoving = (log: LogRecord): boolean => log.state === "queued" || log.state === "reading";
 
-/** Fetch the list, and go on fetching while something in it is being read or the server is away. */
-export async function refresh(): Promise<void> {
+const isUnknown = (log: LogRecord): boolean => isMoving(log) || (log.state === "ready" && log.scans === null);
+
+let isWatched = false;
+
+/** Keep the list up to date while anybody looks at it: until the function that is returned is called. */
+export function watch(): () => void {
+  isWatched = true;
+  void refresh();
+  return () => {
+    isWatched = false;
+    clearTimeout(timer);
+  };
+}
+
+/** Fetch the list; while it is watched, again and again as long as anything in it is unknown or the server is away. */
+async function refresh(): Promise<void> {
   clearTimeout(timer);
   let again = 0;
   try {
@@ -59,12 +77,12 @@ export async function refresh(): Promise<void> {
     const body = (await answer.json()) as { logs: LogRecord[] };
     logs.value = body.logs;
     listError.value = null;
-    if (body.logs.some(isMoving)) again = 500;
+    if (body.logs.some(isUnknown)) again = 500;
   } catch (error) {
     listError.value = error instanceof TypeError ? AWAY : (error as Error).message;
     again = 3000;
   }
-  if (again > 0) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);
+  if (again > 0 && isWatched) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);
 }
 
 let nextKey = 1;

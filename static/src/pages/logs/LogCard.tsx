@@ -1,0 +1,91 @@
+import { Button } from "../../ui/Button";
+import { confirm } from "../../ui/Dialog";
+import { Icon } from "../../ui/Icon";
+import { toast } from "../../ui/Toast";
+import { isMoving, type LogRecord, remove } from "./library";
+import { file, remedy, run, witness } from "./words";
+
+/** One log: what it holds, or what is wrong with it, and what can be done with it. */
+export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogRecord) => void }) {
+  const moving = isMoving(log);
+  const isOwn = log.source === "upload";
+  // The server's own logs open at any time: what they hold is found out by itself, and sooner for who asks.
+  const opens = log.state === "ready" || (moving && !isOwn);
+  return (
+    <li class={`card log-card ${log.state}`}>
+      <div class="log-head">
+        <h3>{log.name}</h3>
+        {isOwn && !moving && (
+          <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void erase(log)} />
+        )}
+      </div>
+      {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} />}
+      {moving && isOwn && (
+        <div
+          class={`progress${log.progress > 0 ? "" : " waiting"}`}
+          role="progressbar"
+          aria-label={`Reading ${log.name}`}
+        >
+          <span {...(log.progress > 0 ? { style: { transform: `scaleX(${log.progress})` } } : {})} />
+        </div>
+      )}
+      {opens && (
+        <div class="log-open">
+          <Button kind="primary" icon="map" onClick={() => onOpen(log)}>
+            Make its map
+          </Button>
+        </div>
+      )}
+    </li>
+  );
+}
+
+function Facts({ log }: { log: LogRecord }) {
+  const known = run(log);
+  const coming = log.source === "sample" ? "being made …" : log.state === "reading" ? "being read …" : "not yet read";
+  return (
+    <>
+      <p class="log-run number">{known.length > 0 ? known.join(" · ") : coming}</p>
+      <p class="quiet number">{file(log).join(" · ")}</p>
+      {log.trajectories.length > 1 && (
+        <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
+          Where it was: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
+        </p>
+      )}
+      {log.notes.length > 0 && (
+        <details class="log-notes">
+          <summary>{log.notes.length === 1 ? "1 note" : `${log.notes.length} notes`}</summary>
+          <ul>
+            {log.notes.map((note) => (
+              <li key={note}>{note}</li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+function Failure({ log }: { log: LogRecord }) {
+  const todo = remedy(log);
+  return (
+    <>
+      <p class="quiet number">{file(log).join(" · ")}</p>
+      <p class="log-error">
+        <Icon name="warning" /> {log.error?.message ?? "The log could not be read."}
+      </p>
+      {todo && <p class="log-remedy">{todo}</p>}
+    </>
+  );
+}
+
+async function erase(log: LogRecord): Promise<void> {
+  const yes = await confirm(
+    `Delete ${log.name}?`,
+    "The log is removed from the server. Maps that you downloaded stay yours.",
+    "Delete",
+  );
+  if (!yes) return;
+  const wrong = await remove(log.id);
+  toast(wrong ?? `${log.name} is deleted.`, wrong ? "error" : "note");
+}

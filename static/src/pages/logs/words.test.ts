@@ -1,0 +1,59 @@
+import { expect, test } from "vitest";
+import type { LogRecord } from "./library";
+import { file, remedy, run, sentence, witness } from "./words";
+
+const intel: LogRecord = {
+  id: "folder-1",
+  name: "intel.log.gz",
+  source: "folder",
+  state: "ready",
+  bytes: 447_000,
+  progress: 1,
+  error: null,
+  scans: 13_631,
+  beams: 180,
+  duration_s: 2650.86,
+  format: "CARMEN FLASER",
+  trajectories: [
+    { name: "scan", description: "the pose in each FLASER line", length_m: 501.1 },
+    { name: "wheel", description: "the ODOM messages at the time of each scan", length_m: 501.1 },
+  ],
+  notes: [],
+};
+
+test("a run is told by its time, its way and its scans", () => {
+  expect(run(intel)).toEqual(["44:10", "501 m driven", "13,631 scans"]);
+  expect(file(intel)).toEqual(["180 beams", "CARMEN FLASER", "447 kB"]);
+});
+
+test("what a log does not tell is not told", () => {
+  const still = { ...intel, duration_s: 0, trajectories: [{ name: "scan", description: "", length_m: 0 }] };
+  expect(run(still)).toEqual(["13,631 scans"]);
+  const unread = { ...intel, scans: null, beams: null, duration_s: null, format: null, trajectories: [] };
+  expect(run(unread)).toEqual([]);
+  expect(file(unread)).toEqual(["447 kB"]);
+});
+
+test("an unknown trajectory keeps its own name", () => {
+  expect(witness("wheel")).toBe("wheel odometry");
+  expect(witness("vicon")).toBe("vicon");
+});
+
+test("a phrase becomes a sentence, a sentence stays one", () => {
+  expect(sentence("the pose in each FLASER line")).toBe("The pose in each FLASER line.");
+  expect(sentence("Where it truly was.")).toBe("Where it truly was.");
+});
+
+test("a log that failed comes with something to do about it", () => {
+  const failed = (code: string, message: string): LogRecord => ({
+    ...intel,
+    state: "failed",
+    error: { code, message },
+  });
+  expect(remedy(failed("log.unknown_format", "The file is a ROS 1 bag."))).toContain("CARMEN");
+  expect(remedy(failed("log.too_many_lines", "The log has more lines than the limit."))).toContain("shorter");
+  expect(remedy(failed("log.no_scans", "The log holds no scans."))).toContain("range readings");
+  expect(remedy(failed("log.truncated", "The gzip data ends early."))).toContain("Copy");
+  expect(remedy(failed("log.truncated_line", "Line 3: this line ends early."))).toContain("that line");
+  expect(remedy(failed("log.something_new", "Something else."))).toBe("");
+});
