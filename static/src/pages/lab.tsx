@@ -234,7 +234,9 @@ function Lab() {
             {session && <Takeaway id={session.id} />}
           </div>
         </div>
-        <aside aria-label="Parameters">{store && <Model store={store} />}</aside>
+        <aside class="lab-settings" aria-label="Parameters">
+          {store && <Model store={store} />}
+        </aside>
       </div>
     </main>
   );
