@@ -1,6 +1,7 @@
-import { effect, type ReadonlySignal, signal } from "@preact/signals";
+import { effect, type ReadonlySignal, signal, untracked } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
+import { tellingReading } from "../../figures/profile/reading";
 import type { Store } from "../../state";
 
 export type Reading = number | null | undefined;
@@ -31,7 +32,7 @@ export function useReading(store: Store, place: RefObject<HTMLElement | null>): 
     const read = (): void => {
       timer = undefined;
       readAt = performance.now();
-      reading.value = store.inspectedBeam.peek()?.range;
+      reading.value = untracked(() => tellingReading(store));
     };
     const stop = effect(() => {
       const beam = store.inspectedBeam.value;
