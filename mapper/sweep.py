@@ -149,20 +149,20 @@ class Sweep:
 
     def _draw_fields(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
         rows, cols = grid.geometry.shape
-        shape = (rows, -(-cols // 32))
+        shape = (3, rows, -(-cols // 32))
         sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), rule_of(config)
         headings, frame = self.headings(grid.geometry), grid.geometry.frame
-        scratch = [(np.zeros(shape, np.uint32), np.zeros(shape, np.uint32)) for _ in range(threads)]
+        scratch = [np.zeros(shape, dtype=np.uint32) for _ in range(threads)]
         step = max(threads, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
 
-        def plan(bits: tuple[NDArray[np.uint32], NDArray[np.uint32]], first: int, stop: int) -> list[NDArray[np.int64]]:
+        def plan(bits: NDArray[np.uint32], first: int, stop: int) -> list[NDArray[np.int64]]:
             done: list[NDArray[np.int64]] = []
             room = 1 << 12
             while first < stop:
                 part = slice(first, stop)
                 runs, counts = np.empty((room, RUN_FIELDS), np.int64), np.zeros(stop - first, np.int64)
                 scans = (self.ranges[part], sensors[part], beams, self.fields, headings[part])
-                first += plan_runs(*scans, frame, sight, cols, *bits, runs, counts)
+                first += plan_runs(*scans, frame, sight, cols, bits, runs, counts)
                 done.append(runs[: counts.sum()])
                 room *= 2
             return done

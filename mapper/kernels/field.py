@@ -16,7 +16,7 @@ from numpy import uint64
 
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
-from mapper.kernels.sectors import MARGIN, _mark, _outline, _ring
+from mapper.kernels.sectors import HITS, MARGIN, TOGGLES, USED, _mark, _outline, _ring
 from mapper.kernels.types import (
     BoolArray,
     Float32Array,
@@ -54,47 +54,55 @@ def _lowest_bit(word: int) -> int:
 
 
 @jit
-def _empty(toggles: UInt32Array, hits: UInt32Array, here: Int64Array, cols: int, runs: Int64Array, count: int) -> int:
+def _empty(
+    bits: UInt32Array,
+    here: Int64Array,
+    cols: int,
+    runs: Int64Array,
+    count: int,
+) -> int:
     """Turn the two bitmaps into runs, hits taken out of the misses, and clear them; return the number of runs."""
-    first_word, last_word = max(here[2], 0) >> 5, min(max(here[3], 0) >> 5, toggles.shape[1] - 1)
     for r in range(here[0], here[1]):
         miss_start, hit_start = -1, -1
-        inside = 0  # all ones while the row's last word ended within the region
-        for w in range(first_word, last_word + 1):
-            if not toggles[r, w] and not hits[r, w] and hit_start < 0 and (miss_start < 0) == (inside == 0):
-                continue
-            value, hit = int(toggles[r, w]), int(hits[r, w])
-            toggles[r, w], hits[r, w] = 0, 0
-            value ^= value << 1
-            value ^= value << 2
-            value ^= value << 4
-            value ^= value << 8
-            value ^= value << 16
-            value = (value ^ inside) & _WORD
-            inside = _WORD if value >> 31 else 0
-            value &= ~hit
-            changes = (value ^ ((value << 1) | (1 if miss_start >= 0 else 0))) & _WORD
-            while changes:
-                column = (w << 5) + _lowest_bit(changes)
-                changes &= changes - 1
-                if miss_start < 0:
-                    miss_start = column
-                else:
-                    runs[count, ROW], runs[count, COL], runs[count, STOP] = r, miss_start, column
-                    runs[count, KIND] = MISS
-                    count += 1
-                    miss_start = -1
-            changes = (hit ^ ((hit << 1) | (1 if hit_start >= 0 else 0))) & _WORD
-            while changes:
-                column = (w << 5) + _lowest_bit(changes)
-                changes &= changes - 1
-                if hit_start < 0:
-                    hit_start = column
-                else:
-                    runs[count, ROW], runs[count, COL], runs[count, STOP] = r, hit_start, column
-                    runs[count, KIND] = HIT
-                    count += 1
-                    hit_start = -1
+        inside = 0  # all ones while the last word looked at ended within the region
+        for q in range((bits.shape[2] + 31) // 32):
+            words = int(bits[USED, r, q])
+            bits[USED, r, q] = 0
+            while words:
+                w = (q << 5) + _lowest_bit(words)
+                words &= words - 1
+                value, hit = int(bits[TOGGLES, r, w]), int(bits[HITS, r, w])
+                bits[TOGGLES, r, w], bits[HITS, r, w] = 0, 0
+                value ^= value << 1
+                value ^= value << 2
+                value ^= value << 4
+                value ^= value << 8
+                value ^= value << 16
+                value = (value ^ inside) & _WORD
+                inside = _WORD if value >> 31 else 0
+                value &= ~hit
+                changes = (value ^ ((value << 1) | (1 if miss_start >= 0 else 0))) & _WORD
+                while changes:
+                    column = (w << 5) + _lowest_bit(changes)
+                    changes &= changes - 1
+                    if miss_start < 0:
+                        miss_start = column
+                    else:
+                        runs[count, ROW], runs[count, COL], runs[count, STOP] = r, miss_start, column
+                        runs[count, KIND] = MISS
+                        count += 1
+                        miss_start = -1
+                changes = (hit ^ ((hit << 1) | (1 if hit_start >= 0 else 0))) & _WORD
+                while changes:
+                    column = (w << 5) + _lowest_bit(changes)
+                    changes &= changes - 1
+                    if hit_start < 0:
+                        hit_start = column
+                    else:
+                        runs[count, ROW], runs[count, COL], runs[count, STOP] = r, hit_start, column
+                        runs[count, KIND] = HIT
+                        count += 1
+                        hit_start = -1
         if miss_start >= 0:
             runs[count, ROW], runs[count, COL], runs[count, STOP], runs[count, KIND] = r, miss_start, cols, MISS
             count += 1
@@ -114,8 +122,7 @@ def plan_runs(
     frame: Frame,
     sight: Sight,
     cols: int,
-    toggles: UInt32Array,
-    hits: UInt32Array,
+    bits: UInt32Array,
     runs: Int64Array,
     counts: Int64Array,
 ) -> int:
@@ -123,12 +130,13 @@ def plan_runs(
 
     Arguments as those of :func:`mapper.kernels.lines.plan_lines`; besides, ``fields`` (n_beams, 4) float64 holds each
     beam's right and left edge (cosine, sine, cosine, sine), ``headings`` (n_scans, 2) the cosine and sine of the
-    sensor's heading along the lattice. ``toggles`` and ``hits`` (rows, ⌈cols / 32⌉) uint32 are scratch, zero before and
-    after. ``runs`` (n, 4) int64 and ``counts`` (n_scans,) int64, the number of runs of each scan, are written.
+    sensor's heading along the lattice. ``bits`` (3, rows, ⌈cols / 32⌉) uint32 is scratch, zero
+    before and after. ``runs`` (n, 4) int64 and ``counts`` (n_scans,) int64, the number of runs of each scan, are
+    written.
     """
     range_min, range_max, window, no_return_free = sight
     resolution, half = frame[4], 0.5 * window
-    rows, n_beams = toggles.shape[0], ranges.shape[1]
+    rows, n_beams = bits.shape[1], ranges.shape[1]
     here = np.empty(4, dtype=np.int64)
     edges, limits = np.empty((n_beams, 4)), np.zeros(n_beams)
     # Sectors are taken counter-clockwise, so that each one's left edge is its successor's right.
@@ -163,11 +171,11 @@ def plan_runs(
             if right_u == left_u and right_v == left_v:
                 continue
             if limits[j] > 0.0:
-                bound += _outline(toggles, here, cols, u, v, right_u, right_v, left_u, left_v, limits[j], right_inner,
+                bound += _outline(bits, here, cols, u, v, right_u, right_v, left_u, left_v, limits[j], right_inner,
                                   left_inner, resolution)  # fmt: skip
             z = float(ranges[t, n_beams - 1 - j if clockwise else j])
             if window > 0.0 and range_min <= z <= range_max:
-                bound += _ring(hits, here, cols, u, v, right_u, right_v, left_u, left_v, z - half,
+                bound += _ring(bits, here, cols, u, v, right_u, right_v, left_u, left_v, z - half,
                                min(z + half, range_max), resolution)  # fmt: skip
         for k in range(n_beams):
             z = float(ranges[t, k])
@@ -176,17 +184,17 @@ def plan_runs(
                 eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
                 r, c = int(_cell_of(ev)), int(_cell_of(eu))
                 if 0 <= r < rows and 0 <= c < cols:
-                    _mark(hits, r, c, c + 1, cols)
+                    _mark(bits, r, c, c + 1, cols)
                     here[0], here[1] = min(here[0], r), max(here[1], r + 1)
                     here[2], here[3] = min(here[2], c), max(here[3], c + 1)
                     bound += 2
         room = runs.shape[0] - written
         if bound + 2 * (here[1] - here[0]) > room:
             for r in range(here[0], here[1]):
-                toggles[r], hits[r] = 0, 0
+                bits[:, r] = 0
             return t
         before = written
-        written = _empty(toggles, hits, here, cols, runs, written)
+        written = _empty(bits, here, cols, runs, written)
         counts[t] = written - before
     return len(ranges)
 

@@ -15,10 +15,17 @@ import numpy as np
 from mapper.kernels.compiled import jit
 from mapper.kernels.types import Int64Array, UInt32Array
 
+TOGGLES, HITS, USED = range(3)  #: the bitmaps, each (rows, ⌈cols / 32⌉), of which USED fills a part
 _FAR = 1 << 40  # beyond every column
 _CLOSE = 1e-3  # of a cell: nearer than this to a centre, the exact test decides
 _HAIR = 1e-6  # of a cell, far above what rounding does to a place in the grid
 MARGIN = 1.001  # cells: nearer to a sector's arc than this, the edge's toggles are computed
+
+
+@jit
+def _close(ahead: float) -> bool:
+    """Return whether a place is so close to a cell's centre that rounding may decide; the next one is ``ahead``."""
+    return ahead < _CLOSE or ahead > 1.0 - _CLOSE
 
 
 @jit
@@ -29,7 +36,7 @@ def _crossing(edge_u: float, edge_v: float, slope: float, d_v: float, u: float, 
         return floor(u + (radius + 4.0 if at > 0.0 else -radius - 4.0))
     at += u - 0.5
     column = floor(at) + 1
-    if abs(at - floor(at + 0.5)) < _CLOSE:
+    if _close(column - at):
         column -= 1
         while (edge_u * d_v - edge_v * (column + 0.5 - u) < 0.0) != (edge_v > 0.0):
             column += 1
@@ -54,9 +61,9 @@ def _half_chord(d_v: float, radius: float) -> float:
 def _arc_first(half: float, d_v: float, u: float, limit: float, resolution: float, inclusive: bool) -> int:
     """Return the first column of a row whose centre lies within ``limit`` metres; ``half`` is half the chord."""
     at = u - half - 0.5
-    column = ceil(at)
-    if abs(at - floor(at + 0.5)) < _CLOSE:
-        column = floor(at + 0.5) - 1
+    column = floor(at) + 1
+    if _close(column - at):
+        column -= 2
         while column <= u + half + 1.0 and not _inside(column, d_v, u, limit, resolution, inclusive):
             column += 1
     return column
@@ -67,8 +74,8 @@ def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float
     """Return the column after the last one of a row whose centre lies within ``limit`` metres."""
     at = u + half - 0.5
     column = floor(at) + 1
-    if abs(at - floor(at + 0.5)) < _CLOSE:
-        column = floor(at + 0.5) + 2
+    if _close(column - at):
+        column += 2
         while column >= u - half - 1.0 and not _inside(column - 1, d_v, u, limit, resolution, inclusive):
             column -= 1
     return column
@@ -76,10 +83,14 @@ def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float
 
 @jit
 def _toggle(bits: UInt32Array, row: int, column: int, cols: int) -> None:
-    """Flip the bit of a column; before the first column all flips meet on it, beyond the last none matters."""
+    """Flip the bit of a column; before the first column all flips meet on it, beyond the last none matters.
+
+    USED has one bit for each word of a row, set where the word was written or a hit ends just before it.
+    """
     column = max(column, 0)
     if column < cols:
-        bits[row, column >> 5] ^= np.uint32(1 << (column & 31))
+        bits[TOGGLES, row, column >> 5] ^= np.uint32(1 << (column & 31))
+        bits[USED, row, column >> 10] |= np.uint32(1 << ((column >> 5) & 31))
 
 
 @jit
@@ -87,7 +98,10 @@ def _mark(bits: UInt32Array, row: int, first: int, stop: int, cols: int) -> int:
     """Set the bits of the columns [first, stop); return how many of them there are."""
     first, stop = max(first, 0), min(stop, cols)
     for column in range(first, stop):
-        bits[row, column >> 5] |= np.uint32(1 << (column & 31))
+        bits[HITS, row, column >> 5] |= np.uint32(1 << (column & 31))
+        bits[USED, row, column >> 10] |= np.uint32(1 << ((column >> 5) & 31))
+    if first < stop < cols:
+        bits[USED, row, stop >> 10] |= np.uint32(1 << ((stop >> 5) & 31))
     return max(stop - first, 0)
 
 
@@ -134,7 +148,7 @@ def _bounds(
 
 @jit
 def _outline(
-    toggles: UInt32Array, here: Int64Array, cols: int, u: float, v: float, right_u: float, right_v: float,
+    bits: UInt32Array, here: Int64Array, cols: int, u: float, v: float, right_u: float, right_v: float,
     left_u: float, left_v: float, limit: float, right_inner: float, left_inner: float, resolution: float,
 ) -> int:  # fmt: skip
     """Toggle where rows enter and leave the sector of cells with s < ``limit`` metres; return how many toggles.
@@ -142,77 +156,72 @@ def _outline(
     Up to ``right_inner`` and ``left_inner`` cells along an edge the neighbour toggles the same, so neither does.
     """
     radius = limit / resolution
-    right_skip, left_skip = abs(right_v) * right_inner, abs(left_v) * left_inner
-    right_whole, left_whole = abs(right_v) * (radius - MARGIN), abs(left_v) * (radius - MARGIN)
-    right_slope, left_slope = right_u / _nonzero(right_v), left_u / _nonzero(left_v)
     # Only where both edges go up, or both down, can a whole row lie within what is skipped.
-    inner = min(right_inner, left_inner) if right_v * left_v > 0.0 else 0.0
-    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, inner, radius, toggles.shape[0])
+    level = right_v * left_v <= 0.0
+    inner = 0.0 if level else min(right_inner, left_inner)
+    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, inner, radius, bits.shape[1])
+    # Going up, the right edge bounds a row on its right; going down, on its left.
+    up = right_v + left_v > 0.0
+    first_u, first_v, first_inner = (left_u, left_v, left_inner) if up else (right_u, right_v, right_inner)
+    stop_u, stop_v, stop_inner = (right_u, right_v, right_inner) if up else (left_u, left_v, left_inner)
+    first_slope, stop_slope = first_u / _nonzero(first_v), stop_u / _nonzero(stop_v)
+    first_skip, stop_skip = abs(first_v) * first_inner, abs(stop_v) * stop_inner
+    first_whole, stop_whole = abs(first_v) * (radius - MARGIN), abs(stop_v) * (radius - MARGIN)
     count = 0
     least, most = cols, 0
     for r in range(first_row, stop_row):
         d_v = r + 0.5 - v
-        height = abs(d_v)
-        right_crosses = right_v * d_v > 0.0
-        left_crosses = left_v * d_v > 0.0
-        if not right_crosses and not left_crosses and d_v != 0.0:
-            continue
-        skip_right = right_crosses and height < right_skip
-        skip_left = left_crosses and height < left_skip
-        if skip_right and skip_left:
-            continue
-        first, stop = -_FAR, _FAR
-        half = -1.0
-        # Going up, the right edge bounds the row on its right; going down, on its left.
-        on_right = (right_crosses and height < right_whole) if d_v > 0.0 else (left_crosses and height < left_whole)
-        on_left = (left_crosses and height < left_whole) if d_v > 0.0 else (right_crosses and height < right_whole)
-        if not (on_left and on_right):
+        height = d_v if up else -d_v
+        if level:
+            first, stop = _bounds(right_u, right_v, left_u, left_v, d_v, u, radius)
             half = _half_chord(d_v, radius)
-            if half < 0.0:
+            first = max(first, _arc_first(half, d_v, u, limit, resolution, False))
+            stop = min(stop, _arc_stop(half, d_v, u, limit, resolution, False))
+            if half < 0.0 or first >= stop:
                 continue
-            if not on_left:
-                first = _arc_first(half, d_v, u, limit, resolution, False)
-            if not on_right:
-                stop = _arc_stop(half, d_v, u, limit, resolution, False)
-        if right_crosses and not skip_right:
-            at = _crossing(right_u, right_v, right_slope, d_v, u, radius)
-            if d_v > 0.0:
-                stop = min(stop, at)
-            else:
-                first = max(first, at)
-        if left_crosses and not skip_left:
-            at = _crossing(left_u, left_v, left_slope, d_v, u, radius)
-            if d_v > 0.0:
-                first = max(first, at)
-            else:
-                stop = min(stop, at)
-        if d_v == 0.0:
-            low, high = _bounds(right_u, right_v, left_u, left_v, d_v, u, radius)
-            first, stop = max(first, low), min(stop, high)
-        if first >= stop:
-            continue
-        # A side that is skipped is still as far away as the row's arc says, and no toggle goes there.
-        if first > -_FAR:
-            _toggle(toggles, r, first, cols)
+            skip_right = right_v * d_v > 0.0 and abs(d_v) < abs(right_v) * right_inner
+            skip_left = left_v * d_v > 0.0 and abs(d_v) < abs(left_v) * left_inner
+            skip_first, skip_stop = (skip_left, skip_right) if d_v > 0.0 else (skip_right, skip_left)
+        else:
+            skip_first, skip_stop = height < first_skip, height < stop_skip
+            if height <= 0.0 or (skip_first and skip_stop):
+                continue
+            first, stop = -_FAR, _FAR
+            if height >= first_whole or height >= stop_whole:
+                half = _half_chord(d_v, radius)
+                if half < 0.0:
+                    continue
+                if height >= first_whole:
+                    first = _arc_first(half, d_v, u, limit, resolution, False)
+                if height >= stop_whole:
+                    stop = _arc_stop(half, d_v, u, limit, resolution, False)
+            if not skip_first:
+                first = max(first, _crossing(first_u, first_v, first_slope, d_v, u, radius))
+            if not skip_stop:
+                stop = min(stop, _crossing(stop_u, stop_v, stop_slope, d_v, u, radius))
+            if first >= stop:
+                continue
+        if not skip_first:
+            _toggle(bits, r, first, cols)
             least, most = min(least, first), max(most, first)
             count += 1
-        if stop < _FAR:
-            _toggle(toggles, r, stop, cols)
+        if not skip_stop:
+            _toggle(bits, r, stop, cols)
             least, most = min(least, stop), max(most, stop)
             count += 1
     if count:
-        here[0], here[1] = min(here[0], max(first_row, 0)), max(here[1], stop_row)
+        here[0], here[1] = min(here[0], first_row), max(here[1], stop_row)
         here[2], here[3] = min(here[2], least), max(here[3], most)
     return count
 
 
 @jit
 def _ring(
-    hits: UInt32Array, here: Int64Array, cols: int, u: float, v: float, right_u: float, right_v: float, left_u: float,
+    bits: UInt32Array, here: Int64Array, cols: int, u: float, v: float, right_u: float, right_v: float, left_u: float,
     left_v: float, nearest: float, farthest: float, resolution: float,
 ) -> int:  # fmt: skip
     """Mark the sector's cells with ``nearest`` ≤ s ≤ ``farthest`` metres; return a bound on their number."""
-    rows = hits.shape[0]
+    rows = bits.shape[1]
     radius = farthest / resolution
     inner = max(nearest / resolution, 0.0) if right_v * left_v > 0.0 else 0.0
     count = 0
@@ -233,9 +242,9 @@ def _ring(
             near = _arc_first(half, d_v, u, nearest, resolution, False)
             far = _arc_stop(half, d_v, u, nearest, resolution, False)
         if near < far:
-            marked = _mark(hits, r, first, min(stop, near), cols) + _mark(hits, r, max(first, far), stop, cols)
+            marked = _mark(bits, r, first, min(stop, near), cols) + _mark(bits, r, max(first, far), stop, cols)
         else:
-            marked = _mark(hits, r, first, stop, cols)
+            marked = _mark(bits, r, first, stop, cols)
         if marked:
             here[0], here[1] = min(here[0], r), max(here[1], r + 1)
             here[2], here[3] = min(here[2], first), max(here[3], stop)
