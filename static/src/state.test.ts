@@ -205,6 +205,17 @@ describe("the store", () => {
     expect(store.progress()).toEqual({ epoch_id: "b", epoch: 1, revision: 2 });
   });
 
+  test("a question that came too late refuses nothing and is no news", () => {
+    store.receive(hello("a"));
+    store.setParameter("log_odds_hit", 1.5);
+    store.receive({ type: "error", code: "command.epoch", message: "Epoch 1 is over; the map is in epoch 2." });
+    expect(store.notice.value).toBeNull();
+    expect(store.mapping.values.value.log_odds_hit).toBe(1.5);
+    store.receive({ type: "error", code: "config.range", message: "log_odds_hit is out of range." });
+    expect(store.notice.value?.kind).toBe("error");
+    expect(store.mapping.values.value.log_odds_hit).not.toBe(1.5);
+  });
+
   test("a tile that cannot be read is an error of the protocol", () => {
     store.receive(hello("a"));
     store.receive(geometry(1));

@@ -222,6 +222,8 @@ export class Store implements Receiver {
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;
       case "error":
+        // A question about a map that was replaced meanwhile: no fault of the person's, and asked again of the new one.
+        if (message.code === "command.epoch") return;
         this.mapping.refuse();
         this.sensor.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };

@@ -29,6 +29,7 @@ export function Slider(props: SliderProps) {
   const id = useId();
   const field = useRef<HTMLInputElement>(null);
   const held = useSignal<number | null>(null);
+  const before = useRef(0); // the value when it was taken hold of
   const value = held.value ?? props.value;
   const places = decimals(props.step);
   const fraction = toFraction(value, props);
@@ -76,12 +77,15 @@ export function Slider(props: SliderProps) {
         title={`${text} (double-click: back to ${written(initial, places)})`}
         style={{ "--filled": `${fraction * 100}%` }}
         onPointerDown={() => {
+          before.current = value;
           held.value = value;
         }}
         onPointerUp={() => {
           held.value = null;
         }}
         onPointerCancel={() => {
+          // The finger scrolls the page: it meant nothing by coming down here.
+          change(before.current);
           held.value = null;
         }}
         onInput={(event) => {

@@ -10,10 +10,14 @@ interface TimelineProps {
   readonly onSeek: (index: number) => void;
 }
 
+/** How far a finger goes sideways before it drags: until then it may be about to scroll the page. */
+const SLOP_TOUCH = 6;
+
 /** A seek bar over scans. While it is dragged the thumb stays under the finger, whatever the server has reached. */
 export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
+  const touched = useRef<number | null>(null); // where a finger came down that does not drag yet
   const hovered = useSignal<number | null>(null);
   const shown = dragged.value ?? index;
   const place = placeOf(shown, count);
@@ -30,7 +34,23 @@ export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
     dragged.value = next;
     onSeek(next);
   };
-  const release = (): void => {
+  const press = (event: PointerEvent): void => {
+    track.current?.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") touched.current = event.clientX;
+    else drag(event);
+  };
+  const move = (event: PointerEvent): void => {
+    hovered.value = event.pointerType === "mouse" ? at(event) : null;
+    const begins = touched.current !== null && Math.abs(event.clientX - touched.current) > SLOP_TOUCH;
+    if (begins) touched.current = null;
+    if (begins || dragged.peek() !== null) drag(event);
+  };
+  const release = (event: PointerEvent): void => {
+    if (touched.current !== null) drag(event); // a tap
+    stop();
+  };
+  const stop = (): void => {
+    touched.current = null;
     dragged.value = null;
   };
 
@@ -45,16 +65,10 @@ export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
       aria-valuemax={count}
       aria-valuenow={shown}
       aria-valuetext={`scan ${shown} of ${count}${timeAt ? `, at ${timeAt(shown)}` : ""}`}
-      onPointerDown={(event) => {
-        event.currentTarget.setPointerCapture(event.pointerId);
-        drag(event);
-      }}
-      onPointerMove={(event) => {
-        hovered.value = event.pointerType === "mouse" ? at(event) : null;
-        if (dragged.peek() !== null) drag(event);
-      }}
+      onPointerDown={press}
+      onPointerMove={move}
       onPointerUp={release}
-      onPointerCancel={release}
+      onPointerCancel={stop}
       onPointerLeave={() => {
         hovered.value = null;
       }}
