@@ -25,7 +25,7 @@ import {
   type WorldMessage,
 } from "./protocol";
 import type { Progress, Receiver } from "./stream";
-import { type Bounds, union, type View } from "./view";
+import type { Bounds, View } from "./view";
 
 /** A map to be drawn: its cells, and where they lie. */
 export interface MapPicture {
@@ -133,7 +133,7 @@ export class Store implements Receiver {
     this.bounds = computed(() => {
       const world = this.world.value;
       const map = this.map.value;
-      return world ? world.bounds : union(null, map && extent(map.geometry));
+      return world ? world.bounds : map && extent(map.geometry);
     });
   }
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { fitted, MAX_SCALE, MIN_SCALE, panned, toScreen, toWorld, union, zoomedAt } from "./view";
+import { fitted, MAX_SCALE, MIN_SCALE, panned, toScreen, toWorld, zoomedAt } from "./view";
 
 const size = { width: 640, height: 480 };
 const view = { x: 3.5, y: -2, scale: 0.025 };
@@ -46,10 +46,4 @@ test("fitting shows the whole box, touching two sides of the margin", () => {
   expect(right).toBeCloseTo(620, 9);
   expect(top).toBeGreaterThanOrEqual(20);
   expect(bottom).toBeLessThanOrEqual(460);
-});
-
-test("the union of boxes", () => {
-  expect(union([0, 0, 1, 1], [-1, 0.5, 0.5, 3])).toEqual([-1, 0, 1, 3]);
-  expect(union(null, [0, 0, 1, 1])).toEqual([0, 0, 1, 1]);
-  expect(union(null, null)).toBeNull();
 });

@@ -58,9 +58,3 @@ export function fitted(bounds: Bounds, size: Size, margin = 16): View {
     scale: limited(Math.max((x1 - x0) / width, (y1 - y0) / height)),
   };
 }
-
-/** The smallest box around both; null stands for none. */
-export function union(a: Bounds | null, b: Bounds | null): Bounds | null {
-  if (!a || !b) return a ?? b;
-  return [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[2], b[2]), Math.max(a[3], b[3])];
-}

@@ -27,16 +27,10 @@ export class Chunk {
 export type OnBloom = (row: number, col: number) => void;
 
 export class Cells {
-  /** Counts changes, so that a picture knows whether it is the newest. */
-  version = 0;
   readonly #chunks = new Map<number, Chunk>();
 
   chunks(): Iterable<Chunk> {
     return this.#chunks.values();
-  }
-
-  get isEmpty(): boolean {
-    return this.#chunks.size === 0;
   }
 
   /** The byte of a cell; 0 where nothing was observed. */
@@ -67,10 +61,9 @@ export class Cells {
     }
     reduce(chunk.pyramid, row0, col0, TILE);
     chunk.stale[(ty & (TILES - 1)) * TILES + (tx & (TILES - 1))] = ALL_LEVELS;
-    this.version++;
   }
 
-  /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between, and those `never` seen. */
+  /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; what was never seen is not counted. */
   count(below: number, above: number): { free: number; undecided: number; occupied: number } {
     const counts = { free: 0, undecided: 0, occupied: 0 };
     for (const chunk of this.#chunks.values()) {

@@ -7,10 +7,10 @@ import { type Size, toScreen, type View } from "../../view";
 import type { Inks } from "./inks";
 
 /** The simulated robot is a disc of this radius, metres. */
-export const ROBOT_RADIUS = 0.2;
+const ROBOT_RADIUS = 0.2;
 const SMALLEST_ROBOT_PX = 8;
 const NEAR_PX = 40;
-export const RIPPLE_MS = 700;
+const RIPPLE_MS = 700;
 
 export interface Brush {
   readonly ctx: CanvasRenderingContext2D;

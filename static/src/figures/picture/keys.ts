@@ -79,7 +79,9 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
 
   const keydown = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const drives = store.hello.peek()?.kind === "world" && !event.shiftKey && event.code in DRIVES;
+    const isWorld = store.hello.peek()?.kind === "world";
+    const pinned = store.pinned.peek();
+    const drives = isWorld && !event.shiftKey && event.code in DRIVES;
     const step = STEPS[event.key];
     const zoom = ZOOMS[event.key];
     const view = store.view.peek();
@@ -95,11 +97,9 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
       const { width, height } = size();
       store.look(zoomedAt(view, size(), width / 2, height / 2, zoom));
     } else if (event.key === "0" || event.key === "Home") store.viewHeld.value = false;
-    else if (event.key === "Escape" && store.pinned.peek()) store.pinned.value = null;
-    else if (event.key === "Enter" && drives !== undefined && store.pinned.peek()) {
-      if (store.hello.peek()?.kind !== "world") return;
-      store.teleport(store.pinned.peek() as readonly [number, number]);
-    } else if (event.key === " ") store.togglePlaying();
+    else if (event.key === "Escape" && pinned) store.pinned.value = null;
+    else if (event.key === "Enter" && isWorld && pinned) store.teleport(pinned);
+    else if (event.key === " ") store.togglePlaying();
     else return;
     event.preventDefault();
   };
