@@ -1,0 +1,129 @@
+"""The viewer of a log under fingers: the browser's own touch events, so that its scrolling takes part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.looking import SECONDS, frame, until
+
+pytestmark = pytest.mark.parametrize("context", ["phone"], indirect=True)
+
+Place = tuple[float, float]
+
+
+class Fingers:
+    """Fingers on the glass, one for each place."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self._session = page.context.new_cdp_session(page)
+
+    def _touch(self, kind: str, *places: Place) -> None:
+        points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)]
+        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def drag(self, *ways: tuple[Place, Place], steps: int = 12) -> None:
+        """Put one finger down for each way, move them all along, and lift them."""
+        self._touch("touchStart", *(start for start, _ in ways))
+        for i in range(1, steps + 1):
+            part = i / steps
+            places = [(x0 + (x1 - x0) * part, y0 + (y1 - y0) * part) for (x0, y0), (x1, y1) in ways]
+            self._touch("touchMove", *places)
+            self.page.wait_for_timeout(16)
+        self._touch("touchEnd")
+
+
+@pytest.fixture
+def viewer(page: Page, server: str) -> Iterator[Page]:
+    """The viewer of the sample, paused."""
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").tap()
+    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50", timeout=SECONDS * 1000)
+    page.get_by_role("button", name="Pause").tap()
+    until("the log to stand still", lambda: not frame(page)["playing"])
+    yield page
+    page.evaluate(
+        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+    )
+
+
+@pytest.fixture
+def fingers(viewer: Page) -> Fingers:
+    return Fingers(viewer)
+
+
+def place_in(locator: Locator, across: float) -> Place:
+    """A place on an element's middle line, ``across`` of its width from the left."""
+    box = locator.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] * across, box["y"] + box["height"] / 2
+
+
+def scrolled(page: Page) -> float:
+    return float(page.evaluate("() => scrollY"))
+
+
+def view(page: Page) -> dict[str, float]:
+    return dict(page.evaluate("() => ({ ...gridbloom.connection.store.view.peek() })"))
+
+
+def test_a_finger_drags_the_timeline_and_scrolls_the_page_over_it(viewer: Page, fingers: Fingers) -> None:
+    timeline = viewer.get_by_role("slider", name="Scans in the map")
+    start, end = place_in(timeline, 0.2), place_in(timeline, 0.75)
+    fingers.drag((start, end))
+    until("the log at the finger's place", lambda: abs(frame(viewer)["index"] - 0.75 * frame(viewer)["count"]) < 10)
+    at = frame(viewer)["index"]
+    x, y = place_in(timeline, 0.4)
+    fingers.drag(((x, y), (x + 3, y - 250)))
+    until("the page to scroll", lambda: scrolled(viewer) > 50)
+    assert frame(viewer)["index"] == at
+    # A tap is meant.
+    viewer.evaluate("() => scrollTo(0, 0)")
+    viewer.touchscreen.tap(*place_in(timeline, 0.4))
+    until("the log at the tap", lambda: abs(frame(viewer)["index"] - 0.4 * frame(viewer)["count"]) < 10)
+
+
+def test_two_fingers_zoom_the_map_and_one_moves_it(viewer: Page, fingers: Fingers) -> None:
+    x, y = place_in(viewer.locator(".viewer-map"), 0.5)
+    before = view(viewer)
+    fingers.drag(((x - 40, y), (x - 120, y)), ((x + 40, y), (x + 120, y)))
+    after = until("a closer look", lambda: (now := view(viewer))["scale"] < 0.5 * before["scale"] and now)
+    assert after["scale"] == pytest.approx(before["scale"] / 3.0, rel=0.15)
+    assert viewer.evaluate("() => visualViewport.scale") == 1.0  # it is the map that grew, not the page
+    fingers.drag(((x, y), (x + 100, y)))
+    moved = until("the map to move along", lambda: (now := view(viewer))["x"] != after["x"] and now)
+    assert (after["x"] - moved["x"]) / moved["scale"] == pytest.approx(100.0, abs=12.0)
+    assert scrolled(viewer) == 0.0
+
+
+def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -> None:
+    knob = viewer.get_by_role("slider", name="Max range", exact=True).first
+    knob.scroll_into_view_if_needed()
+    expect(viewer.locator(".viewer-map")).to_be_in_viewport(ratio=0.95)
+
+    def value() -> float:
+        return float(viewer.evaluate("() => gridbloom.connection.store.mapping.values.peek().range_max"))
+
+    share = float(knob.input_value()) / 1000.0
+    fingers.drag((place_in(knob, 0.03 + 0.94 * share), place_in(knob, 0.25)))
+    until("a shorter range", lambda: value() < 5.0)
+    viewer.wait_for_timeout(300)
+    # A finger that comes down on a slider only to scroll changes nothing.
+    chosen, before = value(), scrolled(viewer)
+    x, y = place_in(knob, 0.7)
+    fingers.drag(((x, y), (x, y - 150)))
+    until("the page to scroll", lambda: scrolled(viewer) > before + 50)
+    viewer.wait_for_timeout(300)
+    assert value() == chosen
+
+
+def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> None:
+    other = viewer.context.new_page()
+    other.goto(viewer.url)
+    other.get_by_text("wheel odometry", exact=True).tap(timeout=SECONDS * 1000)
+    expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked(timeout=SECONDS * 1000)
+    viewer.get_by_text("the truth", exact=True).tap()
+    expect(other.get_by_role("radio", name="the truth")).to_be_checked(timeout=SECONDS * 1000)
