@@ -125,6 +125,43 @@ export interface CellMessage {
   readonly state: CellState;
 }
 
+/** One beam that touched a cell: touch `n`, from 1, is beam `beam` of scan `scan`, from 0. */
+export interface Touch {
+  readonly n: number;
+  readonly scan: number;
+  readonly stamp: number;
+  readonly beam: number;
+  /** Where the sensor was, T_map_laser. */
+  readonly pose: Pose;
+  readonly bearing: number;
+  /** Metres; null for no return. */
+  readonly range: number | null;
+  readonly hit: boolean;
+  readonly increment: number;
+  /** What the cell held after it. */
+  readonly log_odds: number;
+}
+
+/** Why a cell is what it is, in the map of `index` scans. */
+export interface WhyMessage {
+  readonly type: "why";
+  readonly row: number;
+  readonly col: number;
+  readonly epoch: number;
+  readonly index: number;
+  readonly log_odds: number;
+  readonly prior: number;
+  readonly log_odds_min: number | null;
+  readonly log_odds_max: number | null;
+  readonly per_scan: boolean;
+  readonly total: number;
+  readonly hits: number;
+  readonly first_scan: number | null;
+  /** The running log-odds over all touches, thinned. */
+  readonly curve: readonly (readonly [n: number, log_odds: number])[];
+  readonly touches: readonly Touch[];
+}
+
 export type CellState = "free" | "unknown" | "occupied";
 
 export type ServerMessage =
@@ -133,6 +170,7 @@ export type ServerMessage =
   | Frame
   | WorldMessage
   | CellMessage
+  | WhyMessage
   | Trajectory
   | { readonly type: "parameters"; readonly values: Values; readonly sensor: Values | null }
   | { readonly type: "notice"; readonly code: string; readonly message: string }
@@ -152,6 +190,13 @@ export type Command =
   | { readonly type: "auto"; readonly value: boolean }
   | { readonly type: "world" | "trajectory"; readonly name: string }
   | { readonly type: "inspect"; readonly row: number; readonly col: number; readonly epoch: number }
+  | {
+      readonly type: "why";
+      readonly row: number;
+      readonly col: number;
+      readonly epoch: number;
+      readonly until?: number;
+    }
   | { readonly type: "ping"; readonly id: number };
 
 /** A frame that breaks the protocol; `code` is stable, the message is one sentence. */
@@ -279,6 +324,22 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
   notice: { code: isText, message: isText },
   error: { code: isText, message: isText },
   cell: { row: isNumber, col: isNumber, epoch: isNumber, observed: isFlag, log_odds: isNumber, p_occ: isNumber },
+  why: {
+    row: isNumber,
+    col: isNumber,
+    epoch: isNumber,
+    index: isNumber,
+    log_odds: isNumber,
+    prior: isNumber,
+    log_odds_min: orNull(isNumber),
+    log_odds_max: orNull(isNumber),
+    per_scan: isFlag,
+    total: isNumber,
+    hits: isNumber,
+    first_scan: orNull(isNumber),
+    curve: isList,
+    touches: isList,
+  },
   pong: { id: isNumber, t: isNumber },
 };
 

@@ -20,8 +20,10 @@ import {
   type ServerMessage,
   TILE,
   type TilesFrame,
+  type Touch,
   type Trajectory,
   type Value,
+  type WhyMessage,
   type WorldMessage,
 } from "./protocol";
 import type { Progress, Receiver } from "./stream";
@@ -82,10 +84,21 @@ export class Store implements Receiver {
   /** Counts the moves of the keyboard's cursor: what it looks at is then spoken. */
   readonly cursorMoved = signal(0);
 
+  /** The place whose cell is explained; null while nobody asks why. */
+  readonly asked = signal<Point | null>(null);
+  /** The answer about that cell, the newest there is. */
+  readonly why = signal<WhyMessage | null>(null);
+  /** Number of the touch that is looked at; null for the newest. */
+  readonly touched = signal<number | null>(null);
+
   /** The place that is looked at. */
   readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
   /** The cell that is looked at; null outside the grid. */
   readonly cell: ReadonlySignal<Cell | null>;
+  /** The cell that is explained; null outside the grid. */
+  readonly askedCell: ReadonlySignal<Cell | null>;
+  /** The touch that is looked at; null where the answer does not tell of it. */
+  readonly touch: ReadonlySignal<Touch | null>;
   /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
   readonly beliefPose: ReadonlySignal<Pose | null>;
   /** The beam towards the place that is looked at, straight ahead where there is none. */
@@ -118,6 +131,18 @@ export class Store implements Receiver {
       const probe = this.probe.value;
       void this.map.value;
       return probe && this.cellOf(probe);
+    });
+    this.askedCell = computed(() => {
+      const asked = this.asked.value;
+      void this.map.value;
+      return asked && this.cellOf(asked);
+    });
+    this.touch = computed(() => {
+      const why = this.why.value;
+      const first = why?.touches[0];
+      if (!why || !first) return null;
+      const wanted = Math.min(this.touched.value ?? why.total, why.total);
+      return why.touches[wanted - first.n] ?? null;
     });
     this.inspectedBeam = computed(() => {
       const frame = this.frame.value;
@@ -187,6 +212,18 @@ export class Store implements Receiver {
     if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch });
   }
 
+  /** Ask why the cell at a place is what it is; null for no more questions. */
+  ask(place: Point | null): void {
+    batch(() => {
+      const before = this.askedCell.peek();
+      this.asked.value = place;
+      const now = this.askedCell.peek();
+      if (now && before && now.row === before.row && now.col === before.col) return;
+      this.why.value = null;
+      this.touched.value = null;
+    });
+  }
+
   // -- what the stream brings ------------------------------------------------------------------------------------
 
   receive(message: ServerMessage): void {
@@ -218,6 +255,11 @@ export class Store implements Receiver {
       case "cell":
         this.inspected.value = message;
         return;
+      case "why": {
+        const cell = this.askedCell.peek();
+        if (cell?.row === message.row && cell.col === message.col) this.why.value = message;
+        return;
+      }
       case "notice":
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;

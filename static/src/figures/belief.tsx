@@ -22,6 +22,7 @@ import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
 import { type Picture, sized } from "./picture/Picture";
 import { pulse, stillness } from "./picture/pulse";
+import { paintWhy } from "./why/paint";
 
 interface BeliefProps {
   readonly store: Store;
@@ -69,6 +70,8 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
             void store.cell.value;
             void store.inspectedBeam.value;
             void store.carried.value;
+            void store.askedCell.value;
+            void store.touch.value;
             void inks.value;
           },
           paint: (size, ratio, now) => {
@@ -113,6 +116,7 @@ function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>
     }
     paintRobot(brush, frame.pose, store.carried.peek() !== null);
   }
+  paintWhy(store, brush);
   const cell = store.cell.peek();
   if (cell && map) {
     paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);

@@ -5,6 +5,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, probability, stateAt } from "../belief";
 import type { CellState } from "../protocol";
 import type { Store } from "../state";
+import { Button } from "../ui/Button";
 import { signed, written } from "../ui/numbers";
 import "./readout.css";
 
@@ -105,9 +106,22 @@ export function Readout({ store }: { readonly store: Store }) {
           <dd class={kind}>{texts.state}</dd>
         </div>
       </dl>
+      <WhyButton store={store} />
       <p class="visually-hidden" role="status" aria-live="polite">
         {spoken}
       </p>
     </div>
+  );
+}
+
+/** Asks why the cell that is held is what it is. */
+function WhyButton({ store }: { readonly store: Store }) {
+  const isNowhere = useMemo(() => computed(() => !store.pinned.value || !store.cell.value), [store]);
+  return (
+    <span class="readout-why" title="Click a cell, then ask; or Shift+click it, or hold a finger on it">
+      <Button disabled={isNowhere.value} onClick={() => store.ask(store.probe.peek())}>
+        Why?
+      </Button>
+    </span>
   );
 }

@@ -19,6 +19,7 @@ import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
 import { sized } from "./picture/Picture";
 import { type Pulse, pulse, stillness } from "./picture/pulse";
+import { paintWhy } from "./why/paint";
 
 /** The floor plan: painted only when the view, the world or the theme changes. */
 function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: number; height: number }, ratio: number) {
@@ -72,6 +73,8 @@ export function TrueWorld({ store }: { readonly store: Store }) {
             void store.inspectedBeam.value;
             void store.teleported.value;
             void store.carried.value;
+            void store.askedCell.value;
+            void store.touch.value;
             void inks.value;
           },
           paint: (size, ratio, now) => {
@@ -112,6 +115,7 @@ function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boo
   paintBeams(brush, from, frame, frame.range_max, strength);
   const beam = store.inspectedBeam.peek();
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
+  paintWhy(store, brush);
   const map = store.map.peek();
   const cell = store.cell.peek();
   if (cell && map) {

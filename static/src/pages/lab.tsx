@@ -10,6 +10,7 @@ import { Belief } from "../figures/belief";
 import type { Picture } from "../figures/picture/Picture";
 import { Profile } from "../figures/profile/Profile";
 import { Readout } from "../figures/readout";
+import { Why } from "../figures/why/Why";
 import { TrueWorld } from "../figures/world";
 import type { Store } from "../state";
 import { Button } from "../ui/Button";
@@ -224,6 +225,7 @@ function Lab() {
         </p>
       )}
       <Pictures session={session} />
+      {store && <Why store={store} side="left" />}
       <div class="lab-below">
         <div class="lab-column">
           <section class="lab-profile" aria-label="Inverse sensor model">

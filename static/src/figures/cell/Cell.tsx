@@ -3,14 +3,13 @@ import { useMemo } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import { toPixel } from "../profile/layout";
-import { beamModel, INITIAL, logOdds, probability } from "../profile/model";
+import { beamModel, INITIAL, probability } from "../profile/model";
 import "./cell.css";
+import { evidenceScale, FREE, Ground, OCCUPIED, readingScale } from "./Ground";
 import { type CellParameters, type Event, history, readingsUntil } from "./model";
 
 const START: readonly Event[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
 const SHOWN = 26;
-const FREE = logOdds(0.25);
-const OCCUPIED = logOdds(0.65);
 
 const WIDTH = 360;
 const HEIGHT = 200;
@@ -45,11 +44,12 @@ export function Cell({ parameters }: CellProps) {
     events.value = [...events.value, event];
   };
 
-  const low = Math.min(-2.6, now.clamp ? now.log_odds_min - 0.5 : -2.6, ...path.slice(-SHOWN));
-  const high = Math.max(4, now.clamp ? now.log_odds_max + 0.5 : 4, ...path.slice(-SHOWN));
+  const limits = now.clamp ? [now.log_odds_min, now.log_odds_max] : [];
   const first = Math.max(0, path.length - SHOWN);
-  const x = (i: number): number => toPixel(i - first, { low: 0, high: SHOWN, from: 34, to: WIDTH - 8 });
-  const y = (evidence: number): number => toPixel(evidence, { low, high, from: HEIGHT - 8, to: 8 });
+  const across = readingScale(WIDTH, first, first + SHOWN);
+  const up = evidenceScale(HEIGHT, limits, path.slice(-SHOWN));
+  const x = (i: number): number => toPixel(i, across);
+  const y = (evidence: number): number => toPixel(evidence, up);
   const stairs = path
     .slice(first)
     .map((evidence, i) => `${i === 0 ? "M" : "V"}${i === 0 ? `${x(first)} ` : ""}${y(evidence)}H${x(first + i + 1)}`);
@@ -81,18 +81,7 @@ export function Cell({ parameters }: CellProps) {
         />
       </div>
       <svg class="cell-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="presentation">
-        <rect class="zone-hit" x={34} y={y(high)} width={WIDTH - 42} height={y(OCCUPIED) - y(high)} />
-        <rect class="zone-prior" x={34} y={y(OCCUPIED)} width={WIDTH - 42} height={y(FREE) - y(OCCUPIED)} />
-        <rect class="zone-miss" x={34} y={y(FREE)} width={WIDTH - 42} height={y(low) - y(FREE)} />
-        {now.clamp &&
-          [now.log_odds_min, now.log_odds_max].map((limit) => (
-            <line key={limit} class="clamp-line" x1={34} x2={WIDTH - 8} y1={y(limit)} y2={y(limit)} />
-          ))}
-        {[-2, -1, 0, 1, 2, 3].map((tick) => (
-          <text key={tick} class="tick" x={28} y={y(tick) + 4} text-anchor="end">
-            {tick === 0 ? "0" : signed(tick, 0)}
-          </text>
-        ))}
+        <Ground width={WIDTH} evidence={up} limits={limits} />
         <path class="profile-line" d={stairs.join("")} />
         {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
           const at = path.length - shown.length + i;

@@ -69,6 +69,10 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, children 
           const point = inWorld(x, y);
           if (point) onTap(point);
         },
+        ask: (x, y) => {
+          const point = inWorld(x, y);
+          if (point) store.ask(point);
+        },
         doubleTap: () => {
           store.viewHeld.value = false;
         },

@@ -1,4 +1,4 @@
-import { beforeEach, expect, test } from "vitest";
+import { beforeEach, expect, test, vi } from "vitest";
 import { type Gestures, listen } from "./gestures";
 
 let element: HTMLElement;
@@ -15,6 +15,7 @@ beforeEach(() => {
   const gestures: Gestures = {
     grabs: (x, y) => Math.hypot(x - 100, y - 100) < 10,
     tap: tell("tap"),
+    ask: tell("ask"),
     doubleTap: tell("doubleTap"),
     carry: tell("carry"),
     pan: tell("pan"),
@@ -105,4 +106,33 @@ test("a finger that sets out upwards leaves the view alone; one that sets out si
   point("pointerdown", 20, 80, { pointerType: "touch" });
   point("pointermove", 50, 78, { pointerType: "touch" });
   expect(told).toEqual([["pan", 30, -2]]);
+});
+
+test("a click with Shift or Alt asks, and takes no robot along", () => {
+  for (const key of [{ shiftKey: true }, { altKey: true }]) {
+    told = [];
+    point("pointerdown", 100, 100, key);
+    point("pointerup", 100, 100, key);
+    expect(told).toEqual([["ask", 100, 100]]);
+  }
+});
+
+test("a finger that rests asks once; one that moves on or lifts does not", () => {
+  vi.useFakeTimers();
+  const finger = { pointerType: "touch" };
+  point("pointerdown", 20, 30, finger);
+  vi.advanceTimersByTime(1000);
+  point("pointerup", 20, 30, finger);
+  expect(told).toEqual([["ask", 20, 30]]);
+  told = [];
+  point("pointerdown", 20, 30, finger);
+  point("pointermove", 60, 30, finger);
+  vi.advanceTimersByTime(1000);
+  point("pointerup", 60, 30, finger);
+  point("pointerdown", 20, 30, finger);
+  vi.advanceTimersByTime(100);
+  point("pointerup", 20, 30, finger);
+  vi.advanceTimersByTime(1000);
+  expect(told.map(([name]) => name)).toEqual(["pan", "tap"]);
+  vi.useRealTimers();
 });

@@ -4,6 +4,8 @@ export interface Gestures {
   /** Whether a drag that begins here takes the robot along. `reach` is how far off a finger may be, pixels. */
   grabs(x: number, y: number, reach: number): boolean;
   tap(x: number, y: number): void;
+  /** A question about a place: a click with Shift or Alt, a finger that rests. */
+  ask(x: number, y: number): void;
   doubleTap(): void;
   /** The robot is dragged; null when it is let go. */
   carry(at: readonly [x: number, y: number] | null): void;
@@ -17,13 +19,14 @@ const SLOP_MOUSE = 4;
 const SLOP_TOUCH = 10;
 const DOUBLE_TAP_MS = 320;
 const DOUBLE_TAP_PX = 24;
+const LONG_PRESS_MS = 550;
 
 interface Contact {
   x: number;
   y: number;
 }
 
-type Mode = "idle" | "pressed" | "robot" | "pan" | "pinch";
+type Mode = "idle" | "pressed" | "robot" | "pan" | "pinch" | "asked";
 
 /**
  * Listen to a picture; the result stops it. The element has `touch-action: pan-y`: one finger that moves up or down
@@ -33,6 +36,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
   const contacts = new Map<number, Contact>();
   let mode: Mode = "idle";
   let start: Contact = { x: 0, y: 0 };
+  let resting: ReturnType<typeof setTimeout> | undefined;
   let lastTap = { at: Number.NEGATIVE_INFINITY, x: 0, y: 0 };
 
   const where = (event: { clientX: number; clientY: number }): Contact => {
@@ -48,10 +52,20 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     element.setPointerCapture(event.pointerId);
     if (contacts.size === 1) {
       start = at;
-      mode = event.button === 0 && gestures.grabs(at.x, at.y, reachOf(event.pointerType)) ? "robot" : "pressed";
+      const asks = event.shiftKey || event.altKey;
+      mode =
+        event.button === 0 && !asks && gestures.grabs(at.x, at.y, reachOf(event.pointerType)) ? "robot" : "pressed";
       element.dataset.mode = mode;
       gestures.hover([at.x, at.y]);
+      if (event.pointerType === "touch" && mode === "pressed") {
+        resting = setTimeout(() => {
+          if (mode !== "pressed") return;
+          mode = "asked";
+          gestures.ask(at.x, at.y);
+        }, LONG_PRESS_MS);
+      }
     } else {
+      clearTimeout(resting);
       if (mode === "robot") gestures.carry(null);
       mode = "pinch";
     }
@@ -72,6 +86,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (mode === "pressed") {
       const slop = event.pointerType === "mouse" ? SLOP_MOUSE : SLOP_TOUCH;
       if (Math.hypot(at.x - start.x, at.y - start.y) < slop) return;
+      clearTimeout(resting);
       // A finger that sets out upwards or downwards scrolls the page: the browser is about to take it away.
       if (event.pointerType === "touch" && Math.abs(at.y - start.y) > Math.abs(at.x - start.x)) return;
       mode = "pan";
@@ -103,13 +118,15 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       const isDouble =
         event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
       lastTap = { at: isDouble ? Number.NEGATIVE_INFINITY : event.timeStamp, ...at };
-      if (isDouble) gestures.doubleTap();
+      if (mode === "pressed" && (event.shiftKey || event.altKey)) gestures.ask(at.x, at.y);
+      else if (isDouble) gestures.doubleTap();
       else if (mode === "pressed") gestures.tap(at.x, at.y);
     }
     if (contacts.size === 0) settle();
   };
 
   const settle = (): void => {
+    clearTimeout(resting);
     mode = "idle";
     element.dataset.mode = mode;
   };
@@ -118,6 +135,11 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     contacts.delete(event.pointerId);
     if (mode === "robot") gestures.carry(null);
     if (contacts.size === 0) settle();
+  };
+
+  // A finger that rests would bring up the browser's menu.
+  const menu = (event: Event): void => {
+    if ((event as PointerEvent).pointerType === "touch" || mode === "asked") event.preventDefault();
   };
 
   const leave = (event: PointerEvent): void => {
@@ -148,8 +170,12 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
   element.addEventListener("pointerup", up, { signal });
   element.addEventListener("pointercancel", cancel, { signal });
   element.addEventListener("pointerleave", leave, { signal });
+  element.addEventListener("contextmenu", menu, { signal });
   element.addEventListener("wheel", wheel, { passive: false, signal });
   element.addEventListener("touchstart", touch, { passive: false, signal });
   element.addEventListener("touchmove", touch, { passive: false, signal });
-  return () => stop.abort();
+  return () => {
+    clearTimeout(resting);
+    stop.abort();
+  };
 }

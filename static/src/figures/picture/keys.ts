@@ -97,7 +97,8 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
       const { width, height } = size();
       store.look(zoomedAt(view, size(), width / 2, height / 2, zoom));
     } else if (event.key === "0" || event.key === "Home") store.viewHeld.value = false;
-    else if (event.key === "Escape" && pinned) store.pinned.value = null;
+    else if (event.key === "?") store.ask(store.probe.peek());
+    else if (event.key === "Escape" && pinned && !store.asked.peek()) store.pinned.value = null;
     else if (event.key === "Enter" && isWorld && pinned) store.teleport(pinned);
     else if (event.key === " ") store.togglePlaying();
     else return;

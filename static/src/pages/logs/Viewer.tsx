@@ -7,6 +7,7 @@ import type { Picture } from "../../figures/picture/Picture";
 import { Profile } from "../../figures/profile/Profile";
 import { tellingReading } from "../../figures/profile/reading";
 import { Readout } from "../../figures/readout";
+import { Why } from "../../figures/why/Why";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -86,6 +87,7 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
       </div>
       <Side store={store} session={session} />
       <ProfileBox store={store} />
+      <Why store={store} side="right" />
     </div>
   );
 }

@@ -1,0 +1,176 @@
+/** Why a cell is what it is: every beam that touched it, and what each of them added. */
+
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { Touch, WhyMessage } from "../../protocol";
+import type { Store } from "../../state";
+import { Button } from "../../ui/Button";
+import { keepAsking } from "./asking";
+import { Chart } from "./Chart";
+import { describe, equation, sentence, updateOf, verdict } from "./model";
+import "./why.css";
+
+interface WhyProps {
+  readonly store: Store;
+  /** The side of the window at which the panel lies where there is room for both. */
+  readonly side: "left" | "right";
+}
+
+/** Opens when a cell is asked about, and stays at the edge of the window: nothing on the page moves. */
+export function Why({ store, side }: WhyProps) {
+  const isOpen = useMemo(() => computed(() => store.asked.value !== null), [store]);
+  return isOpen.value ? <Panel store={store} side={side} /> : null;
+}
+
+function Panel({ store, side }: WhyProps) {
+  const scrub = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    const before = document.activeElement;
+    // Whoever came by the keyboard goes on with it; a mouse keeps the picture.
+    const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
+    if (byKeys) scrub.current?.focus({ preventScroll: true });
+    const closeOn = (event: KeyboardEvent): void => {
+      if (event.key === "Escape" && !event.defaultPrevented) store.ask(null);
+    };
+    addEventListener("keydown", closeOn);
+    const stop = keepAsking(store);
+    return () => {
+      stop();
+      removeEventListener("keydown", closeOn);
+      if (byKeys) before.focus({ preventScroll: true });
+    };
+  }, [store]);
+  const why = store.why.value;
+  const cell = store.askedCell.value;
+  const hitWindow = useHitWindow(store);
+  return (
+    <section class={`why why-${side}`} aria-label="Why this cell is what it is">
+      <header class="why-head">
+        <h2>Why?</h2>
+        {cell && (
+          <span class="why-place number">
+            row {cell.row}, col {cell.col}
+          </span>
+        )}
+        <Button kind="quiet" icon="close" label="Close" onClick={() => store.ask(null)} />
+      </header>
+      <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
+      <Spoken store={store} hitWindow={hitWindow} />
+      <Story store={store} hitWindow={hitWindow} scrub={scrub} />
+    </section>
+  );
+}
+
+const OUTSIDE = "This place lies outside the map now.";
+
+/** The newest touch, where the answer tells of it. */
+function newestOf(why: WhyMessage): Touch | null {
+  const last = why.touches[why.touches.length - 1];
+  return last && last.n === why.total ? last : null;
+}
+
+const useHitWindow = (store: Store): ReadonlySignal<number> =>
+  useMemo(() => computed(() => Number(store.mapping.values.value.window ?? 0)), [store]);
+
+/** The sentence, said once for each cell and not again with each beam. */
+function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
+  const spoken = useMemo(() => signal(""), []);
+  useEffect(() => {
+    let said = "";
+    return effect(() => {
+      const why = store.why.value;
+      if (!why) return;
+      const place = `${why.epoch} ${why.row} ${why.col}`;
+      if (place === said) return;
+      said = place;
+      spoken.value = sentence(why, newestOf(why), hitWindow.peek());
+    });
+  }, [store, spoken, hitWindow]);
+  return (
+    <p class="visually-hidden" role="status" aria-live="polite">
+      {spoken}
+    </p>
+  );
+}
+
+interface StoryProps {
+  readonly store: Store;
+  readonly hitWindow: ReadonlySignal<number>;
+  readonly scrub: { current: HTMLInputElement | null };
+}
+
+function Story({ store, hitWindow, scrub }: StoryProps) {
+  const why = store.why.value;
+  const touch = store.touch.value;
+  const total = why?.total ?? 0;
+  const n = Math.min(store.touched.value ?? total, total);
+  const choose = (to: number): void => {
+    // The newest goes on being the newest.
+    store.touched.value = to >= total ? null : Math.max(1, to);
+  };
+  const update = why && touch && updateOf(why, touch.n);
+  const isLog = store.hello.value?.kind === "log";
+  return (
+    <div class="why-story" hidden={why !== null && total === 0}>
+      {why && <Chart why={why} touch={store.touch} onTouch={choose} />}
+      {!why && <div class="why-chart" />}
+      <div class="why-scrub">
+        <Button kind="quiet" icon="stepBack" label="Touch before" disabled={n <= 1} onClick={() => choose(n - 1)} />
+        <input
+          ref={scrub}
+          type="range"
+          aria-label="Touches of this cell"
+          aria-valuetext={touch ? `touch ${n} of ${total}: ${describe(touch, hitWindow.value)}` : ""}
+          min={1}
+          max={Math.max(1, total)}
+          value={n}
+          onInput={(event) => choose(Number(event.currentTarget.value))}
+        />
+        <Button
+          kind="quiet"
+          icon="stepForward"
+          label="Next touch"
+          disabled={n >= total}
+          onClick={() => choose(n + 1)}
+        />
+      </div>
+      <p class="why-equation">
+        <span class="why-rule">
+          ℓ ← {why && why.log_odds_max === null && why.log_odds_min === null ? "ℓ + Δ" : "clamp(ℓ + Δ)"}
+        </span>
+        <output class={touch?.hit ? "noun-hit" : "noun-miss"}>{update ? equation(update) : "…"}</output>
+      </p>
+      <div class="why-touch">
+        <p>
+          <b class="number">
+            {n} of {total}
+          </b>{" "}
+          {touch ? <TouchWords touch={touch} hitWindow={hitWindow.value} /> : "…"}
+        </p>
+        {isLog && (
+          <Button
+            disabled={!touch}
+            onClick={() => {
+              if (!touch) return;
+              store.send({ type: "pause" });
+              store.send({ type: "seek", index: touch.scan + 1 });
+            }}
+          >
+            Go to this scan
+          </Button>
+        )}
+      </div>
+      {why?.per_scan && <p class="why-note">Per-scan update: each scan counts once, told by one of its beams.</p>}
+    </div>
+  );
+}
+
+function TouchWords({ touch, hitWindow }: { readonly touch: Touch; readonly hitWindow: number }) {
+  const reading = touch.range === null ? "no return" : `${touch.range.toFixed(2)} m`;
+  return (
+    <>
+      scan {touch.scan + 1}, beam {touch.beam}, <span class="noun-beam">{reading}</span>:{" "}
+      <span class={touch.hit ? "noun-hit" : "noun-miss"}>{verdict(touch, hitWindow)}</span>
+    </>
+  );
+}
