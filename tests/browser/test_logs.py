@@ -138,6 +138,21 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     expect(card).to_have_count(0, timeout=SECONDS * 1000)
 
 
+def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
+    page.goto(f"{server}/logs.html")
+    card = page.locator(".log-card", has_text="intel-corrected.log.gz")
+    expect(card.locator(".log-run")).to_have_text("44:10 · 500 m driven · 910 scans", timeout=SECONDS * 1000)
+    expect(page.locator(".log-card", has_text="sample")).to_contain_text("600 scans", timeout=SECONDS * 1000)
+    # What is dropped into the folder is there at the next look; what is no log never is.
+    (logs_dir / "loop5.log.gz").write_bytes((data_dir / "carmen" / "loop5.log.gz").read_bytes())
+    (logs_dir / "intel.ref.tum").write_bytes((data_dir / "carmen" / "intel.ref.tum").read_bytes())
+    page.reload()
+    expect(page.locator(".log-card", has_text="loop5")).to_contain_text("551 scans", timeout=SECONDS * 1000)
+    expect(page.locator(".log-card", has_text="intel.ref.tum")).to_have_count(0)
+    (logs_dir / "loop5.log.gz").unlink()
+    (logs_dir / "intel.ref.tum").unlink()
+
+
 def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(
@@ -146,6 +161,7 @@ def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: st
     error = page.locator(".log-card.failed .log-error", has_text=".")
     expect(error).to_be_visible(timeout=SECONDS * 1000)
     assert "Traceback" not in error.inner_text()
+    expect(page.locator(".log-card.failed")).to_contain_text("Logs of CARMEN and DP-SLAM can be read")
     # Nothing else stopped working: the sample opens beside it.
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50", timeout=SECONDS * 1000)

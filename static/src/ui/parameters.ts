@@ -1,45 +1,27 @@
 /** Which rows of a parameter table a panel shows, and within which bounds; the table is the mapper's. */
 
+import type { Parameter, Values } from "../protocol";
 import type { Range } from "./numbers";
 
-export type ParameterValue = number | string | boolean;
-export type ParameterValues = Readonly<Record<string, ParameterValue>>;
-
-/** A row of the table, as the server sends it (`mapper/parameters.py`). */
-export interface ParameterRow {
-  readonly name: string;
-  readonly label: string;
-  readonly group: string;
-  readonly kind: "number" | "choice" | "flag";
-  readonly initial: ParameterValue;
-  readonly sentence: string;
-  readonly unit: string;
-  readonly low: number;
-  readonly high: number;
-  readonly step: number;
-  readonly choices: readonly string[];
-  readonly only_for: readonly string[];
-}
-
 /** A row shows when it concerns the model of the moment and there is something to choose. */
-export function isShown(row: ParameterRow, values: ParameterValues): boolean {
+export function isShown(row: Parameter, values: Values): boolean {
   if (row.kind === "choice" && row.choices.length < 2) return false;
   const model = values.model;
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }
 
 /** The limits of the clamp do nothing while it is off. */
-export function isEnabled(row: ParameterRow, values: ParameterValues): boolean {
+export function isEnabled(row: Parameter, values: Values): boolean {
   return !(values.clamp === false && (row.name === "log_odds_min" || row.name === "log_odds_max"));
 }
 
-const numeric = (values: ParameterValues, name: string, otherwise: number): number => {
+const numeric = (values: Values, name: string, otherwise: number): number => {
   const value = values[name];
   return typeof value === "number" ? value : otherwise;
 };
 
 /** The bounds of a number row, narrowed where the step window demands p_free ≤ prior ≤ p_occ. */
-export function boundsOf(row: ParameterRow, values: ParameterValues): Range {
+export function boundsOf(row: Parameter, values: Values): Range {
   const range = { low: row.low, high: row.high, step: row.step };
   if (values.model !== "step_window") return range;
   const logit = (p: number): number => Math.log(p / (1 - p));
@@ -71,12 +53,12 @@ export function readable(choice: string): string {
 
 export interface Group {
   readonly name: string;
-  readonly rows: readonly ParameterRow[];
+  readonly rows: readonly Parameter[];
 }
 
 /** The shown rows by group, in the order of the table; groups without any are left out. */
-export function grouped(table: readonly ParameterRow[], values: ParameterValues): readonly Group[] {
-  const groups = new Map<string, ParameterRow[]>();
+export function grouped(table: readonly Parameter[], values: Values): readonly Group[] {
+  const groups = new Map<string, Parameter[]>();
   for (const row of table) {
     if (!isShown(row, values)) continue;
     const rows = groups.get(row.group);

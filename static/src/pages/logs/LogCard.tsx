@@ -45,7 +45,7 @@ function Facts({ log }: { log: LogRecord }) {
   const coming = log.source === "sample" ? "being made …" : log.state === "reading" ? "being read …" : "not yet read";
   return (
     <>
-      <p class="log-run number">{known.length > 0 ? known.join(" · ") : coming}</p>
+      <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || coming}</p>
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
         <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
