@@ -33,7 +33,7 @@ def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -
         kind = -1
         if row == line[lines.HIT_ROW] and col == line[lines.HIT_COL]:
             kind = HIT
-        else:
+        elif line[lines.FAR] > 0:  # a beam that says nothing has no line at all
             i = _step_at(line[lines.ROW], line[lines.COL], line[lines.END_ROW], line[lines.END_COL], row, col)
             if 0 <= i < line[lines.FAR]:
                 kind = MISS if i < line[lines.NEAR] else HIT
