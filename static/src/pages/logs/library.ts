@@ -141,21 +141,12 @@ export async function remove(id: string): Promise<string | null> {
 }
 
 /** Make a session on a log; resolves to its id, rejects with a sentence. */
-export async function openSession(log: string, trajectory?: string): Promise<string> {
+export async function openSession(log: string): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "log", log, ...(trajectory ? { trajectory } : {}) }),
+    body: JSON.stringify({ kind: "log", log }),
   });
   if (!answer.ok) throw new Error(await sentence(answer));
   return ((await answer.json()) as { id: string }).id;
-}
-
-/** Whether a session is still there. */
-export async function sessionExists(id: string): Promise<boolean> {
-  try {
-    return (await fetch(`/api/sessions/${encodeURIComponent(id)}`)).ok;
-  } catch {
-    return false;
-  }
 }
