@@ -1,0 +1,220 @@
+"""Asking a cell why, in real Chromium: in the lab and on a log, by mouse, keyboard and finger."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
+
+# The place of the most occupied cell nearest to the robot, and a look at it from so near that a click cannot miss it.
+_WALL = """() => {
+  const { store } = gridbloom.connection;
+  const { geometry, cells } = store.map.peek();
+  const [x, y] = store.frame.peek().pose;
+  let best = null;
+  for (let row = 0; row < geometry.rows; row++)
+    for (let col = 0; col < geometry.cols; col++) {
+      const p = [0, 1].map((k) => geometry.origin[k] + ([col, row][k] + 0.5) * geometry.resolution);
+      const found = { byte: cells.at(row, col), away: Math.hypot(p[0] - x, p[1] - y), xy: p };
+      if (!best || found.byte > best.byte || (found.byte === best.byte && found.away < best.away)) best = found;
+    }
+  store.look({ x: best.xy[0] + 0.4, y: best.xy[1] + 0.3, scale: 0.005 });
+  return best.xy;
+}"""
+
+
+def end_session(page: Page) -> None:
+    """End the page's session: many tests must not fill the server up."""
+    page.evaluate(
+        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+    )
+
+
+@pytest.fixture
+def lab(page: Page, server: str) -> Iterator[Page]:
+    """The lab, paused with a map on show."""
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    until("some scans", lambda: frame(page)["index"] > 40)
+    page.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    settled_digest(page)
+    yield page
+    end_session(page)
+
+
+@pytest.fixture
+def viewer(page: Page, server: str) -> Iterator[Page]:
+    """The viewer on the sample log, standing at its end."""
+    page.goto(f"{server}/logs.html")
+    page.get_by_role("button", name="Make its map").first.click(timeout=SECONDS * 1000)
+    await_map(page)
+    page.get_by_role("slider", name="Scans in the map").focus()
+    page.keyboard.press("End")
+    until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
+    settled_digest(page)
+    yield page
+    end_session(page)
+
+
+def wall_pixel(page: Page, picture: Locator) -> tuple[list[float], tuple[float, float]]:
+    """Return the place of a wall cell, now seen from near, and where it lies in the viewport."""
+    xy = page.evaluate(_WALL)
+    picture.scroll_into_view_if_needed()
+    box = picture.bounding_box()
+    assert box is not None
+    px, py = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
+    return xy, (box["x"] + px, box["y"] + py)
+
+
+def store(page: Page, name: str) -> Any:
+    """Return a signal of the page's store."""
+    return page.evaluate("(name) => gridbloom.connection.store[name].peek()", name)
+
+
+def ask(page: Page) -> list[float]:
+    """Shift+click a wall cell of the belief; return its place."""
+    xy, (x, y) = wall_pixel(page, page.locator(".picture").last)
+    page.keyboard.down("Shift")
+    page.mouse.click(x, y)
+    page.keyboard.up("Shift")
+    page.mouse.move(2, 2)
+    until("the answer", lambda: store(page, "why"))
+    return xy
+
+
+def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
+    """Hold the panel against the page's own map; return the answer."""
+    why: dict[str, Any] = store(page, "why")
+    cell = page.evaluate("(xy) => gridbloom.readState(xy)", xy)
+    geometry = page.evaluate("() => gridbloom.connection.store.map.peek().geometry")
+    step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+    assert (why["row"], why["col"]) == (cell["row"], cell["col"])
+    assert why["log_odds"] == pytest.approx(cell["log_odds"], abs=step)
+    # The whole story told again, beam by beam, ends at what the map shows.
+    values = page.evaluate("() => gridbloom.connection.store.mapping.values.peek()")
+    assert why["touches"][-1]["n"] == why["total"]
+    if why["total"] == len(why["touches"]):
+        log_odds = why["prior"]
+        for touch in why["touches"]:
+            assert touch["increment"] == pytest.approx(values["log_odds_hit" if touch["hit"] else "log_odds_miss"])
+            log_odds = min(max(log_odds + touch["increment"], why["log_odds_min"]), why["log_odds_max"])
+        assert log_odds == pytest.approx(cell["log_odds"], abs=step)
+        assert why["hits"] == sum(touch["hit"] for touch in why["touches"])
+    panel = page.locator(".why")
+    expect(panel.locator(".why-sentence")).to_contain_text(re.compile(r"^Occupied, p 0\.9\d: "))
+    expect(panel.locator(".why-sentence")).to_contain_text(f"{why['hits']} beam")
+    expect(panel.locator(".why-sentence")).to_contain_text(f"{why['total'] - why['hits']} passed through")
+    return why
+
+
+def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
+    pose = frame(lab)["pose"]
+    why = check_answer(lab, ask(lab))
+    assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
+    scrub = lab.get_by_role("slider", name="Touches of this cell")
+    assert int(scrub.input_value()) == why["total"] > 3
+    equation = lab.locator(".why-equation output")
+    newest = equation.inner_text()
+    assert re.fullmatch(r"−?\d\.\d\d [+−] 0\.\d\d = −?\d\.\d\d( → −?\d\.\d\d)?", newest)
+    scrub.focus()
+    lab.keyboard.press("Home")
+    expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
+    assert store(lab, "touch")["n"] == 1
+    lab.get_by_role("button", name="Next touch").click()
+    until("the second touch", lambda: store(lab, "touch")["n"] == 2)
+    expect(lab.locator(".why-touch")).to_contain_text(f"2 of {why['total']}")
+    expect(lab.get_by_role("button", name="Go to this scan")).to_have_count(0)
+    lab.keyboard.press("Escape")
+    expect(lab.locator(".why")).to_have_count(0)
+    assert store(lab, "asked") is None
+
+
+def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
+    ask(lab)
+    before = store(lab, "why")
+    lab.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 0.4)")
+    until("the new increment", lambda: any(abs(t["increment"] - 0.4) < 1e-6 for t in store(lab, "why")["touches"]))
+    lab.get_by_role("button", name="Play").click()
+    until("more scans in the answer", lambda: store(lab, "why")["index"] > before["index"] + 10)
+
+
+def test_the_keyboard_asks_and_comes_back(lab: Page) -> None:
+    picture = lab.locator(".picture").last
+    wall_pixel(lab, picture)
+    picture.focus()
+    lab.keyboard.press("Shift+ArrowUp")
+    lab.keyboard.press("?")
+    until("the answer", lambda: store(lab, "why"))
+    expect(lab.get_by_role("slider", name="Touches of this cell")).to_be_focused()
+    expect(lab.locator(".why [role=status]")).to_contain_text(re.compile("beam"))
+    lab.keyboard.press("Escape")
+    expect(picture).to_be_focused()
+
+
+def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
+    xy, (x, y) = wall_pixel(lab, lab.locator(".picture").last)
+    lab.mouse.click(x, y)  # holds the cell
+    lab.mouse.move(2, 2)
+    lab.locator(".readout").get_by_role("button", name="Why?").click()
+    touch = until("the answer", lambda: store(lab, "touch"))
+    away = [touch["pose"][k] - xy[k] for k in (0, 1)]
+    length = (away[0] ** 2 + away[1] ** 2) ** 0.5
+    # On the beam, a little before it comes to the cell.
+    bearing = touch["pose"][2] + touch["bearing"]
+    reach = length - 0.3
+    on_beam = [touch["pose"][0] + reach * math.cos(bearing), touch["pose"][1] + reach * math.sin(bearing)]
+    asked = lab.evaluate("(xy) => gridbloom.colourAt(xy)", on_beam)
+    lab.keyboard.press("Escape")
+    until("no more questions", lambda: store(lab, "asked") is None)
+    plain = lab.evaluate("(xy) => gridbloom.colourAt(xy)", on_beam)
+    assert None not in (asked, plain)
+    assert sum(abs(a - b) for a, b in zip(asked, plain, strict=True)) > 60
+
+
+def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
+    why = check_answer(viewer, ask(viewer))
+    scrub = viewer.get_by_role("slider", name="Touches of this cell")
+    scrub.focus()
+    viewer.keyboard.press("Home")
+    first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
+    assert first["scan"] == why["first_scan"]
+    viewer.get_by_role("button", name="Next touch").click()
+    second = until("the second touch", lambda: (t := store(viewer, "touch")) and t["n"] == 2 and t)
+    viewer.get_by_role("button", name="Go to this scan").click()
+    until("the map of that scan", lambda: frame(viewer)["index"] == second["scan"] + 1)
+    until("the answer of that scan", lambda: store(viewer, "why")["index"] == second["scan"] + 1)
+    there = store(viewer, "why")
+    assert 2 <= there["total"] < why["total"]
+    assert store(viewer, "touch")["scan"] == second["scan"]
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_a_finger_that_rests_asks(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    scrolled = page.evaluate("() => scrollY")
+    _, (x, y) = wall_pixel(page, page.locator(".picture").first)
+    finger = page.context.new_cdp_session(page)
+    finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    until("the panel", lambda: page.locator(".why").count() == 1)
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    until("the answer", lambda: store(page, "why"))
+    assert page.evaluate("() => scrollY") == scrolled
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+    box = page.locator(".why").bounding_box()
+    assert box is not None
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= 390
+    assert box["y"] + box["height"] <= 844.5
+    page.locator(".why").get_by_role("button", name="Close").click()
+    expect(page.locator(".why")).to_have_count(0)
+    end_session(page)
