@@ -44,7 +44,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
   return (
     <LinkedPicture
       store={store}
-      label="The robot's map. Shift and arrow keys move the cell cursor, Escape lets it go; plus and minus zoom, 0 shows everything."
+      label="The robot's map. Shift and arrow keys move the cell cursor, question mark asks why its cell is what it is, Escape lets it go; plus and minus zoom, 0 shows everything."
       onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
       {...(onPicture ? { onPicture } : {})}
       setUp={(canvas, invalidate) => {

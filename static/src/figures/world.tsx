@@ -56,7 +56,7 @@ export function TrueWorld({ store }: { readonly store: Store }) {
   return (
     <LinkedPicture
       store={store}
-      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there; plus and minus zoom, 0 shows everything."
+      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there, question mark asks why its cell is what it is; plus and minus zoom, 0 shows everything."
       onTap={(point) => store.teleport(point)}
       setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
