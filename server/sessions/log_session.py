@@ -114,9 +114,7 @@ class LogSession(Session):
         """The scan that came last into the map; before the first, its place without readings."""
         log, index = self.log, self._replay.index
         newest = max(index - 1, 0)
-        # The beams of a laser that hangs upside down run the other way round, seen from above.
-        turn = -1.0 if log.upside_down else 1.0
-        scan = replace(log.scan(newest), angle_min=turn * log.angle_min, angle_increment=turn * log.angle_increment)
+        scan = log.scan(newest)
         if index == 0:
             scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
         base = as_pose(log.trajectory(self.trajectory).poses[newest])

@@ -251,6 +251,15 @@ describe("the store", () => {
     expect(store.frame.value?.scan_pose).toEqual([1, 2, 0]);
   });
 
+  test("a mount that is said to be upside down mirrors the beams in the map, not in the world", () => {
+    store.receive(hello("a"));
+    store.receive({ ...frame, angle_min: -1, angle_increment: 0.5 });
+    expect(store.beliefFrame.value).toBe(store.frame.value);
+    store.setParameter("mount_upside_down", true);
+    expect(store.beliefFrame.value).toMatchObject({ angle_min: 1, angle_increment: -0.5 });
+    expect(store.frame.value).toMatchObject({ angle_min: -1, angle_increment: 0.5 });
+  });
+
   test("the beam that is looked at is the one towards the pointer, straight ahead without one", () => {
     store.receive(hello("a"));
     store.receive(frame);

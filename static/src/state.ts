@@ -101,6 +101,8 @@ export class Store implements Receiver {
   readonly touch: ReadonlySignal<Touch | null>;
   /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
   readonly beliefPose: ReadonlySignal<Pose | null>;
+  /** The newest scan as the map takes it: mirrored where the mount is said to be upside down. */
+  readonly beliefFrame: ReadonlySignal<Frame | null>;
   /** The beam towards the place that is looked at, straight ahead where there is none. */
   readonly inspectedBeam: ReadonlySignal<Beam | null>;
   /** All that is worth seeing, in world metres. */
@@ -127,6 +129,11 @@ export class Store implements Receiver {
       const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
       return compose(frame.scan_pose, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
     });
+    this.beliefFrame = computed(() => {
+      const frame = this.frame.value;
+      if (!frame || this.mapping.values.value.mount_upside_down !== true) return frame;
+      return { ...frame, angle_min: -frame.angle_min, angle_increment: -frame.angle_increment };
+    });
     this.cell = computed(() => {
       const probe = this.probe.value;
       void this.map.value;
@@ -145,7 +152,7 @@ export class Store implements Receiver {
       return why.touches[wanted - first.n] ?? null;
     });
     this.inspectedBeam = computed(() => {
-      const frame = this.frame.value;
+      const frame = this.beliefFrame.value;
       const pose = this.beliefPose.value;
       if (!frame || !pose || frame.ranges.length === 0) return null;
       const probe = this.probe.value;

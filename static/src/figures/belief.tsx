@@ -65,7 +65,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
           watch: () => {
             void store.map.value;
             void store.mapVersion.value;
-            void store.frame.value;
+            void store.beliefFrame.value;
             void store.trajectory.value;
             void store.cell.value;
             void store.inspectedBeam.value;
@@ -99,7 +99,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
 }
 
 function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
-  const frame = store.frame.peek();
+  const frame = store.beliefFrame.peek();
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();

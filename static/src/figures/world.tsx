@@ -1,5 +1,6 @@
 /** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
 
+import { beamAt } from "../beams";
 import { SheetRenderer } from "../gl/sheet";
 import { centreOf } from "../lattice";
 import type { Store } from "../state";
@@ -113,7 +114,8 @@ function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boo
   const strength = beat(frame.index, now);
   const from = frame.scan_pose;
   paintBeams(brush, from, frame, frame.range_max, strength);
-  const beam = store.inspectedBeam.peek();
+  const inspected = store.inspectedBeam.peek();
+  const beam = inspected && beamAt(frame, inspected.index); // where it really went, however the map takes it
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
   paintWhy(store, brush);
   const map = store.map.peek();
