@@ -6,6 +6,7 @@ Each row names the parameter, its unit, its first value, its bounds, the step of
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
@@ -49,7 +50,7 @@ class Parameter:
             if isinstance(value, str) and value in self.choices:
                 return value
             raise self._refused(value, "one of " + ", ".join(self.choices))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
             raise self._refused(value, "a finite number")
         if not self.low <= value <= self.high:
             raise self._refused(value, f"between {self.low:g} and {self.high:g} {self.unit}".rstrip())

@@ -189,7 +189,7 @@ class ScanLog:
         if key not in self.trajectories:
             raise ConfigError(
                 "log.trajectory",
-                f"The log has no trajectory {key!r}; it has {', '.join(map(repr, self.trajectories))}.",
+                f"The log has no trajectory {key!r:.80}; it has {', '.join(map(repr, self.trajectories))}.",
             )
         return self.trajectories[key]
 

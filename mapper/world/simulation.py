@@ -176,7 +176,7 @@ class Simulation:
         why = "outside the world" if np.isneginf(clearance) else "inside a wall" if clearance <= 0.0 else "too tight"
         return (
             f"That place is {why}: the robot stands at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
-            f"{math.hypot(pose[0] - x, pose[1] - y):.2f} m away."
+            f"{math.hypot(pose[0] - x, pose[1] - y):.4g} m away."
         )
 
     def set_sensor(self, sensor: SensorConfig) -> None:
