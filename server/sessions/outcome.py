@@ -22,6 +22,8 @@ class Order:
 class Outcome:
     """Collected on a worker thread, sent on the event loop."""
 
+    rest: list[Order] = field(default_factory=list)  #: commands that wait for the next tick
+    unfinished: dict[str, Any] | None = None  #: what a long command leaves for the next tick
     changed: bool = False  #: whether there is a new frame to publish
     new_grid: bool = False  #: whether the whole picture has to be read anew
     box: CellBox | None = None  #: otherwise: the cells that may have changed

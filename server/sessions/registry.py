@@ -66,6 +66,8 @@ class SessionRegistry:
         self._making: list[str] = []  #: owners of the sessions that are being made: they count already
         self._reaper: asyncio.Task[None] | None = None
         self.pool = ThreadPoolExecutor(settings.threads, thread_name_prefix="session")
+        #: One thread is always left to sessions whose ticks are short: whoever asks for much cannot stop the others.
+        self._turns = asyncio.Semaphore(max(1, settings.threads - 1))
 
     async def start(self) -> None:
         """Begin to end sessions that nobody watches."""
@@ -130,6 +132,7 @@ class SessionRegistry:
 
     def _begin(self, session: Session) -> None:
         session.remake_seconds = self._remake_seconds
+        session.turns = self._turns
         session.hub.traffic = self._traffic
         self._sessions[session.id] = session
         session.start()

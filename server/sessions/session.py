@@ -14,6 +14,8 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
+from contextlib import AbstractAsyncContextManager
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import structlog
@@ -35,6 +37,8 @@ from server.stream.tiles import TilePicture, picture_range
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
 MAX_ORDERS = 256  #: commands that wait for one session
+HEAVY_S = 0.05  #: a session whose ticks compute for longer than this takes turns with others of its kind
+ORDERS_S = 0.05  #: computing time of a tick after which its further commands wait: other sessions want the threads too
 
 _log = structlog.get_logger(__name__)
 
@@ -68,6 +72,7 @@ class Session(ABC):
         self.closed = False
         self.unwatched_since = clock()
         self.remake_seconds: Callable[[float], None] = lambda _: None
+        self.turns: asyncio.Semaphore | None = None  #: of the sessions that compute for long
         self._clock = clock
         self._pool = pool
         self._limits = limits
@@ -77,6 +82,7 @@ class Session(ABC):
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._remade_ms: float | None = None
+        self._load = 0.0  #: seconds that a tick computes: rises at once, falls slowly
         self._redraw = False  #: whether a tick was cut off before the picture followed the grid
         picture = TilePicture(grid.geometry, *picture_range(config), epoch=1)
         picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
@@ -212,7 +218,7 @@ class Session(ABC):
 
     @property
     def has_orders(self) -> bool:
-        """Whether commands wait to be carried out."""
+        """Whether commands wait to be carried out, or are being."""
         return bool(self._orders)
 
     def post(self, command: dict[str, Any]) -> None:
@@ -314,18 +320,26 @@ class Session(ABC):
             if not ticking:
                 last = now - TICK_S  # time in which nothing ran does not count
             due = self.playing and self.watched and now - last >= TICK_S
-            orders, self._orders = self._orders, []
+            orders = [*self._orders]
             if not (orders or due):
                 continue
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
+            rest: list[Order] = []
             try:
-                async with self._lock:
+                async with self._turn(), self._lock:
                     outcome = await self._loop.run_in_executor(self._pool, self._compute, orders, dt)
+                rest = outcome.rest
                 self._deliver(outcome)
             except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
                 _log.exception("a tick failed")
                 self._stop()
+            finally:
+                self._orders[: len(orders)] = rest
+
+    def _turn(self) -> AbstractAsyncContextManager[None]:
+        """Return what to hold while a tick computes: sessions of short ticks need not wait for those of long ones."""
+        return contextlib.nullcontext() if self.turns is None or self._load <= HEAVY_S else self.turns
 
     def _stop(self) -> None:
         """Stand still after a defect, and say so."""
@@ -376,7 +390,10 @@ class Session(ABC):
     def _compute(self, orders: list[Order], dt: float) -> Outcome:
         outcome = Outcome()
         config, asked_by = self.config, None
-        for order in orders:
+        started = time.perf_counter()
+        outcome.rest = [*orders]
+        while outcome.rest and not self.closed:
+            order = outcome.rest.pop(0)
             try:
                 if order.command["type"] == "parameters":
                     config, asked_by = config.with_values(values(order.command)), order.client
@@ -390,6 +407,13 @@ class Session(ABC):
                 _log.exception("a command failed", command=order.command["type"])
                 message = error_message("internal", "The command failed because of a defect in the service.")
                 outcome.answers.append((order.client, message))
+            if outcome.unfinished is not None:
+                outcome.rest.insert(0, replace(order, command=outcome.unfinished))
+                break
+            if time.perf_counter() - started > ORDERS_S:
+                break
+        if self.closed:
+            return outcome
         try:
             # Of many changes that came meanwhile only the newest is computed.
             if config != self.config:
@@ -406,6 +430,7 @@ class Session(ABC):
         self._draw(outcome)
         for client, question in outcome.questions.items():
             self._explain(client, question, outcome)
+        self._load = max(time.perf_counter() - started, 0.5 * self._load)
         return outcome
 
     def _refuse(self, outcome: Outcome, client: Client | None, error: ProtocolError | MapperError) -> None:

@@ -28,6 +28,7 @@ DEFAULT_WORLD = "office"
 MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
 WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives
 MAX_STEP_SCANS = 100
+SCANS_AT_ONCE = 10  #: of a step in one tick
 MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
 
 
@@ -255,8 +256,11 @@ class WorldSession(Session):
                 if not 1 <= scans <= MAX_STEP_SCANS:
                     raise ProtocolError("command.scans", f"A live world steps on by 1 to {MAX_STEP_SCANS} scans.")
                 self.playing = False
-                for change in mapper.step(scans):
+                now = min(scans, SCANS_AT_ONCE)
+                for change in mapper.step(now):
                     outcome.add(change)
+                if scans > now:
+                    outcome.unfinished = command | {"scans": scans - now}
             case "teleport":
                 yaw = None if command.get("yaw") is None else number(command, "yaw")
                 landed = simulation.teleport(number(command, "x"), number(command, "y"), yaw)
