@@ -14,7 +14,7 @@ from mapper.warm import warm
 from server.library import Library
 from server.metrics import Metrics
 from server.routes import docs, health, logs, pages, scenes, sessions, stream
-from server.routes.errors import CatchAll, install_error_handlers
+from server.routes.errors import CatchAll, Ending, install_error_handlers
 from server.scenes import Scenes
 from server.security import Security
 from server.sessions import SessionRegistry
@@ -71,4 +71,5 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(CatchAll)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
     app.add_middleware(Security, settings=settings)
+    app.add_middleware(Ending)
     return app

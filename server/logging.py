@@ -49,3 +49,9 @@ def configure_logging(log_format: str, level: str) -> None:
     # "connection open" and the address of each socket: nothing that the service's own lines do not say better.
     for name in ("uvicorn.error", "httpx", "numba", "websockets"):
         logging.getLogger(name).setLevel(max(_LEVELS[level], logging.WARNING))
+    logging.getLogger("uvicorn.error").addFilter(_is_ours)
+
+
+def _is_ours(record: logging.LogRecord) -> bool:
+    """Leave out what uvicorn logs as its own defect, traceback and all, when a browser sends bytes that are no text."""
+    return not record.getMessage().startswith("Invalid UTF-8 sequence")

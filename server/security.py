@@ -5,6 +5,7 @@ Plain ASGI, so that sockets are checked as requests are and nothing is buffered 
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import hmac
 import ipaddress
@@ -12,7 +13,7 @@ import re
 import secrets
 import socket
 from http.cookies import CookieError, SimpleCookie
-from urllib.parse import parse_qsl, urlencode, urlsplit
+from urllib.parse import parse_qsl, urlencode
 
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import Headers, MutableHeaders
@@ -25,6 +26,7 @@ VISITOR_COOKIE = "gridbloom_visitor"
 TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
+BODY_S = 30.0  #: seconds in which it has to come
 UPLOADS = "/api/logs"  #: PUT here counts its own bytes as they stream in
 
 CSP = (
@@ -49,6 +51,7 @@ ENTRANCE = """<!doctype html>
 """
 
 _VISITOR = re.compile(r"[A-Za-z0-9_-]{24}")
+_NETLOC = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?")
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -93,11 +96,8 @@ class Security:
             return
         if scope["type"] == "http" and self._takes_small_body(scope):
             body = await _read_small(receive, headers)
-            if body is None:
-                message = f"A request has at most {MAX_BODY_BYTES} bytes."
-                # Nobody reads the rest of it.
-                too_large = error_response(413, "request.too_large", message, headers={"Connection": "close"})
-                await too_large(scope, receive, send_with_headers)
+            if isinstance(body, Response):
+                await body(scope, receive, send_with_headers)
                 return
             receive = _replay(body, receive)
         await self._app(scope, receive, send_with_headers)
@@ -119,9 +119,10 @@ class Security:
 
     def _host_allowed(self, host: str) -> bool:
         """A page of another site must not reach the service under a name that it controls (DNS rebinding)."""
-        name = (urlsplit(f"//{host}").hostname or "") if _is_netloc(host) else ""
-        if not name:
+        found = _NETLOC.fullmatch(host)
+        if found is None:
             return False
+        name = found[1].strip("[]").lower()
         if "*" in self._hosts or name in self._hosts or name in ("localhost", self._host):
             return True
         try:
@@ -169,21 +170,17 @@ class Security:
         return scope["method"] not in _SAFE_METHODS and not (scope["method"] == "PUT" and scope["path"] == UPLOADS)
 
 
-def _is_netloc(host: str) -> bool:
-    return re.fullmatch(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:\d{1,5})?", host) is not None
-
-
 def _same_origin(origins: list[str], host: str) -> bool:
     """Browsers send an Origin with every socket and every unsafe request; programs that are no browsers send none."""
     if not origins:
         return True
     if len(origins) > 1:
         return False
-    origin = urlsplit(origins[0])
-    if origin.scheme not in ("http", "https"):
+    scheme, _, netloc = origins[0].partition("://")  # an origin has no path
+    if scheme not in ("http", "https"):
         return False
-    default = ":443" if origin.scheme == "https" else ":80"
-    return origin.netloc.lower().removesuffix(default) == host.lower().removesuffix(default)
+    default = ":443" if scheme == "https" else ":80"
+    return netloc.lower().removesuffix(default) == host.lower().removesuffix(default)
 
 
 def _cookies(headers: Headers) -> dict[str, str]:
@@ -203,29 +200,36 @@ async def _refuse_socket(receive: Receive, send: Send) -> None:
     await send({"type": "websocket.close", "code": 1008, "reason": ""})
 
 
-async def _read_small(receive: Receive, headers: Headers) -> list[Message] | None:
-    """Return the messages of a request's body, None where it is too large."""
+async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
+    """Return a request's body as one message, or the refusal of one that is too large or does not come."""
     declared = headers.get("content-length", "0")
     if declared.isascii() and declared.isdigit() and int(declared[:20]) > MAX_BODY_BYTES:
-        return None
-    messages: list[Message] = []
-    size = 0
-    while True:
-        message = await receive()
-        messages.append(message)
-        size += len(message.get("body", b""))
-        if size > MAX_BODY_BYTES:
-            return None
-        if message["type"] != "http.request" or not message.get("more_body", False):
-            return messages
+        return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
+    body = bytearray()
+    try:
+        async with asyncio.timeout(BODY_S):
+            while True:
+                message = await receive()
+                if message["type"] != "http.request":
+                    return message
+                body += message.get("body", b"")
+                if len(body) > MAX_BODY_BYTES:
+                    return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
+                if not message.get("more_body", False):
+                    return {"type": "http.request", "body": bytes(body), "more_body": False}
+    except TimeoutError:
+        return _cut(408, "request.stalled", f"The request did not come whole within {BODY_S:g} s.")
 
 
-def _replay(messages: list[Message], receive: Receive) -> Receive:
-    waiting = iter(messages)
+def _cut(status: int, code: str, message: str) -> Response:
+    """Return the answer to a request of which nobody reads the rest."""
+    return error_response(status, code, message, headers={"Connection": "close"})
+
+
+def _replay(body: Message, receive: Receive) -> Receive:
+    waiting = [body]
 
     async def replayed() -> Message:
-        for message in waiting:
-            return message
-        return await receive()
+        return waiting.pop() if waiting else await receive()
 
     return replayed

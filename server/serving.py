@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import resource
 import signal
 import socket
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NoReturn
 
 import uvicorn
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from server.app import create_app
 from server.logging import configure_logging
 from server.settings import Settings
 
 BACKLOG = 2048
+UNREAD_MS = 30_000  #: a connection whose other end takes in nothing of what was sent for so long is given up
 
 
 def address_of(host: str, port: int, token: str | None) -> str:
@@ -31,6 +37,10 @@ def listen(host: str, port: int) -> socket.socket:
     bound = socket.socket(family, kind, protocol)
     try:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Accepted sockets inherit it. Whoever never reads would hold a session and its place for ever: a close waits
+        # until everything sent before it was taken in. (Linux; elsewhere the session's idle time is all there is.)
+        if hasattr(socket, "TCP_USER_TIMEOUT"):
+            bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNREAD_MS)
         bound.bind(address)
         bound.listen(BACKLOG)
         bound.setblocking(False)
@@ -40,12 +50,25 @@ def listen(host: str, port: int) -> socket.socket:
     return bound
 
 
+class Socket(WebSocketsSansIOProtocol):
+    """uvicorn's end of a WebSocket, which gives up a connection whose handshake cannot even be read.
+
+    uvicorn would keep it, without an answer, and stumble over it when it ends: the sessions would not be closed.
+    """
+
+    def data_received(self, data: bytes) -> None:
+        """Take in bytes."""
+        super().data_received(data)
+        if self.conn.handshake_exc is not None and not self.handshake_initiated:
+            self.transport.close()
+
+
 def make_server(settings: Settings) -> uvicorn.Server:
     """Return a uvicorn server of the service, not yet running."""
     return uvicorn.Server(
         uvicorn.Config(
             create_app(settings),
-            ws="websockets-sansio",
+            ws=Socket,
             ws_per_message_deflate=False,  # tiles are compressed already
             ws_max_size=1 << 20,
             ws_ping_interval=20.0,
@@ -59,19 +82,17 @@ def make_server(settings: Settings) -> uvicorn.Server:
 
 
 def run(settings: Settings) -> None:
-    """Serve until interrupted. Exits with status 1 and one sentence where the address cannot be had."""
+    """Serve until interrupted. Exits with status 1 and one sentence where the address or the folder cannot be had."""
     settings = settings.with_token()
     configure_logging(settings.log_format, settings.log_level)
-    try:
+    with _or_exit(f"cannot keep data in {settings.data_dir}", "Choose another folder with --data-dir."):
+        settings.data_dir.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=settings.data_dir):
+            pass
+    address = f"{settings.host} port {settings.port}"
+    with _or_exit(f"cannot listen on {address}", "Choose another with --port, or --port 0 for a free one."):
         bound = listen(settings.host, settings.port)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        print(
-            f"gridbloom: cannot listen on {settings.host} port {settings.port}: {reason}. "
-            "Choose another with --port, or --port 0 for a free one.",
-            file=sys.stderr,
-        )
-        raise SystemExit(1) from None
+    _take_all_descriptors()
     with bound:
         server = make_server(settings)
         token = None if settings.token is None else settings.token.get_secret_value()
@@ -80,6 +101,24 @@ def run(settings: Settings) -> None:
         signal.signal(signal.SIGTERM, _end)
         with contextlib.suppress(KeyboardInterrupt):
             server.run(sockets=[bound])
+
+
+@contextmanager
+def _or_exit(what: str, advice: str) -> Iterator[None]:
+    """End the process with one sentence where the system refuses something."""
+    try:
+        yield
+    except OSError as error:
+        print(f"gridbloom: {what}: {error.strerror or error}. {advice}", file=sys.stderr)
+        raise SystemExit(1) from None
+
+
+def _take_all_descriptors() -> None:
+    """Raise the limit of open files as far as the system lets it: each browser is one, and the usual 1024 are few."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != hard:
+        with contextlib.suppress(ValueError, OSError):  # macOS states a limit that it does not grant
+            resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def _end(*_: object) -> NoReturn:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from http import HTTPStatus
 from typing import Any
 
@@ -118,3 +119,31 @@ class CatchAll:
                 raise  # the answer is half sent: only breaking the connection tells
             response = error_response(500, "internal", "The request failed because of a defect in the service.")
             await response(scope, receive, send)
+
+
+class Ending:
+    """Outermost middleware: a request that still runs when the service ends is told so; uvicorn cancels it then.
+
+    Without it every stalled request would end the service with a traceback.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, and answer where it is cancelled."""
+        started = False
+
+        async def watched(message: Message) -> None:
+            nonlocal started
+            started = True
+            await send(message)
+
+        try:
+            await self._app(scope, receive, watched)
+        except asyncio.CancelledError:
+            if scope["type"] != "http":
+                raise
+            if not started:
+                response = error_response(503, "service.ending", "The service is ending.", headers={"Retry-After": "5"})
+                await response(scope, receive, send)

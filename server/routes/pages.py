@@ -44,9 +44,13 @@ def _file(request: Request, relative: str, cache: str) -> Response:
     root = find_pages()
     if root is None or "\0" in relative:
         raise HTTPException(404)
-    path = (root / relative).resolve()
-    # resolve() first: neither ".." nor a link leads out of the folder.
-    if not path.is_relative_to(root.resolve()) or path.suffix not in TYPES or not path.is_file():
+    try:
+        path = (root / relative).resolve()
+        # resolve() first: neither ".." nor a link leads out of the folder.
+        found = path.is_relative_to(root.resolve()) and path.suffix in TYPES and path.is_file()
+    except (OSError, RuntimeError):  # a name that is too long, links round in a circle
+        found = False
+    if not found:
         raise HTTPException(404)
     headers = {"Cache-Control": cache}
     response = FileResponse(path, media_type=TYPES[path.suffix], headers=headers, stat_result=path.stat())
