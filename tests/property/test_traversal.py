@@ -50,7 +50,7 @@ def test_exact_traversal_crosses_one_border_at_a_time_and_only_cells_on_the_segm
     assert len(line) == np.abs(last - first).sum() + 1
     # Clip the segment to each cell, a hair larger: something must be left.
     p, d = np.array(start[::-1]), np.subtract(end, start)[::-1]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a segment may be as short as doubles go
         t = (line[:, :, np.newaxis] + [-1e-9, 1 + 1e-9] - p[:, np.newaxis]) / d[:, np.newaxis]
     t = np.where(d[:, np.newaxis] == 0, [-np.inf, np.inf], np.sort(t, axis=2))
     assert (np.maximum(t[:, :, 0].max(axis=1), 0) <= np.minimum(t[:, :, 1].min(axis=1), 1) + 1e-9).all()
