@@ -89,9 +89,23 @@ def centre(locator: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
+def still(page: Page, locator: Locator) -> tuple[float, float]:
+    """Return the middle of an element once it has stopped moving."""
+    last = centre(locator)
+    deadline = time.monotonic() + SECONDS
+    while True:
+        page.wait_for_timeout(250)
+        now = centre(locator)
+        if now == last:
+            return now
+        assert time.monotonic() < deadline, "the element never stood still"
+        last = now
+
+
 def drag(page: Page, locator: Locator, dx: float, dy: float) -> None:
-    """Drag an element by its middle with the mouse."""
-    x, y = centre(locator)
+    """Go to an element with the mouse, and when it stands still under it drag it by its middle."""
+    page.mouse.move(*centre(locator))
+    x, y = still(page, locator)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + dx, y + dy, steps=6)

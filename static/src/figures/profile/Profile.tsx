@@ -77,7 +77,8 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
               "An example reading: drag it"
             ) : (
               <>
-                <span class="live-dot" /> following {beamName}
+                <span class="live-dot" />{" "}
+                {view.attended.value ? "a reading that waits for your hand" : `following ${beamName}`}
               </>
             )
           ) : (
@@ -108,7 +109,9 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           viewBox={`0 0 ${width} ${height}`}
           onPointerMove={hover}
           onPointerDown={hover}
+          onPointerEnter={() => view.attend(true)}
           onPointerLeave={() => {
+            view.attend(false);
             view.hovered.value = null;
           }}
         >

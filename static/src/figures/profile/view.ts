@@ -23,6 +23,8 @@ export class ProfileView {
   /** Index of the cell under the pointer. */
   readonly hovered = signal<number | null>(null);
   readonly held = signal<HandleName | null>(null);
+  /** Whether a pointer is on the figure: the reading then stands still, or handles would run away from the hand. */
+  readonly attended = signal(false);
   readonly values: ReadonlySignal<ProfileParameters>;
   /** The reading shown, metres; Infinity for no return. */
   readonly z: ReadonlySignal<number>;
@@ -32,6 +34,7 @@ export class ProfileView {
   readonly lens = signal<Lens>({ start: 0, span: 2.4 });
   readonly extents = signal<Extents>({ up: 1.2, down: 1.2 });
 
+  #standing: number | null | undefined;
   #lensWanted: Lens | null = null;
   #extentsWanted: Extents = { up: 1.2, down: 1.2 };
   #frame = 0;
@@ -43,13 +46,19 @@ export class ProfileView {
   ) {
     this.values = computed(() => ({ ...INITIAL, ...(parameters.value as Partial<ProfileParameters>) }));
     this.z = computed(() => {
-      const live = this.reading.value;
+      const live = this.attended.value ? this.#standing : this.reading.value;
       if (this.grabbed.value !== null) return this.grabbed.value;
       if (live === undefined) return Math.min(RESTING_READING, 0.6 * this.values.value.range_max);
       return live ?? Number.POSITIVE_INFINITY;
     });
     this.noReturn = computed(() => isNoReturn(this.z.value, this.values.value));
     this.#stops = [effect(() => this.#followTotal()), effect(() => this.#aim())];
+  }
+
+  /** A pointer comes to the figure or leaves it. */
+  attend(here: boolean): void {
+    if (here && !this.attended.peek()) this.#standing = this.reading.peek();
+    this.attended.value = here;
   }
 
   dispose(): void {
