@@ -1,0 +1,80 @@
+"""The command itself: whatever visitors do, it ends when told to, in good order; and it says why it cannot start."""
+
+from __future__ import annotations
+
+import re
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
+
+UPGRADE = (
+    "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: gridbloom.v1\r\n"
+    "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+)
+
+
+def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*SERVE, str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    found = re.search(r":(\d+)/", process.stdout.readline())
+    assert found
+    port = int(found[1])
+    open_connections = []
+
+    def say(text: str, answer: str = "") -> str:
+        connection = socket.create_connection(("127.0.0.1", port), timeout=60)
+        open_connections.append(connection)
+        connection.sendall(text.replace("{host}", f"127.0.0.1:{port}").encode())
+        heard = ""
+        while answer and not re.search(answer, heard):
+            heard += connection.recv(65536).decode("latin-1")
+        return heard
+
+    try:
+        body = '{"kind":"world","world":"room"}'
+        began = say(
+            "POST /api/sessions HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n"
+            f"Content-Length: {len(body)}\r\n\r\n{body}",
+            answer=r'"id":"[^"]+".*\}',
+        )
+        session_id = re.search(r'"id":"([^"]+)"', began)
+        assert session_id
+        stream = f"/api/sessions/{session_id[1]}/stream HTTP/1.1\r\nHost: {{host}}\r\n"
+        say("GET " + stream + UPGRADE, answer='"type":"frame"')
+        say("POST " + stream + UPGRADE)
+        say("PUT /api/logs?name=half HTTP/1.1\r\nHost: {host}\r\nContent-Length: 1000000\r\n\r\nFLASER")
+        say("POST /api/sessions HTTP/1.1\r\nHost: {host}\r\nContent-Length: 1000\r\n\r\n{")
+        say("GET /liv")
+        say("")
+        say("GET /livez HTTP/1.1\r\nHost: {host}\r\n\r\n", answer="alive")
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        for connection in open_connections:
+            connection.close()
+    assert process.returncode == 0
+    assert "Traceback" not in errors
+    assert "session ended" in errors
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize("folder", ["file/below", "file"])
+def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str) -> None:
+    (tmp_path / "file").write_text("")
+    done = subprocess.run(
+        [*SERVE, str(tmp_path / folder)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith("gridbloom: cannot keep data in ")

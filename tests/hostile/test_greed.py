@@ -1,0 +1,105 @@
+"""Visitors who ask for more than their share: the others' sessions go on, and a session ends when it is told to."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.sessions import Session, WorldSession
+from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for
+
+Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
+
+
+def session_of(service: Service, session_id: str) -> Session:
+    session: Session = service.state.sessions.get(session_id)
+    return session
+
+
+async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
+    service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.routes.stream.COMMAND_BURST", 1e9)
+    session_id = await asyncio.to_thread(lambda: service.begin(kind="world", world="office"))
+    session = session_of(service, session_id)
+    async with undisturbed(service), service.connect(session_id) as socket:
+        started = session.progress[0]
+        for _ in range(200):
+            await socket.send(json.dumps({"type": "step", "scans": 100}))
+        watcher = Watcher(socket)
+        await watcher.send("ping", id=1)
+        await watcher.answer("pong")  # all of them were taken in
+        await eventually(lambda: session.progress[0] > started + 300)
+        assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204
+        # 20,000 scans were asked for: all of them would have taken the session a minute.
+        assert session.progress[0] < started + 5000
+
+
+async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Service) -> None:
+    session_id = await asyncio.to_thread(service.begin)
+    session = session_of(service, session_id)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.settle()
+        started = session.progress[0]
+        await watcher.send("step", scans=95)
+        await watcher.send("step", scans=5)
+        counts = set()
+        while session.progress[0] < started + 100 or session.has_orders:
+            if await watcher.read() is None:
+                await watcher.acknowledge()
+            counts.add(session.progress[0])
+        await watcher.settle()
+        assert watcher.newest["frame"]["index"] == started + 100
+        assert len(counts) > 3
+
+
+async def test_long_computations_leave_a_thread_to_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two sessions whose maps take for ever, on two threads: a third one still walks."""
+    released = threading.Event()
+    remake = WorldSession.remake
+
+    def slow(self: WorldSession, *arguments: Any) -> None:
+        assert released.wait(PATIENCE_S)
+        remake(self, *arguments)
+
+    with running(settings_for(tmp_path, threads=2)) as service:
+        greedy = [session_of(service, service.begin()) for _ in range(2)]
+        for session in greedy:
+            session._load = 1.0  # as after computations of a second
+        monkeypatch.setattr(WorldSession, "remake", slow)
+        async with service.connect(service.begin()) as socket:
+            watcher = Watcher(socket)
+            await watcher.until(lambda: watcher.frames > 3)
+            try:
+                for session in greedy:
+                    session.post({"type": "parameters", "values": {"window": 0.5}})
+                await eventually(lambda: all(session.has_orders for session in greedy))
+                frames = watcher.frames
+                await watcher.until(lambda: watcher.frames > frames + 10)
+                assert all(session.has_orders for session in greedy)
+            finally:
+                released.set()
+            await eventually(lambda: all(session.config.window == 0.5 for session in greedy))
+
+
+async def test_a_visitors_many_questions_are_answered_once_a_tick(
+    service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the newest "why" of each client counts: a thousand of them are not a thousand searches of the log."""
+    monkeypatch.setattr("server.routes.stream.COMMAND_BURST", 1e9)
+    session_id = await asyncio.to_thread(lambda: service.begin(kind="log", log="sample-office"))
+    async with undisturbed(service), service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.settle()
+        for number in range(200):
+            await watcher.send("why", row=number % 50, col=number, epoch=watcher.epoch)
+        await watcher.until(lambda: watcher.newest.get("why", {}).get("col") == 199)
+        assert len([m for m in watcher.messages if m["type"] == "why"]) < 100
