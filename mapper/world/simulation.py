@@ -173,10 +173,13 @@ class Simulation:
 
     def _landing(self, x: float, y: float, pose: PoseTuple) -> str:
         clearance = float(self.world.clearance((x, y)))
+        away = math.hypot(pose[0] - x, pose[1] - y)
+        # Centimetres as people say them, unless somebody asked for a place at the other end of the number line.
+        distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
         why = "outside the world" if np.isneginf(clearance) else "inside a wall" if clearance <= 0.0 else "too tight"
         return (
             f"That place is {why}: the robot stands at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
-            f"{math.hypot(pose[0] - x, pose[1] - y):.4g} m away."
+            f"{distance} m away."
         )
 
     def set_sensor(self, sensor: SensorConfig) -> None:
