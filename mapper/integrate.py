@@ -33,6 +33,15 @@ class CellBox:
     col0: int
     col1: int
 
+    def __or__(self, other: CellBox) -> CellBox:
+        """Return the smallest box that holds both."""
+        return CellBox(
+            min(self.row0, other.row0),
+            max(self.row1, other.row1),
+            min(self.col0, other.col0),
+            max(self.col1, other.col1),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Change:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from mapper.errors import ConfigError
+from collections.abc import Callable
+
+from mapper.errors import ConfigError, MapperError
 from mapper.grid import OccupancyGrid
 from mapper.integrate import CellBox, Change, geometry_for, integrate_scans
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
 from mapper.provenance import Provenance, provenance
 from mapper.scan import ScanLog
+
+PART_READINGS = 1 << 22  #: readings that are added at once: a second's work or less
+
+
+class UnwantedError(MapperError):
+    """Nobody wants the map any more that was being made; its replay is of no use after that."""
 
 
 class Replay:
@@ -32,6 +40,7 @@ class Replay:
         self.trajectory = trajectory or log.default_trajectory
         self.grid = self._new_grid(log, self.config)
         self.index = 0  #: scans in the map
+        self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
     def _new_grid(self, log: ScanLog, config: MappingConfig) -> OccupancyGrid:
         return OccupancyGrid(geometry_for(log, config, self.trajectory, self._limits), config.log_odds_prior)
@@ -46,22 +55,34 @@ class Replay:
         if index < self.index:
             # The whole grid is emptied, so all of it is what changed.
             emptied = OccupancyGrid(self.grid.geometry, self.config.log_odds_prior)
-            change = integrate_scans(emptied, self.log, self.config, self.trajectory, 0, index)
+            change = self._integrate(emptied, self.config, 0, index)
             rows, cols = emptied.geometry.shape
             self.grid, self.index = emptied, index
             return Change(CellBox(0, rows, 0, cols), geometry_changed=False, cells_updated=change.cells_updated)
-        change = integrate_scans(self.grid, self.log, self.config, self.trajectory, self.index, index)
+        change = self._integrate(self.grid, self.config, self.index, index)
         self.index = index
         return change
 
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
         grid = self._new_grid(self.log, config)
-        change = integrate_scans(grid, self.log, config, self.trajectory, 0, self.index)
+        change = self._integrate(grid, config, 0, self.index)
         geometry_changed = grid.geometry != self.grid.geometry
         self.grid, self.config = grid, config
         rows, cols = grid.geometry.shape
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
+
+    def _integrate(self, grid: OccupancyGrid, config: MappingConfig, start: int, stop: int) -> Change:
+        """As :func:`integrate_scans`, in parts between which :attr:`wanted` is asked. Raises :class:`UnwantedError`."""
+        change = Change(None, geometry_changed=False, cells_updated=0)
+        step = max(1, PART_READINGS // self.log.n_beams)
+        for first in range(start, stop, step):
+            if not self.wanted():
+                raise UnwantedError("replay.unwanted", "The map is not wanted any more.")
+            part = integrate_scans(grid, self.log, config, self.trajectory, first, min(first + step, stop))
+            box = change.box | part.box if change.box is not None and part.box is not None else change.box or part.box
+            change = Change(box, geometry_changed=False, cells_updated=change.cells_updated + part.cells_updated)
+        return change
 
     def provenance(self, row: int, col: int) -> Provenance:
         """Return every beam that touched a cell of the map as it stands, with what it added.

@@ -72,6 +72,7 @@ class LogSession(Session):
         limits: Callable[[Session | None], Limits],
     ) -> None:
         self._replay = replay
+        replay.wanted = lambda: not self.closed
         self._log_id = log_id
         self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
         self._times = play_times(replay.log.stamps_ns)
@@ -206,6 +207,7 @@ class LogSession(Session):
     def _choose(self, trajectory: str, outcome: Outcome) -> None:
         old = self._replay
         replay = Replay(self.log, self.config, trajectory, self.limits())
+        replay.wanted = old.wanted
         replay.advance_to(old.index)
         self._sensor_poses = self.log.sensor_poses(trajectory)
         self._replay = replay

@@ -39,15 +39,8 @@ class Outcome:
         """Take up what an update of the grid changed."""
         self.changed = True
         self.new_grid = self.new_grid or change.geometry_changed
-        box = change.box
-        if box is not None and self.box is not None:
-            box = CellBox(
-                min(box.row0, self.box.row0),
-                max(box.row1, self.box.row1),
-                min(box.col0, self.box.col0),
-                max(box.col1, self.box.col1),
-            )
-        self.box = box or self.box
+        if change.box is not None:
+            self.box = change.box if self.box is None else self.box | change.box
 
     def slot(self, message: dict[str, Any]) -> None:
         """Send ``message`` to everyone, unless a newer one of its type comes first."""

@@ -360,6 +360,8 @@ class Session(ABC):
 
     def _deliver(self, outcome: Outcome) -> None:
         """Send what a tick left (event loop)."""
+        if self.closed:
+            return
         if outcome.picture is not None:
             self.hub.set_picture(outcome.picture)
         for message in outcome.slots.values():

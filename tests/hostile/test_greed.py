@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
+import time
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
@@ -12,8 +13,9 @@ from typing import Any
 
 import pytest
 
+from mapper.integrate import integrate_scans
 from server.sessions import Session, WorldSession
-from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for
+from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for, until_closed
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 
@@ -40,6 +42,33 @@ async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
         assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204
         # 20,000 scans were asked for: all of them would have taken the session a minute.
         assert session.progress[0] < started + 5000
+
+
+async def test_a_session_ends_in_the_middle_of_a_long_computation(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A map of fifty million readings takes a minute: neither its end nor the service's waits for it."""
+    session_id = await asyncio.to_thread(lambda: service.begin(kind="log", log="sample-office"))
+    session = session_of(service, session_id)
+    begun, parts = threading.Event(), []
+
+    def slow(*arguments: Any) -> Any:
+        parts.append(arguments)
+        begun.set()
+        deadline = time.monotonic() + PATIENCE_S
+        while not session.closed and time.monotonic() < deadline:
+            time.sleep(0.01)
+        return integrate_scans(*arguments)
+
+    monkeypatch.setattr("mapper.replay.PART_READINGS", 360)
+    async with service.connect(session_id) as socket:
+        monkeypatch.setattr("mapper.replay.integrate_scans", slow)
+        await socket.send(json.dumps({"type": "seek", "index": 600}))
+        await asyncio.to_thread(begun.wait, PATIENCE_S)
+        assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204
+        await until_closed(socket)
+        assert socket.close_code == 4410
+    assert len(parts) == 1
 
 
 async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Service) -> None:

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from mapper.errors import ConfigError, LimitError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log, integrate_scan
+from mapper.integrate import CellBox, geometry_for, integrate_log, integrate_scan
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
-from mapper.replay import Replay
+from mapper.replay import Replay, UnwantedError
 from mapper.scan import ScanLog, Trajectory
 
 
@@ -65,6 +65,29 @@ def test_any_order_of_jumps_is_the_map_made_in_one_go(log: ScanLog, update: str,
             assert (different >= [box.row0, box.col0]).all()
             assert (different < [box.row1, box.col1]).all()
     assert same(replay.grid, one_go(log, config, jumps[-1]))
+
+
+def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+    config = MappingConfig(resolution=0.2)
+    monkeypatch.setattr("mapper.replay.PART_READINGS", 3 * log.n_beams)
+    replay = Replay(log, config)
+    change = replay.advance_to(20)
+    assert same(replay.grid, one_go(log, config, 20))
+    rows, cols = np.nonzero(replay.grid.observed)
+    assert change.box is not None
+    assert change.box == CellBox(rows.min(), rows.max() + 1, cols.min(), cols.max() + 1)
+    finer = MappingConfig(resolution=0.1)
+    replay.reconfigure(finer)
+    assert same(replay.grid, one_go(log, finer, 20))
+
+
+def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mapper.replay.PART_READINGS", log.n_beams)
+    replay = Replay(log, MappingConfig(resolution=0.2))
+    answers = iter([True, True, False])
+    replay.wanted = lambda: next(answers)
+    with pytest.raises(UnwantedError):
+        replay.advance_to(20)
 
 
 def test_scan_by_scan_is_the_whole_log(log: ScanLog) -> None:
