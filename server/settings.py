@@ -45,6 +45,9 @@ class Settings(BaseSettings):
     )
     max_cells: int = Field(default=1 << 25, ge=1 << 12, description="Cells of one session's grid.")
     max_total_cells: int = Field(default=1 << 27, ge=1 << 12, description="Cells of all sessions' grids together.")
+    max_log_bytes: int = Field(
+        default=4 << 30, ge=1 << 20, description="Bytes in memory of the logs of all sessions together."
+    )
     max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
     threads: int = Field(
         default_factory=lambda: max(2, min(8, os.cpu_count() or 2)), ge=1, description="Threads that compute maps."

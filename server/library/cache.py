@@ -9,7 +9,7 @@ from server.library.packed import nbytes
 
 
 class LogCache:
-    """Keeps up to ``max_bytes`` of logs. A log larger than that is not kept; whoever asked for it has it all the same.
+    """Keeps up to ``max_bytes`` of logs, and always the newest, so that all who open it share it.
 
     Used from the event loop only.
     """
@@ -29,12 +29,9 @@ class LogCache:
     def put(self, log_id: str, log: ScanLog) -> None:
         """Keep ``log``, letting go of the least recently used ones until it fits."""
         self.drop(log_id)
-        size = nbytes(log)
-        if size > self._max_bytes:
-            return
         self._logs[log_id] = log
-        self.bytes += size
-        while self.bytes > self._max_bytes:
+        self.bytes += nbytes(log)
+        while self.bytes > self._max_bytes and len(self._logs) > 1:
             oldest = next(iter(self._logs))
             self.drop(oldest)
 

@@ -47,7 +47,7 @@ class LibraryLimits:
     """Caps on what the library takes in, keeps and spends on reading."""
 
     max_logs_per_owner: int = 50
-    max_total_bytes: int = 20 << 30  #: bytes of all uploads together
+    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
     max_uploads_at_once: int = 8
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds without a byte after which an upload is given up
@@ -88,6 +88,7 @@ class Library:
             timeout_s=self._limits.read_timeout_s, memory_bytes=self._limits.read_memory_bytes
         )
         self._cache = LogCache(self._limits.cache_bytes)
+        self._unpacking = asyncio.Lock()
         self._sample = Sample(self._cache)
 
     async def start(self) -> None:
@@ -155,8 +156,8 @@ class Library:
                 "library.too_many",
                 f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
             )
-        if sum(record.bytes for record in self._uploaded()) + (size or 0) > limits.max_total_bytes:
-            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+        if self._room() < (size or 0):
+            raise _full()
         self._uploads += 1
         try:
             async with receive(
@@ -192,6 +193,10 @@ class Library:
 
     def _uploaded(self) -> Sequence[Record]:
         return [record for record in self._records.values() if record.source == "upload"]
+
+    def _room(self) -> int:
+        """Bytes that uploads may still take on the disk."""
+        return self._limits.max_total_bytes - sum(record.stored_bytes for record in self._uploaded())
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
@@ -316,9 +321,13 @@ class Library:
         return record
 
     async def _unpack(self, record: Record) -> ScanLog:
-        log = await asyncio.to_thread(read_pack, self._pack(record.id))
-        log = replace(log, name=record.name)
-        self._cache.put(record.id, log)
+        async with self._unpacking:  # who opens it at the same time shares it, and memory holds one more log at a time
+            kept = self._cache.get(record.id)
+            if kept is not None:
+                return kept
+            log = await asyncio.to_thread(read_pack, self._pack(record.id))
+            log = replace(log, name=record.name)
+            self._cache.put(record.id, log)
         if record.summary is None:
             self._save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
         return log
@@ -341,6 +350,8 @@ class Library:
         started = time.monotonic()
         try:
             async with self._reader.turn():
+                if self._room() < 0:
+                    raise _full()
                 self._save(replace(record, state="reading"))
                 started = time.monotonic()
                 summary = await self._reader.read(source, pack)
@@ -373,3 +384,7 @@ class Library:
 
     def _pack(self, log_id: str) -> Path:
         return self._packs / f"{log_id}.npz"
+
+
+def _full() -> LimitError:
+    return LimitError("library.full", "The server's room for logs is used up; try again later.")

@@ -46,6 +46,11 @@ class Record:
     error: Failure | None = None
     summary: LogSummary | None = field(default=None, repr=False)
 
+    @property
+    def stored_bytes(self) -> int:
+        """Bytes on the disk: what was uploaded, and its readings once read, which may be a thousand times that."""
+        return self.bytes + (0 if self.summary is None else 4 * self.summary.scans * self.summary.beams)
+
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
         summary = self.summary

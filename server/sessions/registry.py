@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -42,6 +42,7 @@ class RegistrySettings(Protocol):
     session_idle_s: float
     max_cells: int
     max_total_cells: int
+    max_log_bytes: int
     threads: int
 
 
@@ -116,6 +117,7 @@ class SessionRegistry:
     ) -> LogSession:
         """Start a session of a log for a visitor. Raises :class:`SessionBudgetError`, and as the mapper does."""
         async with self._place(owner):
+            await self._free_bytes(log)
             replay = await asyncio.get_running_loop().run_in_executor(
                 self.pool, first_replay, log, trajectory, self.limits(None)
             )
@@ -180,7 +182,22 @@ class SessionRegistry:
                 return
             await self._end(min(idle, key=lambda s: s.unwatched_since))
 
-    async def _evict(self, sessions: list[Session], code: str, message: str) -> None:
+    async def _free_bytes(self, log: ScanLog) -> None:
+        """End log sessions that nobody watches, until ``log`` finds room in memory."""
+        room = self._settings.max_log_bytes - log.ranges.nbytes
+        if room < 0:
+            raise SessionBudgetError("session.memory", "This log needs more memory than the server has for logs.")
+        while True:
+            logs = [s for s in self._sessions.values() if isinstance(s, LogSession)]
+            others = [s for s in logs if s.log.ranges is not log.ranges]
+            # Sessions of one log share its readings.
+            if sum({id(s.log.ranges): s.log.ranges.nbytes for s in others}.values()) <= room:
+                return
+            needed = {id(s.log.ranges) for s in others if s.watched}
+            message = "The logs that are open take all the memory that there is for them: try again later."
+            await self._evict([s for s in others if id(s.log.ranges) not in needed], "session.memory", message)
+
+    async def _evict(self, sessions: Sequence[Session], code: str, message: str) -> None:
         """End the session that was left the longest ago."""
         idle = [s for s in sessions if not s.watched]
         if not idle:

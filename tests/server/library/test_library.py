@@ -201,6 +201,23 @@ async def test_caps(make_library: Callable[..., Library], settings: Settings) ->
     assert await refused("eve", in_pieces(b"y"), 200_000) == "library.full"
 
 
+async def test_what_was_read_of_a_log_takes_room_too(make_library: Callable[..., Library]) -> None:
+    """A small upload may hold a thousand times its bytes in readings."""
+    library = make_library(max_total_bytes=20_000)
+    packed = [gzip.compress(carmen(2000, start)) for start in range(3)]
+    records = [await library.put("ann", f"{n}.log.gz", in_pieces(data[:6000])) for n, data in enumerate(packed)]
+    ends = [await settled(library, "ann", record.id) for record in records]
+    assert ends[0].state == "ready"
+    assert ends[2].error is not None
+    assert ends[2].error.code == "library.full"
+    with pytest.raises(LimitError) as caught:
+        await library.put("bob", "b.log", in_pieces(carmen(2)))
+    assert caught.value.code == "library.full"
+    await library.delete("ann", records[0].id)
+    small = await library.put("bob", "b.log", in_pieces(carmen(2)))
+    assert (await settled(library, "bob", small.id)).state == "ready"
+
+
 @pytest.mark.parametrize(
     ("name", "shown"),
     [

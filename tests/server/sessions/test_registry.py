@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from mapper.scan import ScanLog
@@ -91,6 +93,28 @@ async def test_all_grids_together_are_bounded(make_registry: Make, office_log: S
     await eventually(lambda: not third.has_orders)
     await third.snapshot()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
+
+
+async def test_the_logs_of_all_sessions_together_are_bounded(make_registry: Make, office_log: ScanLog) -> None:
+    def another() -> ScanLog:
+        return replace(office_log, ranges=np.tile(office_log.ranges, (1, 5)))
+
+    registry = make_registry(max_log_bytes=2 * another().ranges.nbytes)
+    shared = another()
+    first = await registry.create_log("me", shared)
+    first.join()
+    second = await registry.create_log("me", another())
+    again = await registry.create_log("me", shared)  # its readings are in memory already
+    assert set(registry.all()) == {first, second, again}
+    third = await registry.create_log("me", another())
+    assert set(registry.all()) == {first, again, third}
+    third.join()
+    with pytest.raises(SessionBudgetError) as refused:
+        await registry.create_log("me", another())
+    assert refused.value.code == "session.memory"
+    with pytest.raises(SessionBudgetError, match="more memory than the server has"):
+        await registry.create_log("me", replace(office_log, ranges=np.tile(office_log.ranges, (1, 20))))
+    assert {first, again, third} == set(registry.all())
 
 
 async def test_ids_cannot_be_guessed(registry: SessionRegistry, office_log: ScanLog) -> None:
