@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
 import msgspec
 import viser
@@ -29,7 +29,6 @@ MAX_FROM_BROWSER = 16 * 1024  #: bytes of one message of the browser's; a camera
 MAX_FROM_SCENE = 64 << 20  #: bytes of one message of viser's: a whole map's columns when a browser connects
 CONNECT_S = 5.0
 
-_PASSED = frozenset({"ViewerCameraMessage", "ScenePointerMessage", "GuiUpdateMessage"})
 _TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</title>")
 
 
@@ -78,26 +77,58 @@ def page_headers(host: str) -> dict[str, str]:
     }
 
 
+_Number = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
+_Point = tuple[_Number, _Number, _Number]
+_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers count in fractions, too
+
+
+class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbid_unknown_fields=True):
+    """viser's message on where the browser's camera is."""
+
+    wxyz: tuple[_Number, _Number, _Number, _Number]
+    position: _Point
+    fov: _Number
+    near: _Number
+    far: _Number
+    image_height: _Pixels
+    image_width: _Pixels
+    look_at: _Point
+    up_direction: _Point
+
+
+class _Click(msgspec.Struct, tag_field="type", tag="ScenePointerMessage", forbid_unknown_fields=True):
+    """viser's message on a click into the scene."""
+
+    event_type: Literal["click"]
+    ray_origin: _Point
+    ray_direction: _Point
+    screen_pos: Annotated[list[tuple[_Number, _Number]], msgspec.Meta(min_length=1, max_length=1)]
+    modifier: Annotated[str, msgspec.Meta(max_length=100)] | None = None
+
+
+class _Value(msgspec.Struct, forbid_unknown_fields=True):
+    value: bool | float | Annotated[str, msgspec.Meta(max_length=100)]
+
+
+class _Update(msgspec.Struct, tag_field="type", tag="GuiUpdateMessage", forbid_unknown_fields=True):
+    """viser's message on a control that was moved."""
+
+    uuid: Annotated[str, msgspec.Meta(max_length=100)]
+    updates: _Value
+
+
+_passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update)
+
+
 def passes(message: bytes) -> bool:
-    """Return whether a message of the browser's may reach viser."""
+    """Return whether a message of the browser's may reach viser, which ends a connection over a field that is amiss."""
     try:
-        content = msgspec.msgpack.decode(message)
+        content = _passed.decode(message)
     except (msgspec.DecodeError, RecursionError):
         return False
-    kind = content.get("type") if isinstance(content, dict) else None
-    if not isinstance(kind, str) or kind not in _PASSED:
-        return False
-    if kind == "GuiUpdateMessage":
-        updates = content.get("updates")
-        return isinstance(updates, dict) and updates.keys() == {"value"} and _is_plain(updates["value"])
-    return True
-
-
-def _is_plain(value: Any) -> bool:  # noqa: ANN401 - whatever msgpack can hold
-    """Return whether ``value`` is what a slider, a switch or a choice can have."""
-    if isinstance(value, str):
-        return len(value) <= 100
-    return isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))
+    return not (isinstance(content, _Update) and isinstance(content.updates.value, float)) or math.isfinite(
+        content.updates.value
+    )
 
 
 async def pass_on(browser: WebSocket, port: int) -> None:

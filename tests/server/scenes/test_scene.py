@@ -220,10 +220,32 @@ async def test_messages_that_a_scene_does_not_need_stay_outside(service: Service
         assert caught.value.rcvd.code == 1009
 
 
+CLICK = {
+    "type": "ScenePointerMessage",
+    "event_type": "click",
+    "ray_origin": (1.0, 2.0, 5.0),
+    "ray_direction": (0.0, 0.0, -1.0),
+    "screen_pos": ((0.5, 0.5),),
+    "modifier": None,
+}
+
+
 @pytest.mark.parametrize(
     ("message", "passed"),
     [
         (CAMERA, True),
+        (CAMERA | {"image_height": 600.5, "position": (0, 1, 2)}, True),
+        (CAMERA | {"image_height": 0}, False),
+        (CAMERA | {"position": None}, False),
+        (CAMERA | {"position": (1.0, 2.0)}, False),
+        (CAMERA | {"fov": float("nan")}, False),
+        (CAMERA | {"more": 1}, False),
+        (CLICK, True),
+        (CLICK | {"modifier": "shift"}, True),
+        (CLICK | {"ray_origin": None}, False),
+        (CLICK | {"ray_direction": (0.0, 0.0, float("inf"))}, False),
+        (CLICK | {"event_type": "rect-select"}, False),
+        (CLICK | {"screen_pos": ()}, False),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": 1}}, True),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": "per_scan"}}, True),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": float("nan")}}, False),
