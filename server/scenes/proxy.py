@@ -103,7 +103,7 @@ class _Click(msgspec.Struct, tag_field="type", tag="ScenePointerMessage", forbid
     ray_origin: _Point
     ray_direction: _Point
     screen_pos: Annotated[list[tuple[_Number, _Number]], msgspec.Meta(min_length=1, max_length=1)]
-    modifier: Annotated[str, msgspec.Meta(max_length=100)] | None = None
+    modifier: Annotated[str, msgspec.Meta(max_length=100)] | None
 
 
 class _Value(msgspec.Struct, forbid_unknown_fields=True):

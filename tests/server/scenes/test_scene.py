@@ -246,6 +246,7 @@ CLICK = {
         (CLICK | {"ray_direction": (0.0, 0.0, float("inf"))}, False),
         (CLICK | {"event_type": "rect-select"}, False),
         (CLICK | {"screen_pos": ()}, False),
+        ({key: value for key, value in CLICK.items() if key != "modifier"}, False),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": 1}}, True),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": "per_scan"}}, True),
         ({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": float("nan")}}, False),
