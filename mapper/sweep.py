@@ -60,7 +60,7 @@ class Sweep:
 
     def sight(self, config: MappingConfig) -> Sight:
         """Which readings count and how, as the kernels take it."""
-        return (self.range_min, self.range_max, config.window, config.no_return == "free")
+        return (self.range_min, self.range_max, config.window, 0.0, config.no_return == "free")
 
     def bounds(self, config: MappingConfig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The least and greatest x, y (2,) of the sensors and of all that they see."""

@@ -28,8 +28,7 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
 
     As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (n_scans · n_beams, 8) float64 is written.
     """
-    range_min, range_max, window, no_return_free = sight
-    half = 0.5 * window
+    range_min, range_max, window, growth, no_return_free = sight
     rows = len(work) - 1
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
@@ -45,10 +44,11 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
                 z = range_max
             elif not z >= range_min:  # too near, NaN or −Inf
                 continue
+            half = 0.5 * (window + growth * z)
             px, py = z * beams[k, 0], z * beams[k, 1]
             hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
             end_u, end_v = hit_u, hit_v
-            if window > 0.0 and not no_return:
+            if half > 0.0 and not no_return:
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
                 end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
             ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v

@@ -134,7 +134,7 @@ def plan_runs(
     before and after. ``runs`` (n, 4) int64 and ``counts`` (n_scans,) int64, the number of runs of each scan, are
     written.
     """
-    range_min, range_max, window, no_return_free = sight
+    range_min, range_max, window, _, no_return_free = sight
     resolution, half = frame[4], 0.5 * window
     rows, n_beams = bits.shape[1], ranges.shape[1]
     here = np.empty(4, dtype=np.int64)

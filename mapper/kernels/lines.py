@@ -92,8 +92,8 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
     :mod:`mapper.kernels.types`. ``lines`` (n_scans · n_beams, 9) int64 is written; to ``work`` (rows + 1,) float64
     the differences, from row to row, of the number of cells to draw are added.
     """
-    range_min, range_max, window, no_return_free = sight
-    resolution, half = frame[4], 0.5 * window
+    range_min, range_max, window, growth, no_return_free = sight
+    resolution = frame[4]
     rows = len(work) - 1
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
@@ -119,6 +119,7 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
             if no_return:
                 near, far, at, hit_row, hit_col = steps + 1, steps + 1, -1, -1, -1
             elif window > 0.0:
+                half = 0.5 * (window + growth * z)
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
                 eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
                 end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
@@ -227,8 +228,7 @@ def reach(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, sigh
 
     The other arguments are those of :func:`plan_lines`.
     """
-    range_min, range_max, window, no_return_free = sight
-    half = 0.5 * window
+    range_min, range_max, window, growth, no_return_free = sight
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         bounds[0], bounds[1] = min(bounds[0], x), min(bounds[1], y)
@@ -242,7 +242,7 @@ def reach(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, sigh
             elif not z >= range_min:
                 continue
             else:
-                z += half
+                z += 0.5 * (window + growth * z)
             px, py = z * beams[k, 0], z * beams[k, 1]
             end_x, end_y = x + cos * px - sin * py, y + sin * px + cos * py
             bounds[0], bounds[1] = min(bounds[0], end_x), min(bounds[1], end_y)

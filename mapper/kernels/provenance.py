@@ -79,8 +79,8 @@ def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float6
     A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
     other arguments are those of :func:`mapper.kernels.field.plan_runs`.
     """
-    range_min, range_max, window, no_return_free = sight
-    resolution, half = frame[4], 0.5 * window
+    range_min, range_max, window, growth, no_return_free = sight
+    resolution = frame[4]
     n_beams = ranges.shape[1]
     count = 0
     for t in range(ranges.shape[0]):
@@ -107,6 +107,7 @@ def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float6
                 left_v = turn_v * fields[k, 2] + turn_u * fields[k, 3]
                 if right_u * d_v - right_v * d_u >= 0.0 and left_u * d_v - left_v * d_u < 0.0:
                     z = float(ranges[t, k])
+                    half = 0.5 * (window + growth * z)
                     if range_min <= z <= range_max:
                         if s < z - half:
                             beam, kind = k, MISS

@@ -14,7 +14,8 @@ Float64Array = NDArray[np.float64]
 
 #: Where the lattice lies: origin x, y (m), cosine and sine of its yaw, resolution (m): ``GridGeometry.frame``.
 Frame = tuple[float, float, float, float, float]
-#: Which readings count and how: range_min, range_max, width of the hit window (m), whether no return says "free".
-Sight = tuple[float, float, float, bool]
+#: Which readings count and how: range_min, range_max, width of the hit window at no distance (m), how much wider it is
+#: for each metre of range (m/m), whether no return says "free".
+Sight = tuple[float, float, float, float, bool]
 #: What they say, log-odds: miss, hit, lower and upper clamp.
 Rule = tuple[np.float32, np.float32, np.float32, np.float32]
