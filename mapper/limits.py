@@ -22,6 +22,7 @@ class Limits:
     max_side: int = 1 << 15  #: rows or columns of one grid; tile indices are int16
     max_image_bytes: int = 1 << 30  #: bytes of a map image
     max_yaml_bytes: int = 1 << 16  #: bytes of a map's yaml
+    max_added_solids: int = 100  #: walls and boxes drawn into one world
     max_pose: float = 1e6  #: metres: a pose farther out than this is a defect in the log, not a place
 
 

@@ -1,5 +1,7 @@
 """The simulator: worlds, lidar, and a robot that walks by itself."""
 
+from mapper.world.edits import Drawn, Edits, edited
+from mapper.world.faults import Faults
 from mapper.world.floor_plans import WORLDS
 from mapper.world.lidar import SENSOR_PARAMETERS, SensorConfig
 from mapper.world.recording import Recording
@@ -10,10 +12,14 @@ from mapper.world.worlds import World
 __all__ = [
     "SENSOR_PARAMETERS",
     "WORLDS",
+    "Drawn",
+    "Edits",
+    "Faults",
     "Recording",
     "SensorConfig",
     "Simulation",
     "Teleport",
     "World",
+    "edited",
     "sample_log",
 ]

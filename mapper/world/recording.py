@@ -1,4 +1,4 @@
-"""The live world's memory: what the lidar has seen so far, as a log that can be mapped again."""
+"""The live world's memory: what the sensor has seen so far, as a log that can be mapped again."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ TURNS = 4  # headings that are told apart in each square
 
 
 class Recording:
-    """Scans and true poses of one sensor, in arrays that grow up to ``capacity`` scans.
+    """Scans and poses of one sensor, in arrays that grow up to ``capacity`` scans.
+
+    Beside the true poses it holds those that odometry reported, and beside the readings which of them a polished wall
+    would have swallowed: see :mod:`mapper.world.faults`.
 
     When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
     only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
@@ -44,7 +47,9 @@ class Recording:
         rows = min(self.capacity, FIRST_ROWS)
         self._n = 0
         self._ranges = np.empty((rows, self.sensor.n_beams), dtype=np.float32)
+        self._swallowed = np.zeros((rows, self.sensor.n_beams), dtype=np.bool_)
         self._poses = np.empty((rows, 3))
+        self._odometry = np.empty((rows, 3))
         self._stamps = np.empty(rows, dtype=np.int64)
 
     def __len__(self) -> int:
@@ -62,8 +67,18 @@ class Recording:
             mine.range_max,
         )
 
-    def append(self, scan: LaserScan, base_pose: Sequence[float] | NDArray[np.float64]) -> None:
-        """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit."""
+    def append(
+        self,
+        scan: LaserScan,
+        base_pose: Sequence[float] | NDArray[np.float64],
+        odometry: Sequence[float] | NDArray[np.float64] | None = None,
+        swallowed: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit.
+
+        ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``swallowed`` (n_beams,) are
+        the beams that a polished wall swallows, None for no beam.
+        """
         wanted = (self.sensor.n_beams, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
         given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
         if given != wanted:
@@ -80,20 +95,30 @@ class Recording:
             self._resize(np.arange(self._n), min(self.capacity, 2 * self._n))
         self._ranges[self._n] = scan.ranges
         self._poses[self._n] = pose
+        self._odometry[self._n] = pose if odometry is None else odometry
+        self._swallowed[self._n] = False if swallowed is None else swallowed
         self._stamps[self._n] = scan.stamp_ns
         self._n += 1
 
-    def as_log(self) -> ScanLog:
-        """Return the recording so far as a log with the trajectory "true"; its arrays are views, nothing is copied."""
-        poses = Trajectory(self._poses[: self._n], "The simulated robot's true poses.")
+    def as_log(self, *, specular: bool = False) -> ScanLog:
+        """Return the recording so far as a log with the trajectories "true" and "odometry".
+
+        Its arrays are views and nothing is copied, except that with ``specular`` the swallowed readings are +inf.
+        """
+        ranges = self._ranges[: self._n]
+        if specular:
+            ranges = np.where(self._swallowed[: self._n], np.float32(np.inf), ranges)
         return ScanLog(
-            self._ranges[: self._n],
+            ranges,
             self.sensor.angle_min,
             self.sensor.angle_increment,
             RANGE_MIN,
             self.sensor.range_max,
             self._stamps[: self._n],
-            {"true": poses},
+            {
+                "true": Trajectory(self._poses[: self._n], "The simulated robot's true poses."),
+                "odometry": Trajectory(self._odometry[: self._n], "What its wheels report: the truth with a drift."),
+            },
             self.mount,
             name="live world",
             format="simulation",
@@ -127,7 +152,7 @@ class Recording:
 
     def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
         """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
-        for name in ("_ranges", "_poses", "_stamps"):
+        for name in ("_ranges", "_swallowed", "_poses", "_odometry", "_stamps"):
             old = getattr(self, name)
             new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)
             new[: len(keep)] = old[keep]

@@ -79,6 +79,11 @@ class Simulation:
         return self._steps * STEP + self._rest
 
     @property
+    def steps(self) -> int:
+        """Whole physics steps of :data:`STEP` seconds since the simulation began."""
+        return self._steps
+
+    @property
     def pose(self) -> PoseTuple:
         """``T_map_base`` now: x, y, yaw. Between two physics steps it is interpolated, so that motion looks even."""
         share = self._rest / STEP
@@ -190,3 +195,22 @@ class Simulation:
     def set_world(self, world: World) -> None:
         """Move the robot to the start of another world; the clock, the sensor and :attr:`auto` stay as they are."""
         self._enter(world)
+
+    def alter_world(self, world: World) -> bool:
+        """Exchange the world for one of the same bounds around the robot, which stays where it is if it still fits.
+
+        Return whether it had to move, to the nearest free place. Raises :class:`ConfigError` for other bounds and for
+        a world in which the robot fits nowhere; nothing has changed then.
+        """
+        if world.bounds != self.world.bounds:
+            raise ConfigError("simulation.bounds", "An altered world keeps its bounds.")
+        x, y, yaw = self.robot.pose
+        needed = self.radius + 1e-3
+        place = world.nearest_free((x, y), needed)
+        moved = not world.is_free((x, y), self.radius)
+        self.world = world
+        self.walker.enter(world)
+        if moved:
+            self.robot.pose = self._before = (float(place[0]), float(place[1]), yaw)
+            self.robot.stop()
+        return moved

@@ -52,6 +52,11 @@ class Walker:
             np.stack(np.meshgrid(*(np.arange(n) for n in lattice.clearance.shape), indexing="ij"), axis=-1)
         )
 
+    def enter(self, world: World) -> None:
+        """Go on in an altered world of the same bounds: what was visited stays visited, the goal is dropped."""
+        self.world = world
+        self.forget_path()
+
     def forget_path(self) -> None:
         """Drop the goal: the robot was moved, or steered by hand."""
         self.path = np.empty((0, 2))

@@ -14,9 +14,26 @@ from mapper.errors import MapperError
 from mapper.maps import pgm_bytes, png_bytes, yaml_text
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS
-from server.sessions import Session
+from server.sessions import Session, WorldSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+class Story(BaseModel):
+    """What happened in a live world: enough to make it, its recording and its map again."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    sensor: dict[str, Any] = Field({}, description="Values of the simulated sensor at the beginning.")
+    edits: dict[str, list[Any]] = Field({}, description="What was drawn and erased at the beginning: added, erased.")
+    steps: int = Field(0, ge=0, description="Physics steps of 0.02 s since the beginning.")
+    journal: list[tuple[int, dict[str, Any]]] | None = Field(
+        None, description="Each action and the step before which it came; null where only the pose is known."
+    )
+    pose: tuple[float, float, float] | None = Field(None, description="Where the robot is now, where journal is null.")
+    auto: bool = Field(True, description="Whether it walks by itself then.")
+    parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from a new world's.")
+    faults: dict[str, Any] = Field({}, description="The robot's faults.")
 
 
 class NewWorld(BaseModel):
@@ -29,6 +46,7 @@ class NewWorld(BaseModel):
         None, max_length=100, description="Name of the world; the first one where it is left out."
     )
     seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
+    story: Story | None = Field(None, description="What happened in a world before, as /api/sessions/{id}/story tells.")
 
 
 class NewLog(BaseModel):
@@ -61,7 +79,8 @@ async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(dis
     sessions, visitor = request.app.state.sessions, request.state.visitor
     session: Session
     if isinstance(wanted, NewWorld):
-        session = await sessions.create_world(visitor, wanted.world, wanted.seed)
+        story = None if wanted.story is None else wanted.story.model_dump()
+        session = await sessions.create_world(visitor, wanted.world, wanted.seed, story)
     else:
         library = request.app.state.library
         log = await library.load(visitor, wanted.log)
@@ -90,6 +109,15 @@ async def end(request: Request, session_id: str) -> None:
     if session.owner != request.state.visitor:
         raise MapperError("session.not_yours", "Only who began a session may end it.")
     await request.app.state.sessions.close(session_id)
+
+
+@router.get("/sessions/{session_id}/story")
+async def story(request: Request, session_id: str) -> dict[str, Any]:
+    """Tell what happened in a live world, so that another session can begin where this one is."""
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, WorldSession):
+        raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
+    return await session.story()
 
 
 @router.get("/sessions/{session_id}/map.yaml")

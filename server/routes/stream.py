@@ -53,10 +53,11 @@ async def stream(websocket: WebSocket, session_id: str) -> None:
         await websocket.accept()
         await websocket.close(CLOSE_POLICY, f"the subprotocol {SUBPROTOCOL} is required")
         return
-    if len(session.hub.clients) >= websocket.app.state.settings.max_clients_per_session:
+    hub = session.hub_of(second=websocket.query_params.get("map") == "second")
+    if len(hub.clients) >= websocket.app.state.settings.max_clients_per_session:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
-    client = session.join()
+    client = session.join(hub)
     tasks = [
         asyncio.create_task(_send(websocket, session, client), name="stream out"),
         asyncio.create_task(_receive(websocket, session, client), name="stream in"),

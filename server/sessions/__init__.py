@@ -4,7 +4,8 @@ from server.sessions.log_session import LogSession
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.session import Session
 from server.sessions.view import SessionView
-from server.sessions.world_session import WorldMapper, WorldSession
+from server.sessions.world_mapper import WorldMapper
+from server.sessions.world_session import WorldSession
 
 __all__ = [
     "LogSession",

@@ -24,14 +24,25 @@ def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> di
     return {"type": "parameters", "values": asdict(config), "sensor": None if sensor is None else asdict(sensor)}
 
 
-def moment_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
-    """Return the part of a ``frame`` message that says where the robot is and what it sees."""
-    scan = moment.scan
-    return {
+def frame_fields(moment: Moment) -> dict[str, Any]:
+    """Return the part of a ``frame`` message that says where the robot is."""
+    fields: dict[str, Any] = {
         "stamp": round(moment.stamp_s, 4),
         "pose": _rounded(moment.pose),
         "sensor_pose": _rounded(moment.sensor_pose),
-        "scan_pose": _rounded(moment.scan_pose),
+    }
+    if moment.believed_pose is not None:
+        fields["believed_pose"] = _rounded(moment.believed_pose)
+    return fields
+
+
+def scan_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
+    """Return the part of a ``frame`` message that says what the robot sees."""
+    scan = moment.scan
+    fields: dict[str, Any] = {"scan_pose": _rounded(moment.scan_pose)}
+    if moment.believed_scan_pose is not None:
+        fields["believed_scan_pose"] = _rounded(moment.believed_scan_pose)
+    return fields | {
         "ranges": _ranges(scan),
         "angle_min": scan.angle_min,
         "angle_increment": scan.angle_increment,

@@ -27,7 +27,7 @@ class Outcome:
     changed: bool = False  #: whether there is a new frame to publish
     new_grid: bool = False  #: whether the whole picture has to be read anew
     box: CellBox | None = None  #: otherwise: the cells that may have changed
-    picture: TilePicture | None = None  #: of a new epoch
+    pictures: list[TilePicture | None] = field(default_factory=list)  #: of a new epoch, for each map of the session
     remade_ms: float | None = None
     slots: dict[str, dict[str, Any]] = field(default_factory=dict)
     notices: list[dict[str, Any]] = field(default_factory=list)

@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import structlog
 
@@ -18,7 +18,9 @@ from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.scan import ScanLog
 from server.sessions.log_session import LogSession, first_replay
 from server.sessions.session import Session
-from server.sessions.world_session import DEFAULT_WORLD, WorldMapper, WorldSession, world_named
+from server.sessions.world_commands import retold
+from server.sessions.world_mapper import WorldMapper, world_named
+from server.sessions.world_session import DEFAULT_WORLD, WorldSession
 from server.stream.hub import Traffic
 
 REAP_EVERY_S = 5.0
@@ -98,13 +100,18 @@ class SessionRegistry:
             raise SessionNotFoundError("session.unknown", "There is no such session; it may have ended.")
         return session
 
-    async def create_world(self, owner: str, world: str | None = None, seed: int | None = None) -> WorldSession:
-        """Start a live world for a visitor. Raises :class:`SessionBudgetError`, :class:`MapperError` for no world."""
-        chosen = world_named(DEFAULT_WORLD if world is None else world)
+    async def create_world(
+        self, owner: str, world: str | None = None, seed: int | None = None, story: dict[str, Any] | None = None
+    ) -> WorldSession:
+        """Start a live world for a visitor, with ``story`` one in which everything told there has happened.
+
+        Raises :class:`SessionBudgetError`, and :class:`MapperError` for no world and for a story that makes no sense.
+        """
+        named = world_named(DEFAULT_WORLD if world is None else world).name
         number = secrets.randbelow(2**31) if seed is None else seed
 
         def make() -> WorldMapper:
-            return WorldMapper(chosen, number, limits=lambda: self.limits(None))
+            return retold({**(story or {}), "world": named, "seed": number}, limits=lambda: self.limits(None))
 
         async with self._place(owner):
             mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)

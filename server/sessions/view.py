@@ -43,7 +43,8 @@ class SessionView:
 class Moment:
     """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
 
-    The correction of the mount among the parameters is in neither: the map composes it onto them.
+    The correction of the mount among the parameters is in neither: the map composes it onto them. ``believed_*`` are
+    the same of where the robot believes to be, None where it knows.
     """
 
     pose: Pose
@@ -51,6 +52,8 @@ class Moment:
     scan_pose: Pose
     scan: LaserScan
     stamp_s: float
+    believed_pose: Pose | None = None
+    believed_scan_pose: Pose | None = None
 
 
 def as_pose(row: NDArray[np.float64]) -> Pose:

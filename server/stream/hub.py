@@ -35,7 +35,7 @@ MIN_FRAME_BYTES = 8 * 1024
 MAX_FRAME_BYTES = 256 * 1024
 MAX_FRAME_TILES = 2048
 MAX_ANSWERS = 64  #: answers and notices that wait for one client; older ones give way
-SLOTS = ("hello", "geometry", "world", "parameters", "trajectory")  #: in the order in which they are sent
+SLOTS = ("hello", "geometry", "world", "parameters", "trajectory", "forgetting")  #: in the order in which they are sent
 
 
 @dataclass(slots=True)
@@ -64,7 +64,10 @@ class Hub:
         self.frame_number = 0  #: of the newest frame message; 0 before the first
         self.published_at = 0.0
         self.settled = True  #: whether nothing moves: the newest frame message is then true now, not only at its tick
+        self.scan_number = 0  #: of the newest scan; 0 before the first
         self._frame_rest = ""
+        self._scan: dict[str, Any] | None = None
+        self._scan_rest = ""
         self._focus_xy = (0.0, 0.0)
 
     def join(self) -> Client:
@@ -95,12 +98,19 @@ class Hub:
         self.picture = picture
         self.set_slot(picture.message())
 
-    def publish(self, frame: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool) -> None:
+    def publish(
+        self, frame: dict[str, Any], scan: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool
+    ) -> None:
         """Make ``frame`` (without its ``t``) the newest frame message, and the picture's changes due to everyone.
 
-        ``focus_xy`` is the place in map metres whose tiles go first.
+        ``scan`` is the part of it that a client is sent only when it is another object than the client was sent
+        last; ``focus_xy`` is the place in map metres whose tiles go first.
         """
         self.picture.publish()
+        if scan is not self._scan:
+            self._scan = scan
+            self._scan_rest = json.dumps(scan, separators=(",", ":"), allow_nan=False)[1:-1]
+            self.scan_number += 1
         self._frame_rest = json.dumps(frame, separators=(",", ":"), allow_nan=False)[1:]
         self._focus_xy = focus_xy
         self.frame_number += 1
@@ -109,10 +119,11 @@ class Hub:
         for client in self.clients:
             client.wake.set()
 
-    def frame_text(self) -> str:
+    def frame_text(self, *, with_scan: bool = True) -> str:
         """Return the newest frame message, with the instant at which it was last known to be true."""
         t = self.clock() if self.settled else self.published_at
-        return f'{{"type":"frame","t":{t:.6f},{self._frame_rest}'
+        scan = f"{self._scan_rest}," if with_scan else ""
+        return f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
 
     def nearest_first(self, dirty: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, the robot's own first, at most a frame's worth."""
@@ -139,6 +150,7 @@ class Client:
         self._picture: TilePicture | None = None
         self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  #: revision of each tile that it was sent
         self._frame_number = 0
+        self._scan_number = 0
         self._seq = 0
         self._unacknowledged: deque[tuple[int, float]] = deque()
         self._latency = PRESUMED_LATENCY_S  #: of acknowledgements: rises at once, falls slowly
@@ -270,4 +282,6 @@ class Client:
         self._unacknowledged.append((self._seq, hub.clock()))
         hub.traffic.frames += 1
         hub.traffic.tiles += len(tiles)
-        return [hub.frame_text(), encode_tiles(picture.epoch, self._seq, tiles, complete=complete)]
+        with_scan = self._scan_number != hub.scan_number
+        self._scan_number = hub.scan_number
+        return [hub.frame_text(with_scan=with_scan), encode_tiles(picture.epoch, self._seq, tiles, complete=complete)]

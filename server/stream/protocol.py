@@ -1,6 +1,7 @@
 """The wire: what the stream's frames look like, encoded and decoded once (its twin: ``static/src/protocol.ts``).
 
-One WebSocket, ``/api/sessions/{id}/stream``, subprotocol ``gridbloom.v1``, permessage-deflate off.
+One WebSocket, ``/api/sessions/{id}/stream``, subprotocol ``gridbloom.v1``, permessage-deflate off. With ``?map=second``
+it carries the picture of the second map that ``compare`` asks for, in its own epochs; commands are taken on either.
 
 **Binary frames (server → browser)** carry tiles, little-endian::
 
@@ -21,6 +22,7 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 
 ``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
                  speeds: [least, greatest], sensor: {table, values}|null, world: name (of a world session),
+                 seed: n (of a world session),
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
                 first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
@@ -33,12 +35,23 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
                 those of the newest scan, ``null`` for no return or no reading; ``scan_pose`` is where the sensor was
                 then, ``sensor_pose`` where it is now, both T_map_laser as the robot states it, without the correction
-                of the mount that the parameters hold
+                of the mount that the parameters hold; ``believed_pose`` and ``believed_scan_pose`` are ``pose`` and
+                ``scan_pose`` as the map has them, only where the robot drifts. ``scan_pose``, ``believed_scan_pose``,
+                ``ranges``, ``angle_min``, ``angle_increment`` and ``range_max`` are sent only with a new scan: where
+                ``ranges`` is left out all of them are as they were
 ``trajectory``  {name, every, poses: [[x, y], ...], stamps: [s, ...]}   log sessions only: the base at every scan (of
                 very long logs at scans 0, ``every``, 2 · ``every``, ...), and how much of the recorded time is over
                 then; sent at the start and after a change
-``parameters``  {values, sensor: values|null}    after a change by anyone, or as the answer to a refused one
-``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...]}  what is solid
+``parameters``  {values, sensor: values|null, faults?: values, compare?: {values, with_faults}|null}
+                after a change by anyone, or as the answer to a refused one; the last two of world sessions
+``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...], ids: [i, ...],
+                 edits: {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...]}, polished: [[ax, ay, bx, by], ...]}
+                what is solid; ``ids`` say of each polygon which solid of the world it is (from 0), or −1 − its place
+                in ``added``; ``polished`` are the faces that swallow beams while the fault ``specular`` is on
+``forgetting``  {cells, scans, with_clamp|null, without_clamp|null, free_with_clamp, free_without_clamp}
+                after an ``edit`` with ``watch``: after ``scans`` scans these shares of the ``cells`` that held what was
+                erased are free in the map with the clamp and in the one without it, and after how many scans 9 in 10
+                were; ``cells`` 0: nothing is watched any more
 ``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log
 ``error``       {code, message, detail}   the last command was refused; everything goes on
 ``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}
@@ -62,7 +75,12 @@ Browser → server:
 ``play`` ``pause`` ``step`` {scans?: ±n} ``speed`` {value} ``seek`` {index} ``restart``
 ``parameters``  {values: {name: value, ...}}
 ``teleport``    {x, y, yaw?}      ``drive`` {linear, angular}  (m/s, rad/s; held for 0.5 s)   ``auto`` {value: bool}
-``world``       {name}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
+``edit``        {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...], watch?: bool}   all changes to the world as
+                 it was built, in place of earlier ones: "wall"s from corner to corner and "box"es, whole centimetres;
+                 ``watch`` begins a second map with the clamp the other way and counts as ``forgetting`` tells
+``faults``      {values: {drift?: bool, specular?: bool}}     how the robot's faults enter the map, all of it
+``compare``     {values: {name: value, ...}|null}    a second map of the same recording, of what is true, with these
+``world``       {name, added?, erased?}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
 ``inspect``     {row, col, epoch}       ``why`` {row, col, epoch, until?: n}   (the touches up to the n-th, else the
                  newest; of several that wait only the last is answered)
 ``ping``        {id}

@@ -95,3 +95,23 @@ class TilePicture:
             "log_odds_max": self.high,
             "tile": TILE,
         }
+
+
+def picture_of(grid: OccupancyGrid, config: MappingConfig, epoch: int = 1, revision: int = 0) -> TilePicture:
+    """Return a picture of the whole grid, not yet published."""
+    picture = TilePicture(grid.geometry, *picture_range(config), epoch, revision)
+    picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
+    return picture
+
+
+def followed(
+    picture: TilePicture, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool
+) -> TilePicture | None:
+    """Bring a picture up to date with its grid, ``whole`` or in a ``box``; return a new one where an epoch begins."""
+    if not picture.shows(grid.geometry, *picture_range(config)):
+        return picture_of(grid, config, picture.epoch + 1, picture.newest)
+    if whole:
+        picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
+    elif box is not None:
+        picture.update(grid, box)
+    return None

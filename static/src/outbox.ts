@@ -23,7 +23,7 @@ export class Outbox {
   /** Add one value to the waiting `parameters` or `sensor` command. */
   putValue(type: "parameters" | "sensor", name: string, value: Value): void {
     const waiting = this.#waiting.get(type);
-    const before: Values = waiting && "values" in waiting ? waiting.values : {};
+    const before: Values = (waiting && "values" in waiting && waiting.values) || {};
     this.put({ type, values: { ...before, [name]: value } });
   }
 

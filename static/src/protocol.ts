@@ -59,6 +59,8 @@ export interface Hello {
   readonly parameters: Table;
   readonly sensor: Table | null;
   readonly log: LogInfo | null;
+  /** Of a live world: the same seed and the same commands give the same scans. */
+  readonly seed?: number;
 }
 
 export interface Geometry {
@@ -73,7 +75,22 @@ export interface Geometry {
   readonly tile: number;
 }
 
-export interface Frame {
+/** What the robot sees: the part of a frame that is sent only with a new scan. */
+export interface Seen {
+  /** Where the sensor was when it measured `ranges`. */
+  readonly scan_pose: Pose;
+  /** The same where the map has it, only while the robot drifts. */
+  readonly believed_scan_pose?: Pose;
+  readonly ranges: readonly (number | null)[];
+  readonly angle_min: number;
+  readonly angle_increment: number;
+  readonly range_max: number;
+}
+
+/** A frame as it comes: without a scan where that is the same as before. */
+export type FrameMessage = Omit<Frame, keyof Seen> & Partial<Seen>;
+
+export interface Frame extends Seen {
   readonly type: "frame";
   readonly t: number;
   readonly playing: boolean;
@@ -83,12 +100,8 @@ export interface Frame {
   readonly stamp: number;
   readonly pose: Pose;
   readonly sensor_pose: Pose;
-  /** Where the sensor was when it measured `ranges`. */
-  readonly scan_pose: Pose;
-  readonly ranges: readonly (number | null)[];
-  readonly angle_min: number;
-  readonly angle_increment: number;
-  readonly range_max: number;
+  /** `pose` where the map has it, only while the robot drifts. */
+  readonly believed_pose?: Pose;
   readonly remade_ms?: number;
   readonly auto: boolean;
 }
@@ -110,6 +123,46 @@ export interface WorldMessage {
   readonly names: readonly string[];
   readonly bounds: readonly [number, number, number, number];
   readonly polygons: readonly (readonly Point[])[];
+  /** Which solid of the world as it was built each polygon is, or −1 − its place among the added ones. */
+  readonly ids: readonly number[];
+  readonly edits: Edits;
+  /** Faces that swallow beams while the fault `specular` is on: ax, ay, bx, by. */
+  readonly polished: readonly (readonly [number, number, number, number])[];
+}
+
+/** A wall from corner to corner, or an upright box; whole centimetres. */
+export type Drawn = readonly [kind: "wall" | "box", x0: number, y0: number, x1: number, y1: number];
+
+/** What a person changed in a world as it was built. */
+export interface Edits {
+  readonly added: readonly Drawn[];
+  readonly erased: readonly number[];
+}
+
+/** How far two maps, one clamped and one not, have forgotten what was erased; without cells nothing is watched. */
+export interface Forgetting {
+  readonly type: "forgetting";
+  readonly cells: number;
+  readonly scans: number;
+  /** Scans after which 9 in 10 of the cells were free, null while they are not. */
+  readonly with_clamp: number | null;
+  readonly without_clamp: number | null;
+  readonly free_with_clamp: number;
+  readonly free_without_clamp: number;
+}
+
+/** What the second map has otherwise than the first. */
+export interface Compared {
+  readonly values: Values;
+  readonly with_faults: boolean;
+}
+
+export interface ParametersMessage {
+  readonly type: "parameters";
+  readonly values: Values;
+  readonly sensor: Values | null;
+  readonly faults?: Values;
+  readonly compare?: Compared | null;
 }
 
 export interface CellMessage {
@@ -167,12 +220,13 @@ export type CellState = "free" | "unknown" | "occupied";
 export type ServerMessage =
   | Hello
   | Geometry
-  | Frame
+  | FrameMessage
+  | Forgetting
   | WorldMessage
   | CellMessage
   | WhyMessage
   | Trajectory
-  | { readonly type: "parameters"; readonly values: Values; readonly sensor: Values | null }
+  | ParametersMessage
   | { readonly type: "notice"; readonly code: string; readonly message: string }
   | { readonly type: "error"; readonly code: string; readonly message: string; readonly detail?: unknown }
   | { readonly type: "pong"; readonly id: number; readonly t: number };
@@ -188,7 +242,11 @@ export type Command =
   | { readonly type: "teleport"; readonly x: number; readonly y: number; readonly yaw?: number }
   | { readonly type: "drive"; readonly linear: number; readonly angular: number }
   | { readonly type: "auto"; readonly value: boolean }
-  | { readonly type: "world" | "trajectory"; readonly name: string }
+  | { readonly type: "faults"; readonly values: Values }
+  | { readonly type: "compare"; readonly values: Values | null }
+  | ({ readonly type: "edit"; readonly watch?: boolean } & Edits)
+  | ({ readonly type: "world"; readonly name: string } & Partial<Edits>)
+  | { readonly type: "trajectory"; readonly name: string }
   | { readonly type: "inspect"; readonly row: number; readonly col: number; readonly epoch: number }
   | {
       readonly type: "why";
@@ -277,6 +335,13 @@ const isNumbers = (n: number): Check => {
 const orNull = (check: Check): Check => {
   return (value) => value === null || check(value);
 };
+const orMissing = (check: Check): Check => {
+  return (value) => value === undefined || check(value);
+};
+const isEdits: Check = (value) => {
+  const { added, erased } = (value ?? {}) as Record<string, unknown>;
+  return isList(added) && isList(erased);
+};
 const isTable: Check = (value) => {
   const { table, values } = (value ?? {}) as Record<string, unknown>;
   return isList(table) && isObject(values);
@@ -312,15 +377,34 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     count: isNumber,
     pose: isNumbers(3),
     sensor_pose: isNumbers(3),
-    scan_pose: isNumbers(3),
-    ranges: isList,
-    angle_min: isNumber,
-    angle_increment: isNumber,
-    range_max: isNumber,
+    believed_pose: orMissing(isNumbers(3)),
+    ranges: orMissing(isList),
+    scan_pose: orMissing(isNumbers(3)),
+    believed_scan_pose: orMissing(isNumbers(3)),
+    angle_min: orMissing(isNumber),
+    angle_increment: orMissing(isNumber),
+    range_max: orMissing(isNumber),
+  },
+  forgetting: {
+    cells: isNumber,
+    scans: isNumber,
+    with_clamp: orNull(isNumber),
+    without_clamp: orNull(isNumber),
+    free_with_clamp: isNumber,
+    free_without_clamp: isNumber,
   },
   trajectory: { name: isText, every: isNumber, poses: isList, stamps: isList },
   parameters: { values: isObject, sensor: orNull(isObject) },
-  world: { name: isText, title: isText, names: isList, bounds: isNumbers(4), polygons: isList },
+  world: {
+    name: isText,
+    title: isText,
+    names: isList,
+    bounds: isNumbers(4),
+    polygons: isList,
+    ids: isList,
+    edits: isEdits,
+    polished: isList,
+  },
   notice: { code: isText, message: isText },
   error: { code: isText, message: isText },
   cell: { row: isNumber, col: isNumber, epoch: isNumber, observed: isFlag, log_odds: isNumber, p_occ: isNumber },

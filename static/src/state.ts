@@ -1,50 +1,39 @@
 /** The one store of a page that watches a session: every figure is a view of it and changes it; none knows another. */
 
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
-import { decompress } from "fzstd";
 import { type Beam, beamAt, beamToward } from "./beams";
-import { byteAt } from "./belief";
-import { Cells, type OnBloom } from "./gl/cells";
+import type { OnBloom } from "./gl/cells";
 import { type Cell, cellAt, compose, contains, extent } from "./lattice";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
-import {
-  type CellMessage,
-  type Command,
-  type Frame,
-  type Geometry,
-  type Hello,
-  type Point,
-  type Pose,
-  ProtocolError,
-  type ServerMessage,
-  TILE,
-  type TilesFrame,
-  type Touch,
-  type Trajectory,
-  type Value,
-  type WhyMessage,
-  type WorldMessage,
+import type {
+  CellMessage,
+  Command,
+  Compared,
+  Forgetting,
+  Frame,
+  FrameMessage,
+  Hello,
+  Point,
+  Pose,
+  ServerMessage,
+  TilesFrame,
+  Touch,
+  Trajectory,
+  Value,
+  Values,
+  WhyMessage,
+  WorldMessage,
 } from "./protocol";
+import { type MapPicture, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
 import type { Bounds, View } from "./view";
-
-/** A map to be drawn: its cells, and where they lie. */
-export interface MapPicture {
-  readonly geometry: Geometry;
-  readonly cells: Cells;
-}
 
 export interface Notice {
   readonly kind: "note" | "error";
   readonly code: string;
   readonly message: string;
 }
-
-/** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
-const STALE_PICTURE_MS = 250;
-
-const tileBuffer = new Uint8Array(TILE * TILE);
 
 export class Store implements Receiver {
   readonly hello = signal<Hello | null>(null);
@@ -61,9 +50,9 @@ export class Store implements Receiver {
   readonly auto = computed(() => this.frame.value?.auto ?? true);
 
   /** The map on show. */
-  readonly map = signal<MapPicture | null>(null);
+  readonly map: ReadonlySignal<MapPicture | null>;
   /** Grows whenever cells of the map on show change. */
-  readonly mapVersion = signal(0);
+  readonly mapVersion: ReadonlySignal<number>;
   /** The newest thing that a person should know. */
   readonly notice = signal<Notice | null>(null);
 
@@ -108,31 +97,38 @@ export class Store implements Receiver {
   /** All that is worth seeing, in world metres. */
   readonly bounds: ReadonlySignal<Bounds | null>;
 
-  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
-  onBloom: OnBloom | null = null;
+  /** Which faults of the robot enter the map; null where there is no robot. */
+  readonly faults = signal<Values | null>(null);
+  /** What the second map has otherwise; null where there is none. */
+  readonly compared = signal<Compared | null>(null);
+  /** How far the maps have forgotten what was taken away; null while nobody watches that. */
+  readonly forgetting = signal<Forgetting | null>(null);
 
+  readonly #shown = new ShownMap();
   readonly #transmit: (command: Command) => boolean;
   readonly #outbox: Outbox;
-  #coming: (MapPicture & { readonly since: number }) | null = null;
-  #newest = 0;
-  #complete: Progress | null = null;
 
   /** `transmit` sends a command and says whether there was a connection. */
   constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
     this.#transmit = transmit;
     this.#outbox = outbox ?? new Outbox((command) => void transmit(command));
+    this.map = this.#shown.map;
+    this.mapVersion = this.#shown.version;
     this.mapping = new Optimistic();
     this.sensor = new Optimistic();
     this.beliefPose = computed(() => {
       const frame = this.frame.value;
       if (!frame) return null;
       const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
-      return compose(frame.scan_pose, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
+      const stated = frame.believed_scan_pose ?? frame.scan_pose;
+      return compose(stated, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
     });
     this.beliefFrame = computed(() => {
       const frame = this.frame.value;
-      if (!frame || this.mapping.values.value.mount_upside_down !== true) return frame;
-      return { ...frame, angle_min: -frame.angle_min, angle_increment: -frame.angle_increment };
+      if (!frame) return frame;
+      const believed = frame.believed_pose ? { ...frame, pose: frame.believed_pose } : frame;
+      if (this.mapping.values.value.mount_upside_down !== true) return believed;
+      return { ...believed, angle_min: -frame.angle_min, angle_increment: -frame.angle_increment };
     });
     this.cell = computed(() => {
       const probe = this.probe.value;
@@ -231,6 +227,11 @@ export class Store implements Receiver {
     });
   }
 
+  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
+  set onBloom(hear: OnBloom | null) {
+    this.#shown.onBloom = hear;
+  }
+
   // -- what the stream brings ------------------------------------------------------------------------------------
 
   receive(message: ServerMessage): void {
@@ -243,10 +244,10 @@ export class Store implements Receiver {
         this.#greet(message);
         return;
       case "geometry":
-        this.#begin(message);
+        this.#shown.begin(message);
         return;
       case "frame":
-        this.frame.value = message;
+        this.#look(message);
         return;
       case "world":
         if (this.world.peek()?.name !== message.name) this.viewHeld.value = false;
@@ -258,6 +259,11 @@ export class Store implements Receiver {
       case "parameters":
         this.mapping.hear(message.values);
         if (message.sensor) this.sensor.hear(message.sensor);
+        this.faults.value = message.faults ?? null;
+        this.compared.value = message.compare ?? null;
+        return;
+      case "forgetting":
+        this.forgetting.value = message.cells > 0 ? message : null;
         return;
       case "cell":
         this.inspected.value = message;
@@ -282,6 +288,17 @@ export class Store implements Receiver {
     }
   }
 
+  #look(message: FrameMessage): void {
+    const before = this.frame.peek();
+    const { ranges } = message;
+    if (ranges !== undefined) this.frame.value = message as Frame;
+    else if (before) {
+      const { scan_pose, believed_scan_pose, angle_min, angle_increment, range_max } = before;
+      const seen = { scan_pose, ranges: before.ranges, angle_min, angle_increment, range_max };
+      this.frame.value = { ...message, ...seen, ...(believed_scan_pose ? { believed_scan_pose } : {}) };
+    }
+  }
+
   #greet(hello: Hello): void {
     const before = this.hello.peek();
     if (before && before.epoch_id !== hello.epoch_id) this.forget();
@@ -295,58 +312,15 @@ export class Store implements Receiver {
     }
   }
 
-  #begin(geometry: Geometry): void {
-    const newest = this.#coming ?? this.map.peek();
-    if (newest?.geometry.epoch === geometry.epoch) return;
-    this.#coming = { geometry, cells: new Cells(), since: this.#coming?.since ?? performance.now() };
-    this.#complete = null;
-    if (!this.map.peek()) this.#show();
-  }
-
   takeTiles(frame: TilesFrame): void {
-    const coming = this.#coming;
-    const picture = coming ?? this.map.peek();
-    if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
-    const undecided = byteAt(0, picture.geometry);
-    const bloom = coming || !this.#complete ? undefined : (this.onBloom ?? undefined);
-    for (const tile of frame.tiles) {
-      let values: Uint8Array;
-      try {
-        values = decompress(tile.data, tileBuffer);
-        picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
-      } catch (error) {
-        throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
-      }
-      this.#newest = Math.max(this.#newest, tile.revision);
-    }
-    batch(() => {
-      if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();
-      if (frame.tiles.length > 0) this.mapVersion.value++;
-    });
-    const hello = this.hello.peek();
-    if (frame.complete && hello) {
-      this.#complete = { epoch_id: hello.epoch_id, epoch: frame.epoch, revision: this.#newest };
-    }
-  }
-
-  #show(): void {
-    const coming = this.#coming;
-    if (!coming) return;
-    this.#coming = null;
-    this.map.value = { geometry: coming.geometry, cells: coming.cells };
-    this.mapVersion.value++;
+    this.#shown.takeTiles(frame);
   }
 
   progress(): Progress | null {
-    return this.#complete;
+    return this.#shown.progress(this.hello.peek()?.epoch_id);
   }
 
   forget(): void {
-    this.#complete = null;
-    this.#newest = 0;
-    this.#coming = null;
-    const map = this.map.peek();
-    // Keep showing what there was, under an epoch that no server will name, until something newer is complete.
-    if (map) this.map.value = { geometry: { ...map.geometry, epoch: -1 }, cells: map.cells };
+    this.#shown.forget();
   }
 }

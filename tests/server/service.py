@@ -28,6 +28,7 @@ from server.serving import listen, make_server
 from server.settings import Settings
 
 PATIENCE_S = 60.0
+SCAN = ("scan_pose", "ranges", "angle_min", "angle_increment", "range_max")  # of a frame message: only when new
 
 
 def settings_for(folder: Path, **changes: Any) -> Settings:
@@ -109,6 +110,7 @@ class Watcher:
         self.newest: dict[str, dict[str, Any]] = {}  #: the newest message of each type
         self.messages: list[dict[str, Any]] = []  #: all but frame messages
         self.frames = 0
+        self.scans = 0  #: frame messages that brought a scan
         self.unacknowledged = 0
         self.complete = False
         self.epoch = -1
@@ -124,6 +126,10 @@ class Watcher:
             await self._tiles(data)
             return None
         message: dict[str, Any] = json.loads(data)
+        if message["type"] == "frame":
+            # Without a new scan the frame says nothing of it: it is still the one before.
+            self.scans += "ranges" in message
+            message = {key: self.newest["frame"][key] for key in SCAN if key in self.newest.get("frame", ())} | message
         self.newest[message["type"]] = message
         if message["type"] == "frame":
             self.ages.append(time.monotonic() - message["t"])

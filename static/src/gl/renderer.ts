@@ -2,7 +2,7 @@
 
 import { fromLattice } from "../lattice";
 import type { Geometry } from "../protocol";
-import type { MapPicture } from "../state";
+import type { MapPicture } from "../shownMap";
 import { tokenRgb } from "../style/colour";
 import type { Size, View } from "../view";
 import type { Cells } from "./cells";

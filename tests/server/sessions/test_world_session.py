@@ -210,6 +210,15 @@ async def test_of_many_parameters_only_the_newest_is_made(
         {"type": "inspect", "row": 10**6, "col": 0, "epoch": 1},
         {"type": "inspect", "row": 0, "col": 0, "epoch": 2},
         {"type": "fly"},
+        {"type": "faults", "values": {"drift": "a little"}},
+        {"type": "faults"},
+        {"type": "compare", "values": {"colour": 1}},
+        {"type": "compare", "values": 3},
+        {"type": "edit", "added": [["box", 0, 0, 10**6, 10**6]]},
+        {"type": "edit", "erased": [0]},
+        {"type": "edit", "added": [], "watch": 1},
+        {"type": "edit", "added": [], "watch": True},
+        {"type": "world", "name": "room", "erased": [99999]},
     ],
 )
 async def test_a_refused_command_changes_nothing(

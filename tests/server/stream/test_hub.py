@@ -58,7 +58,7 @@ class Source:
         self.picture.update(self.grid, CellBox(row, row + 1, col, col + 1))
 
     def publish(self, *, settled: bool = False) -> None:
-        self.hub.publish({"index": self.hub.frame_number}, (0.0, 0.0), settled=settled)
+        self.hub.publish({"index": self.hub.frame_number}, {"scan": self.hub.frame_number}, (0.0, 0.0), settled=settled)
 
 
 class Browser:
@@ -263,7 +263,7 @@ def test_the_tiles_around_the_robot_come_first_and_frames_are_bounded() -> None:
     source.grid.observed[:] = True
     source.picture.update(source.grid, CellBox(0, 64 * 40, 0, 64 * 40))
     at = (64 * 30 + 32, 64 * 10 + 32)
-    source.hub.publish({"index": 0}, (at[1] * 0.1, at[0] * 0.1), settled=True)
+    source.hub.publish({"index": 0}, {"scan": 0}, (at[1] * 0.1, at[0] * 0.1), settled=True)
     browser = Browser(source)
     sizes = []
     for _ in range(1000):

@@ -40,6 +40,9 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "teleport", "x": -1.25, "y": 0.5, "yaw": 3.1},
     {"type": "world", "name": "büro"},
     {"type": "inspect", "row": 12, "col": 0, "epoch": 2},
+    {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
+    {"type": "faults", "values": {"drift": True, "specular": False}},
+    {"type": "compare", "values": None},
 )
 
 

@@ -19,7 +19,7 @@ let store: Store;
 let sent: Extract<Command, { type: "why" }>[];
 let stop: () => void;
 
-const frame = (index: number): void => store.receive({ type: "frame", index } as Frame);
+const frame = (index: number): void => store.receive({ type: "frame", index, ranges: [] } as unknown as Frame);
 const answer = (more: Partial<WhyMessage> = {}): void =>
   store.receive({ type: "why", row: 5, col: 12, epoch: 1, total: 1000, touches: [], ...more } as unknown as WhyMessage);
 

@@ -1,0 +1,251 @@
+"""What a world session computes: a simulation, the recording of what its sensor saw, and the maps made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import ConfigError
+from mapper.geometry import compose
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import Change, geometry_for, integrate_log, integrate_scan
+from mapper.limits import Limits
+from mapper.parameters import MappingConfig
+from mapper.scan import LaserScan, ScanLog
+from mapper.world import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
+from mapper.world.faults import swallowed, without_swallowed
+from mapper.world.lidar import measure, true_ranges
+from mapper.world.odometry import Odometer
+from mapper.world.robot import PoseTuple
+from server.sessions.second_map import SecondMap, Vanishing
+
+MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
+WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives
+MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
+
+
+class WorldMapper:
+    """A simulation and the map that it makes. Not for several threads at once.
+
+    Everything the sensor saw is kept, so the whole map can be made anew with other parameters, with or without the
+    faults of the robot. A sensor with other beams begins a recording of its own; the map is made from all of them.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        seed: int,
+        config: MappingConfig | None = None,
+        sensor: SensorConfig | None = None,
+        limits: Callable[[], Limits] = Limits,
+        edits: Edits | None = None,
+    ) -> None:
+        sensor = sensor or SensorConfig()
+        self.seed = seed
+        self.limits = limits
+        self.config = config or self.first_config(sensor)
+        self.faults = Faults()
+        self.second: SecondMap | None = None
+        self.vanishing: Vanishing | None = None
+        self.begin(world, sensor, edits)
+
+    @staticmethod
+    def first_config(sensor: SensorConfig) -> MappingConfig:
+        """Return the parameters that a live world begins with."""
+        return MappingConfig(range_max=sensor.range_max, window=0.2, resolution=0.05)
+
+    def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
+        """Start anew in ``world``, altered by ``edits``, the robot having walked for a moment.
+
+        Raises as :func:`mapper.world.edited` does; nothing has changed then.
+        """
+        edits = edits or Edits()
+        altered = edited(world, edits, self.limits())
+        altered.nearest_free(world.start[:2])  # raises where nothing fits any more
+        self.plan, self.edits = world, edits  #: the world as it was built, and what a person changed in it
+        grid = self._empty_grid(altered, self.config, [])
+        self.simulation = Simulation(altered, sensor, self.seed)
+        self.first_sensor, self.first_edits = sensor, edits
+        self.journal: list[tuple[int, dict[str, Any]]] = []
+        self._noise = np.random.default_rng(self.seed)
+        self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
+        self.recordings = [Recording(sensor)]
+        self.grid = grid
+        self.vanishing = None
+        if self.second is not None:
+            self.second.begin(self.second.config, self._empty_grid(altered, self.second.config, []))
+        self.newest: LaserScan | None = None
+        self.newest_pose: PoseTuple = self.simulation.pose
+        self.believed_pose: PoseTuple = self.simulation.pose  #: where the map has the base at the newest scan
+        self.scans = 0
+        if not altered.is_free(world.start[:2], self.simulation.radius):
+            self.simulation.teleport(*world.start)
+            self._odometer.place(self.simulation.pose)
+        self.advance(WARM_UP_S)
+        if self.newest is None:
+            self.look()
+
+    def _empty_grid(self, world: World, config: MappingConfig, logs: list[ScanLog]) -> OccupancyGrid:
+        """Return a grid that holds the world and all that the logs saw of it."""
+        limits = self.limits()
+        x0, y0, x1, y1 = world.bounds
+        low, high = np.array([x0 - MARGIN, y0 - MARGIN]), np.array([x1 + MARGIN, y1 + MARGIN])
+        for log in logs:
+            seen = geometry_for(log, config, limits=limits)
+            inside = 0.5 * config.resolution
+            low = np.minimum(low, np.array(seen.origin[:2]) + inside)
+            high = np.maximum(
+                high, np.array(seen.origin[:2]) + np.array([seen.cols, seen.rows]) * config.resolution - inside
+            )
+        geometry = GridGeometry.covering(low, high, config.resolution, limits)
+        return OccupancyGrid(geometry, config.log_odds_prior)
+
+    def logs(self, faults: Faults | None = None) -> list[ScanLog]:
+        """What the sensors reported so far, one log for each kind of sensor; None for the faults of the moment."""
+        faults = faults or self.faults
+        return [recording.as_log(specular=faults.specular) for recording in self.recordings if len(recording)]
+
+    # -- the maps ---------------------------------------------------------------------------------------------------
+
+    def _made(self, config: MappingConfig, faults: Faults) -> OccupancyGrid:
+        logs = self.logs(faults)
+        used = [_only(log, faults.trajectory) for log in logs]
+        grid = self._empty_grid(self.plan, config, used)
+        for log in used:
+            integrate_log(grid, log, config)
+        return grid
+
+    def remake(self, config: MappingConfig) -> None:
+        """Make the map anew from the recordings. Raises as :func:`geometry_for` does; the old map stays then."""
+        self.set_up(config, self.faults)
+
+    def set_up(self, config: MappingConfig, faults: Faults) -> None:
+        """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        second = self.second
+        if second is not None:
+            other = second.beside(config)
+            remade = self._made(other, faults if second.with_faults else Faults())
+        grid = self._made(config, faults)
+        self.grid, self.config, self.faults = grid, config, faults
+        if second is not None:
+            second.begin(other, remade)
+        self.vanishing = None
+
+    def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
+        """Keep a second map of the same recording beside the first, with other ``values``; None for no more.
+
+        It is made of what is true, unless ``with_faults``. Raises :class:`ConfigError` for values that are refused.
+        """
+        self.vanishing = None
+        if values is None:
+            self.second = None
+            return
+        config = self.config.with_values(values)
+        grid = self._made(config, self.faults if with_faults else Faults())
+        self.second = SecondMap(values, with_faults, config, grid)
+
+    # -- time -------------------------------------------------------------------------------------------------------
+
+    def advance(self, dt: float) -> list[Change]:
+        """Let ``dt`` seconds of the world's time pass; return what each scan changed."""
+        return [self._take(scan, pose) for scan, pose in self.simulation.advance(dt)]
+
+    def look(self) -> Change:
+        """Take a scan now, whatever the sensor's rate: after a teleport nobody should have to wait."""
+        simulation = self.simulation
+        stamp_ns = round(simulation.time * 1e9)
+        scan = measure(simulation.world, simulation.sensor, simulation.sensor_pose, self._noise, stamp_ns)
+        return self._take(scan, simulation.pose)
+
+    def step(self, scans: int) -> list[Change]:
+        """Let time pass until ``scans`` more scans are in the map."""
+        changes: list[Change] = []
+        while len(changes) < scans:
+            changes += self.advance(1.0 / self.simulation.sensor.scan_rate)
+        return changes
+
+    def _take(self, scan: LaserScan, pose: PoseTuple) -> Change:
+        recording = self.recordings[-1]
+        generation = recording.generation
+        odometry = self._odometer.move(pose)
+        lost = self._swallowed(scan, pose)
+        recording.append(scan, pose, odometry, lost)
+        reported = without_swallowed(scan, lost) if self.faults.specular else scan
+        self.newest, self.newest_pose = reported, pose
+        self.believed_pose = odometry if self.faults.drift else pose
+        self.scans += 1
+        if recording.generation != generation:
+            # The recording was thinned: the map is made of what it still holds, as any later re-make will be.
+            self.remake(self.config)
+            return Change(None, geometry_changed=True, cells_updated=0)
+        mount = self.simulation.mount
+        change = integrate_scan(self.grid, reported, compose(self.believed_pose, mount), self.config)
+        second = self.second
+        if second is not None:
+            seen, at = (reported, self.believed_pose) if second.with_faults else (scan, pose)
+            second.add(integrate_scan(second.grid, seen, compose(at, mount), second.config))
+            if self.vanishing is not None:
+                self.vanishing.look(self.grid, second.grid)
+        return change
+
+    def _swallowed(self, scan: LaserScan, pose: PoseTuple) -> NDArray[np.bool_]:
+        simulation = self.simulation
+        laser = compose(pose, simulation.mount)
+        ranges = true_ranges(simulation.world, simulation.sensor, laser)
+        return swallowed(simulation.world, ranges, scan.angles, laser)
+
+    # -- what a person changes --------------------------------------------------------------------------------------
+
+    def teleport(self, x: float, y: float, yaw: float | None) -> tuple[Change, str | None]:
+        """Put the robot somewhere and look; return the change, and a sentence where it had to be put elsewhere."""
+        landed = self.simulation.teleport(x, y, yaw)
+        self._odometer.place(landed.pose)
+        return self.look(), landed.message if landed.moved else None
+
+    def set_sensor(self, sensor: SensorConfig) -> bool:
+        """Exchange the sensor; return whether the map had to be made anew, because a recording was given up."""
+        self.simulation.set_sensor(sensor)
+        if self.recordings[-1].fits(sensor):
+            return False
+        if not len(self.recordings[-1]):
+            self.recordings.pop()
+        self.recordings.append(Recording(sensor))
+        if len(self.recordings) <= MAX_SEGMENTS:
+            return False
+        self.recordings.remove(min(self.recordings[:-1], key=len))
+        self.remake(self.config)
+        return True
+
+    def edit(self, edits: Edits, *, watch: bool = False) -> bool:
+        """Alter the world around the robot; return whether the robot had to make way.
+
+        With ``watch`` a second map without the clamp (with it, where the first has none) begins, and both are watched
+        while they forget what was erased. Raises as :func:`mapper.world.edited` does, and :class:`ConfigError` where
+        the map holds nothing of what was erased; the world is then as it was.
+        """
+        before = self.simulation.world
+        after = edited(self.plan, edits, self.limits())
+        vanishing = Vanishing.of(self.grid, self.config, before, after) if watch else None
+        moved = self.simulation.alter_world(after)
+        self.edits = edits
+        if moved:
+            self._odometer.place(self.simulation.pose)
+        if vanishing is not None:
+            self.compare({"clamp": not self.config.clamp}, with_faults=True)
+            self.vanishing = vanishing
+        return moved
+
+
+def _only(log: ScanLog, trajectory: str) -> ScanLog:
+    return replace(log, trajectories={trajectory: log.trajectory(trajectory)})
+
+
+def world_named(name: str) -> World:
+    """Return a world. Raises :class:`ConfigError` for a name that there is not."""
+    if name not in WORLDS:
+        raise ConfigError("world.name", f"There is no world {name!r:.80}; there are {', '.join(WORLDS)}.")
+    return WORLDS[name]

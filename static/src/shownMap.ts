@@ -1,0 +1,86 @@
+/** A map as it comes over the wire: the picture on show, and the one of a new epoch that replaces it when complete. */
+
+import { batch, type ReadonlySignal, signal } from "@preact/signals";
+import { decompress } from "fzstd";
+import { byteAt } from "./belief";
+import { Cells, type OnBloom } from "./gl/cells";
+import { type Geometry, ProtocolError, TILE, type TilesFrame } from "./protocol";
+import type { Progress } from "./stream";
+
+/** A map to be drawn: its cells, and where they lie. */
+export interface MapPicture {
+  readonly geometry: Geometry;
+  readonly cells: Cells;
+}
+
+/** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
+const STALE_PICTURE_MS = 250;
+
+const tileBuffer = new Uint8Array(TILE * TILE);
+
+export class ShownMap {
+  readonly #map = signal<MapPicture | null>(null);
+  readonly #version = signal(0);
+  /** The map on show. */
+  readonly map: ReadonlySignal<MapPicture | null> = this.#map;
+  /** Grows whenever cells of the map on show change. */
+  readonly version: ReadonlySignal<number> = this.#version;
+  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
+  onBloom: OnBloom | null = null;
+  #coming: (MapPicture & { readonly since: number }) | null = null;
+  #newest = 0;
+  #complete: { readonly epoch: number; readonly revision: number } | null = null;
+
+  begin(geometry: Geometry): void {
+    const newest = this.#coming ?? this.#map.peek();
+    if (newest?.geometry.epoch === geometry.epoch) return;
+    this.#coming = { geometry, cells: new Cells(), since: this.#coming?.since ?? performance.now() };
+    this.#complete = null;
+    if (!this.#map.peek()) this.#show();
+  }
+
+  takeTiles(frame: TilesFrame): void {
+    const coming = this.#coming;
+    const picture = coming ?? this.#map.peek();
+    if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
+    const undecided = byteAt(0, picture.geometry);
+    const bloom = coming || !this.#complete ? undefined : (this.onBloom ?? undefined);
+    for (const tile of frame.tiles) {
+      let values: Uint8Array;
+      try {
+        values = decompress(tile.data, tileBuffer);
+        picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
+      } catch (error) {
+        throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
+      }
+      this.#newest = Math.max(this.#newest, tile.revision);
+    }
+    batch(() => {
+      if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();
+      if (frame.tiles.length > 0) this.#version.value++;
+    });
+    if (frame.complete) this.#complete = { epoch: frame.epoch, revision: this.#newest };
+  }
+
+  #show(): void {
+    const coming = this.#coming;
+    if (!coming) return;
+    this.#coming = null;
+    this.#map.value = { geometry: coming.geometry, cells: coming.cells };
+    this.#version.value++;
+  }
+
+  /** What has been received in full from the server's session of this name; null for nothing. */
+  progress(epochId: string | undefined): Progress | null {
+    return epochId !== undefined && this.#complete ? { epoch_id: epochId, ...this.#complete } : null;
+  }
+
+  forget(): void {
+    this.#complete = null;
+    this.#newest = 0;
+    this.#coming = null;
+    const map = this.#map.peek();
+    // Keep showing what there was, under an epoch that no server will name, until something newer is complete.
+    if (map) this.#map.value = { geometry: { ...map.geometry, epoch: -1 }, cells: map.cells };
+  }
+}
