@@ -15,7 +15,14 @@ export default defineConfig({
     // The pages' content policy allows scripts and styles from files only.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
-    rolldownOptions: { input: { index: page("index.html"), lab: page("lab.html"), logs: page("logs.html") } },
+    rolldownOptions: {
+      input: {
+        index: page("index.html"),
+        lecture: page("lecture.html"),
+        lab: page("lab.html"),
+        logs: page("logs.html"),
+      },
+    },
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.
   server: {

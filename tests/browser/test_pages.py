@@ -13,11 +13,16 @@ WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("context", SIZES, indirect=True)
-@pytest.mark.parametrize("path", ["/", "/lab.html", "/logs.html"])
+@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html"])
 def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
     page.goto(server + path)
-    what = {"/": "canvas", "/lab.html": ".picture canvas", "/logs.html": ".log-card"}[path]
+    what = {
+        "/": "canvas",
+        "/lecture.html": ".lesson-figure",
+        "/lab.html": ".picture canvas",
+        "/logs.html": ".log-card",
+    }[path]
     expect(page.locator(what).first).to_be_visible(timeout=SECONDS * 1000)
     if path == "/lab.html":
         await_map(page)

@@ -173,6 +173,24 @@ function Page() {
       </section>
       <section class="home-section">
         <div class="prose">
+          <h2>All of it, step by step</h2>
+          <p>
+            Why log-odds, which cells a beam crosses, what a sonar’s cone gives away, how a map forgets, and what a
+            navigation stack reads in the end: one page, one live figure a section. Lecturers find a button there that
+            shows one figure at a time.
+          </p>
+        </div>
+        <div class="actions">
+          <Button kind="primary" size="large" href="/lecture.html">
+            The whole lecture
+          </Button>
+          <Button size="large" href="/lecture.html?present">
+            Present it
+          </Button>
+        </div>
+      </section>
+      <section class="home-section">
+        <div class="prose">
           <h2>Now your robot</h2>
           <p>
             Drop a log of a real robot and watch <em>its</em> map fill in. Then move a slider: the whole map is made

@@ -2,12 +2,13 @@ import { Icon } from "./Icon";
 import { ThemeToggle } from "./ThemeToggle";
 
 const PAGES = [
+  { href: "/lecture.html", label: "Lecture", id: "lecture" },
   { href: "/lab.html", label: "Lab", id: "lab" },
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
 /** The head of every page. */
-export function SiteHeader({ current }: { current: "home" | "lab" | "logs" }) {
+export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
   return (
     <header class="site-header">
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>

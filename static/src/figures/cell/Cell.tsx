@@ -1,4 +1,4 @@
-import { computed, type ReadonlySignal, useSignal } from "@preact/signals";
+import { computed, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
@@ -8,7 +8,7 @@ import "./cell.css";
 import { evidenceScale, FREE, Ground, OCCUPIED, readingScale } from "./Ground";
 import { type CellParameters, type Event, history, readingsUntil } from "./model";
 
-const START: readonly Event[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
+export const START: readonly Event[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
 const SHOWN = 26;
 
 const WIDTH = 360;
@@ -16,13 +16,15 @@ const HEIGHT = 200;
 
 interface CellProps {
   readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
+  /** The readings so far, where something else shows them as well. */
+  readonly events?: Signal<readonly Event[]>;
 }
 
 const stateOf = (value: number): "free" | "unknown" | "occupied" =>
   value > OCCUPIED ? "occupied" : value < FREE ? "free" : "unknown";
 
 /** A cell that the reader feeds with hits and misses: its log-odds as a staircase between the clamp's limits. */
-export function Cell({ parameters }: CellProps) {
+export function Cell({ parameters, events: given }: CellProps) {
   const values = useMemo(
     () =>
       computed<CellParameters>(() => ({
@@ -34,7 +36,8 @@ export function Cell({ parameters }: CellProps) {
       })),
     [parameters],
   );
-  const events = useSignal<readonly Event[]>(START);
+  const own = useSignal<readonly Event[]>(START);
+  const events = given ?? own;
   const now = values.value;
   const model = beamModel(now);
   const path = history(events.value, now);
@@ -57,7 +60,17 @@ export function Cell({ parameters }: CellProps) {
     state === "occupied" ? readingsUntil("miss", value, FREE, now) : readingsUntil("hit", value, OCCUPIED, now);
 
   return (
-    <figure class="cell" aria-label="One cell, fed with hits and misses">
+    <figure
+      class="cell"
+      aria-label="One cell, fed with hits and misses"
+      aria-keyshortcuts="H M"
+      onKeyDown={(event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey) return;
+        const key = event.key.toLowerCase();
+        if (key === "h") feed("hit");
+        if (key === "m") feed("miss");
+      }}
+    >
       <div class="cell-square" data-state={state} style={{ "--p": `${probability(value) * 100}%` }}>
         <output>
           <b>p {written(probability(value), 2)}</b>
@@ -89,7 +102,7 @@ export function Cell({ parameters }: CellProps) {
         })}
       </svg>
       <figcaption class="quiet">
-        ℓ = {written(value, 2)}
+        ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
         {until !== null &&
           until > 0 &&
           ` · ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"} and it counts as ${state === "occupied" ? "free" : "occupied"}`}

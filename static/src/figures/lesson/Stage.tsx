@@ -1,0 +1,123 @@
+import { computed, type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { byteAt } from "../../belief";
+import { mapColours, palette } from "../../gl/palette";
+import { fromLattice, toLattice } from "../../lattice";
+import type { Point } from "../../protocol";
+import { isDark } from "../../ui/theme";
+import type { LessonGeometry, LessonGrid } from "./grid";
+import "./lesson.css";
+
+/** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
+export interface Place {
+  readonly width: number;
+  readonly height: number;
+  /** Pixels of a metre, and of a cell. */
+  readonly metre: number;
+  readonly cell: number;
+  x(metres: number): number;
+  y(metres: number): number;
+  world(px: number, py: number): Point;
+}
+
+const placeOf = (geometry: LessonGeometry, width: number): Place => {
+  const cell = width / geometry.cols;
+  const height = cell * geometry.rows;
+  return {
+    width,
+    height,
+    cell,
+    metre: cell / geometry.resolution,
+    x: (metres) => toLattice(geometry, metres, 0)[0] * cell,
+    y: (metres) => height - toLattice(geometry, 0, metres)[1] * cell,
+    world: (px, py) => fromLattice(geometry, px / cell, (height - py) / cell),
+  };
+};
+
+/** The colours of log-odds between −4 and +4, or as far as the clamp goes. */
+const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
+
+function paint(canvas: HTMLCanvasElement, grid: LessonGrid, range: typeof RANGE): void {
+  const { rows, cols } = grid.geometry;
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const colours = palette(range, mapColours());
+  const image = context.createImageData(cols, rows);
+  for (let row = 0; row < rows; row++)
+    for (let col = 0; col < cols; col++) {
+      const index = row * cols + col;
+      const byte = Math.min(255, Math.max(1, Math.round(byteAt(grid.logOdds[index] ?? 0, range))));
+      const from = 4 * (grid.observed[index] === 1 ? byte : 0);
+      image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
+    }
+  context.putImageData(image, 0, 0);
+}
+
+interface StageProps {
+  readonly geometry: LessonGeometry;
+  /** What it shows, for who cannot see it. */
+  readonly label: string;
+  /** The belief on the floor; without it the floor is plain. */
+  readonly grid?: ReadonlySignal<LessonGrid>;
+  readonly range?: typeof RANGE;
+  /** Draw the borders of the cells. */
+  readonly lines?: boolean;
+  readonly onPoint?: (point: Point | null) => void;
+  readonly onPress?: (point: Point) => void;
+  readonly children?: (place: Place) => ComponentChildren;
+}
+
+/** A piece of the world: its cells as a canvas, and over them a drawing in pixels. It keeps its place while it loads. */
+export function Stage({ geometry, label, grid, range = RANGE, lines, onPoint, onPress, children }: StageProps) {
+  const box = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const width = useSignal(0);
+  const shape = useSignal(geometry);
+  shape.value = geometry;
+  const place = useMemo(() => computed(() => placeOf(shape.value, width.value || 480)), [shape, width]);
+  useEffect(() => {
+    const element = box.current;
+    if (!element) return;
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry && entry.contentRect.width > 0) width.value = Math.round(entry.contentRect.width);
+    });
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, [width]);
+  useSignalEffect(() => {
+    void isDark.value;
+    if (canvas.current && grid) paint(canvas.current, grid.value, range);
+  });
+  const now = place.value;
+  const at = (event: PointerEvent): Point => {
+    const bounds = (event.currentTarget as Element).getBoundingClientRect();
+    return now.world(event.clientX - bounds.left, event.clientY - bounds.top);
+  };
+  return (
+    <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
+      {grid && <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />}
+      {!grid && <p class="visually-hidden">{label}</p>}
+      <svg
+        width={now.width}
+        height={now.height}
+        viewBox={`0 0 ${now.width} ${now.height}`}
+        role="presentation"
+        {...(onPoint ? { onPointerMove: (event: PointerEvent) => onPoint(at(event)) } : {})}
+        {...(onPoint ? { onPointerLeave: () => onPoint(null) } : {})}
+        {...(onPress ? { onClick: (event: MouseEvent) => onPress(at(event as PointerEvent)) } : {})}
+      >
+        {lines && <Lines geometry={geometry} place={now} />}
+        {children?.(now)}
+      </svg>
+    </div>
+  );
+}
+
+function Lines({ geometry, place }: { geometry: LessonGeometry; place: Place }) {
+  const path = [
+    ...Array.from({ length: geometry.cols - 1 }, (_, i) => `M${(i + 1) * place.cell} 0V${place.height}`),
+    ...Array.from({ length: geometry.rows - 1 }, (_, i) => `M0 ${(i + 1) * place.cell}H${place.width}`),
+  ];
+  return <path class="cell-lines" d={path.join("")} />;
+}

@@ -1,0 +1,185 @@
+/**
+ * Occupancy grid mapping, the twin of `mapper/textbook.py`, function by function under the same names; held to it by
+ * vectors that the mapper writes (lesson.vectors.json). Source: Probabilistic Robotics, tables 4.2, 9.1 and 9.2.
+ */
+
+import { amanatidesWoo } from "../../amanatidesWoo";
+import { bresenham } from "../../bresenham";
+import { type Cell, toLattice } from "../../lattice";
+import type { Point, Pose } from "../../protocol";
+import { indexOf, type LessonConfig, type LessonGeometry, type LessonGrid, type LessonScan } from "./grid";
+
+/** What one beam says of a cell, in log-odds. */
+export interface Evidence {
+  readonly cell: Cell;
+  readonly evidence: number;
+}
+
+const f32 = Math.fround;
+
+export function bayesFilter(logOdds: number, evidence: number, config: LessonConfig): number {
+  const sum = f32(logOdds + f32(evidence));
+  if (!config.clamp) return sum;
+  return Math.min(Math.max(sum, f32(config.log_odds_min)), f32(config.log_odds_max));
+}
+
+/** Put one piece of evidence into one cell; outside the grid there is nothing to update. Return how many were. */
+export function update(grid: LessonGrid, cell: Cell, evidence: number, config: LessonConfig): number {
+  const index = indexOf(grid.geometry, cell);
+  if (index < 0) return 0;
+  grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, evidence, config);
+  grid.observed[index] = 1;
+  return 1;
+}
+
+/** Update `grid` with one scan; return the number of cell updates. */
+export function occupancyGridMapping(grid: LessonGrid, scan: LessonScan, pose: Pose, config: LessonConfig): number {
+  return config.update === "per_scan"
+    ? updatePerScan(grid, scan, pose, config)
+    : updatePerBeam(grid, scan, pose, config);
+}
+
+export const bearingOf = (scan: LessonScan, beam: number): number => scan.angle_min + scan.angle_increment * beam;
+
+export function updatePerBeam(grid: LessonGrid, scan: LessonScan, pose: Pose, config: LessonConfig): number {
+  let updates = 0;
+  scan.ranges.forEach((_, beam) => {
+    for (const { cell, evidence } of evidenceOfBeam(grid.geometry, scan, beam, pose, config))
+      updates += update(grid, cell, evidence, config);
+  });
+  return updates;
+}
+
+/** What one beam says of each cell: a reading, no return, or (too near, NaN, −Infinity) nothing at all. */
+export function evidenceOfBeam(
+  geometry: LessonGeometry,
+  scan: LessonScan,
+  beam: number,
+  pose: Pose,
+  config: LessonConfig,
+): readonly Evidence[] {
+  const z = scan.ranges[beam] ?? Number.NaN;
+  const bearing = bearingOf(scan, beam);
+  const zMax = Math.min(scan.range_max, config.range_max);
+  if (scan.range_min <= z && z <= zMax) return evidenceAlongBeam(geometry, pose, bearing, z, config);
+  if (z > zMax && config.no_return === "free")
+    return cellsAlong(geometry, pose, bearing, zMax, config).map((cell) => ({ cell, evidence: config.log_odds_miss }));
+  return [];
+}
+
+/** What a reading `z` says of each cell on its beam: free before the window, occupied in it and at the endpoint. */
+export function evidenceAlongBeam(
+  geometry: LessonGeometry,
+  pose: Pose,
+  bearing: number,
+  z: number,
+  config: LessonConfig,
+): readonly Evidence[] {
+  const r = config.window;
+  const end = cellOfBeam(geometry, pose, bearing, z);
+  const found: Evidence[] = [];
+  let endFound = false;
+  for (const cell of cellsAlong(geometry, pose, bearing, z + r / 2, config)) {
+    const isEnd = cell.row === end.row && cell.col === end.col;
+    const s = r === 0 ? 0 : distance(geometry, pose, cell);
+    if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
+    else if (r === 0 || s < z - r / 2) found.push({ cell, evidence: config.log_odds_miss });
+    else if (s <= z + r / 2) found.push({ cell, evidence: config.log_odds_hit });
+    endFound ||= isEnd;
+  }
+  if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });
+  return found;
+}
+
+/** The cells that a beam crosses up to the distance `z`, in order. */
+export function cellsAlong(
+  geometry: LessonGeometry,
+  pose: Pose,
+  bearing: number,
+  z: number,
+  config: Pick<LessonConfig, "traversal">,
+): readonly Cell[] {
+  const [from, to] = [pointAt(geometry, pose, bearing, 0), pointAt(geometry, pose, bearing, z)];
+  if (config.traversal === "amanatides_woo") return amanatidesWoo(from, to);
+  const cells: Cell[] = [];
+  bresenham(floored(from), floored(to), (row, col) => {
+    cells.push({ row, col });
+    return true;
+  });
+  return cells;
+}
+
+/** Update every cell in the scan's perceptual field once: table 9.1. */
+export function updatePerScan(grid: LessonGrid, scan: LessonScan, pose: Pose, config: LessonConfig): number {
+  const evidence = inverseRangeSensorModel(grid.geometry, scan, pose, config);
+  let updates = 0;
+  evidence.forEach((value, index) => {
+    if (Number.isNaN(value)) return;
+    const cell = { row: Math.floor(index / grid.geometry.cols), col: index % grid.geometry.cols };
+    updates += update(grid, cell, value, config);
+  });
+  return updates;
+}
+
+/** What a scan says of each cell, NaN outside the perceptual field: table 9.2. */
+export function inverseRangeSensorModel(
+  geometry: LessonGeometry,
+  scan: LessonScan,
+  pose: Pose,
+  config: LessonConfig,
+): Float64Array {
+  const { rows, cols, resolution } = geometry;
+  const r = config.window;
+  const zMax = Math.min(scan.range_max, config.range_max);
+  const found = new Float64Array(rows * cols).fill(Number.NaN);
+  const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
+  const heading = pose[2] - geometry.origin[2];
+  scan.ranges.forEach((z, beam) => {
+    const reading = scan.range_min <= z && z <= zMax;
+    const free = z > zMax && config.no_return === "free";
+    if (!reading && !free) return;
+    const half = Math.min(Math.abs(scan.angle_increment) / 2, Math.PI / 4);
+    const right = heading + bearingOf(scan, beam) - half;
+    const [cr, sr, cl, sl] = [Math.cos(right), Math.sin(right), Math.cos(right + 2 * half), Math.sin(right + 2 * half)];
+    for (let row = 0; row < rows; row++) {
+      const dRow = row + 0.5 - row0;
+      for (let col = 0; col < cols; col++) {
+        const dCol = col + 0.5 - col0;
+        if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
+        const s = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;
+        const index = row * cols + col;
+        if (free) {
+          if (s < zMax) found[index] = config.log_odds_miss;
+        } else if (s < z - r / 2) found[index] = config.log_odds_miss;
+        else if (r > 0 && s <= Math.min(zMax, z + r / 2)) found[index] = config.log_odds_hit;
+      }
+    }
+  });
+  scan.ranges.forEach((z, beam) => {
+    if (!(scan.range_min <= z && z <= zMax)) return;
+    const index = indexOf(geometry, cellOfBeam(geometry, pose, bearingOf(scan, beam), z));
+    if (index >= 0) found[index] = config.log_odds_hit;
+  });
+  return found;
+}
+
+/** Lattice coordinates (column, row) of the point at distance `z` along a bearing. */
+export function pointAt(geometry: LessonGeometry, pose: Pose, bearing: number, z: number): Point {
+  const [px, py] = [z * Math.cos(bearing), z * Math.sin(bearing)];
+  const [cos, sin] = [Math.cos(pose[2]), Math.sin(pose[2])];
+  return toLattice(geometry, pose[0] + cos * px - sin * py, pose[1] + sin * px + cos * py);
+}
+
+const floored = ([u, v]: Point): Cell => ({ row: Math.floor(v), col: Math.floor(u) });
+
+/** The cell that holds the point at distance `z` along a bearing. */
+export function cellOfBeam(geometry: LessonGeometry, pose: Pose, bearing: number, z: number): Cell {
+  return floored(pointAt(geometry, pose, bearing, z));
+}
+
+/** The distance in metres from the sensor to a cell's centre. */
+export function distance(geometry: LessonGeometry, pose: Pose, cell: Cell): number {
+  const [u, v] = toLattice(geometry, pose[0], pose[1]);
+  const [du, dv] = [cell.col + 0.5 - u, cell.row + 0.5 - v];
+  return Math.sqrt(du * du + dv * dv) * geometry.resolution;
+}

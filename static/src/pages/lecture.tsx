@@ -1,0 +1,135 @@
+import "../style/index.css";
+import "./lecture/lecture.css";
+import { useSignalEffect } from "@preact/signals";
+import { type ComponentType, render } from "preact";
+import { useEffect } from "preact/hooks";
+import { Button } from "../ui/Button";
+import { SiteHeader } from "../ui/SiteHeader";
+import { CellSection } from "./lecture/CellSection";
+import { DigitsSection } from "./lecture/DigitsSection";
+import { GridSection } from "./lecture/GridSection";
+import { ModelSection } from "./lecture/ModelSection";
+import { keyedSlide, type Lesson, presenting, setPresenting, show, slide } from "./lecture/present";
+import { RaysSection } from "./lecture/RaysSection";
+
+interface Part extends Lesson {
+  readonly body: ComponentType<{ id: string; number: number; title: string }>;
+}
+
+const PARTS: readonly Part[] = [
+  { id: "grid", title: "A grid and three assumptions", body: GridSection },
+  { id: "cell", title: "One cell", body: CellSection },
+  { id: "log-odds", title: "Why log-odds", body: DigitsSection },
+  { id: "model", title: "What one reading says", body: ModelSection },
+  { id: "rays", title: "Rays on a grid", body: RaysSection },
+];
+
+const isTyping = (target: EventTarget | null): boolean =>
+  target instanceof Element && target.closest("input, select, textarea, button, a, summary") !== null;
+
+/** The keys of the lecturer's mode. What has the focus keeps the keys that it uses itself. */
+function usePresenterKeys(): void {
+  useEffect(() => {
+    const onKey = (event: KeyboardEvent): void => {
+      if (!presenting.peek() || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key === "Escape") {
+        setPresenting(PARTS, false);
+        return;
+      }
+      const pages = event.key === "PageDown" || event.key === "PageUp";
+      if (isTyping(event.target) && !pages) return;
+      const next = keyedSlide(event.key, event.shiftKey, slide.peek(), PARTS.length);
+      if (next === null) return;
+      event.preventDefault();
+      show(PARTS, next);
+    };
+    addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, []);
+}
+
+/** What the address says at the start and when it is changed by hand. */
+function useAddress(): void {
+  useEffect(() => {
+    const follow = (): void => {
+      const index = PARTS.findIndex(({ id }) => `#${id}` === location.hash);
+      if (index >= 0) slide.value = index;
+      if (index >= 0 && !presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView();
+    };
+    follow();
+    addEventListener("hashchange", follow);
+    return () => removeEventListener("hashchange", follow);
+  }, []);
+}
+
+function Presenter() {
+  const part = PARTS[slide.value];
+  return (
+    <header class="presenter no-print">
+      <p class="presenter-title">{part?.title}</p>
+      <p class="presenter-number">
+        {slide.value + 1} / {PARTS.length}
+      </p>
+      <Button icon="back" label="Back (←)" disabled={slide.value === 0} onClick={() => show(PARTS, slide.value - 1)} />
+      <Button
+        icon="play"
+        label="Next (→)"
+        disabled={slide.value === PARTS.length - 1}
+        onClick={() => show(PARTS, slide.value + 1)}
+      />
+      <Button icon="close" label="Leave (Esc)" onClick={() => setPresenting(PARTS, false)} />
+    </header>
+  );
+}
+
+function Contents() {
+  return (
+    <nav class="contents" aria-label="Sections">
+      <ol>
+        {PARTS.map(({ id, title }) => (
+          <li key={id}>
+            <a href={`#${id}`}>{title}</a>
+          </li>
+        ))}
+      </ol>
+    </nav>
+  );
+}
+
+function Page() {
+  usePresenterKeys();
+  useAddress();
+  useSignalEffect(() => {
+    document.documentElement.classList.toggle("presenting", presenting.value);
+  });
+  return (
+    <>
+      {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      <main class="lecture">
+        {!presenting.value && (
+          <div class="lecture-head">
+            <h1>Occupancy grid mapping</h1>
+            <p class="prose">
+              How a robot makes a map out of distances, from one cell to a file that it can navigate by. Every figure is
+              alive: take hold of what is coloured, and of the numbers that are{" "}
+              <span class="scrub-sample">underlined</span>. All that the figures compute is what the mapper of this site
+              computes.
+            </p>
+            <div class="actions no-print">
+              <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
+                Present, one figure at a time
+              </Button>
+              <Button href="/lab.html">Open the lab</Button>
+            </div>
+            <Contents />
+          </div>
+        )}
+        {PARTS.map(({ id, title, body: Body }, i) => (
+          <Body key={id} id={id} number={i + 1} title={title} />
+        ))}
+      </main>
+    </>
+  );
+}
+
+render(<Page />, document.getElementById("app") as HTMLElement);

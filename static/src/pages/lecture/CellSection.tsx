@@ -1,0 +1,285 @@
+import { computed, signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { Cell, START } from "../../figures/cell/Cell";
+import { type Event, history } from "../../figures/cell/model";
+import { probability } from "../../figures/profile/model";
+import { signed, written } from "../../ui/numbers";
+import { Scrub } from "../../ui/Scrub";
+import { cellParameters, numbersOf, setParameter } from "./parameters";
+import { Section } from "./Section";
+
+const events = signal<readonly Event[]>(START);
+const path = computed(() => history(events.value, cellParameters.value));
+
+/** z with its index: all readings up to one of them (1:t), or that one alone. */
+const Readings = ({ z }: { z: string }) => (
+  <msub>
+    <mi>z</mi>
+    <mtext>{z}</mtext>
+  </msub>
+);
+
+/** p(m | z₁…z_t), the belief; `m` may be the free cell instead. */
+function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?: string; free?: boolean }) {
+  const tone = what === "belief" ? "noun-robot" : what === "one" ? "noun-beam" : "noun-prior";
+  return (
+    <mrow class={tone}>
+      <mi>p</mi>
+      <mo>(</mo>
+      {free && <mo>¬</mo>}
+      <mi>m</mi>
+      {z && (
+        <>
+          <mo>∣</mo>
+          <Readings z={z} />
+        </>
+      )}
+      <mo>)</mo>
+    </mrow>
+  );
+}
+
+function Line({ why, children }: { why: ComponentChildren; children: ComponentChildren }) {
+  return (
+    <div class="derivation-line">
+      <math display="block">
+        <mrow>{children}</mrow>
+      </math>
+      <p>{why}</p>
+    </div>
+  );
+}
+
+/** From Bayes' rule to a sum, one step a line. */
+function Derivation() {
+  return (
+    <div class="derivation">
+      <Line
+        why={
+          <>
+            Bayes’ rule for the newest reading z<sub>t</sub>. Given the map, readings do not depend on each other, so
+            the older ones drop out of the first factor.
+          </>
+        }
+      >
+        <Given what="belief" z="1:t" />
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <mi>p</mi>
+            <mo>(</mo>
+            <Readings z="t" />
+            <mo>∣</mo>
+            <mi>m</mi>
+            <mo>)</mo>
+            <Given what="belief" z="1:t−1" />
+          </mrow>
+          <mrow>
+            <mi>p</mi>
+            <mo>(</mo>
+            <Readings z="t" />
+            <mo>∣</mo>
+            <Readings z="1:t−1" />
+            <mo>)</mo>
+          </mrow>
+        </mfrac>
+      </Line>
+      <Line
+        why={
+          <>
+            Bayes’ rule once more, backwards. Now it needs only the <b class="noun-beam">inverse model</b>: what one
+            reading alone says of the cell.
+          </>
+        }
+      >
+        <mi>p</mi>
+        <mo>(</mo>
+        <Readings z="t" />
+        <mo>∣</mo>
+        <mi>m</mi>
+        <mo>)</mo>
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <Given what="one" z="t" />
+            <mi>p</mi>
+            <mo>(</mo>
+            <Readings z="t" />
+            <mo>)</mo>
+          </mrow>
+          <Given what="prior" />
+        </mfrac>
+      </Line>
+      <Line why={<>The same for the free cell ¬m, and one divided by the other: all that is hard to know cancels.</>}>
+        <mfrac>
+          <Given what="belief" z="1:t" />
+          <Given what="belief" z="1:t" free />
+        </mfrac>
+        <mo>=</mo>
+        <mfrac>
+          <Given what="one" z="t" />
+          <Given what="one" z="t" free />
+        </mfrac>
+        <mo>⋅</mo>
+        <mfrac>
+          <Given what="belief" z="1:t−1" />
+          <Given what="belief" z="1:t−1" free />
+        </mfrac>
+        <mo>⋅</mo>
+        <mfrac>
+          <Given what="prior" free />
+          <Given what="prior" />
+        </mfrac>
+      </Line>
+      <Line
+        why={
+          <>
+            These are <b>odds</b>. Their logarithm is ℓ, the <b>log-odds</b>, and the product becomes a sum.
+          </>
+        }
+      >
+        <msub class="noun-robot">
+          <mi>ℓ</mi>
+          <mi>t</mi>
+        </msub>
+        <mo>=</mo>
+        <msub class="noun-robot">
+          <mi>ℓ</mi>
+          <mrow>
+            <mi>t</mi>
+            <mo>−</mo>
+            <mn>1</mn>
+          </mrow>
+        </msub>
+        <mo>+</mo>
+        <mrow class="noun-beam">
+          <mi>log</mi>
+          <mfrac>
+            <mrow>
+              <mi>p</mi>
+              <mo>(</mo>
+              <mi>m</mi>
+              <mo>∣</mo>
+              <Readings z="t" />
+              <mo>)</mo>
+            </mrow>
+            <mrow>
+              <mi>p</mi>
+              <mo>(</mo>
+              <mo>¬</mo>
+              <mi>m</mi>
+              <mo>∣</mo>
+              <Readings z="t" />
+              <mo>)</mo>
+            </mrow>
+          </mfrac>
+        </mrow>
+        <mo>−</mo>
+        <msub class="noun-prior">
+          <mi>ℓ</mi>
+          <mn>0</mn>
+        </msub>
+      </Line>
+      <Line why="And back again, when somebody asks for the probability.">
+        <mi>p</mi>
+        <mo>=</mo>
+        <mn>1</mn>
+        <mo>−</mo>
+        <mfrac>
+          <mn>1</mn>
+          <mrow>
+            <mn>1</mn>
+            <mo>+</mo>
+            <msup>
+              <mi>e</mi>
+              <mi class="noun-robot">ℓ</mi>
+            </msup>
+          </mrow>
+        </mfrac>
+      </Line>
+    </div>
+  );
+}
+
+/** The last update of the figure's cell, with its numbers. */
+function LastUpdate() {
+  const last = events.value.at(-1);
+  const [before, after] = path.value.slice(-2);
+  if (!last || before === undefined || after === undefined) return <p>No reading yet: the cell stands at its prior.</p>;
+  const { hit, miss } = numbersOf(cellParameters.value);
+  const evidence = last === "hit" ? hit : miss;
+  const clamped = Math.abs(before + evidence - after) > 1e-9;
+  return (
+    <p>
+      The last reading was a <b class={`noun-${last}`}>{last}</b>:{" "}
+      <span class="number">
+        {written(before, 2)} {evidence < 0 ? "−" : "+"} {written(Math.abs(evidence), 2)} ={" "}
+        {written(before + evidence, 2)}
+        {clamped && `, clamped to ${written(after, 2)}`}
+      </span>
+      , which is p = {written(probability(after), 2)}.
+    </p>
+  );
+}
+
+export function CellSection({ id, number, title }: { id: string; number: number; title: string }) {
+  const { log_odds_hit, log_odds_miss } = cellParameters.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <div class="narrow-figure">
+          <Cell parameters={cellParameters} events={events} />
+        </div>
+      }
+      sources={[
+        ["probabilistic-robotics", "section 4.2 and table 4.2"],
+        ["octomap", "section 3.2, for the increments and the clamp"],
+      ]}
+      after={
+        <>
+          <LastUpdate />
+          <p>
+            That is the whole filter. It keeps one number a cell, it does not remember the readings, and their order
+            does not matter, except at the dashed lines: there the mapper <em>clamps</em> ℓ, and what would go beyond is
+            lost. Section 10 shows why one wants that.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Take one cell and watch it through many readings. It does not move (assumption 2), so its state is a constant,
+        either <i>m</i> (occupied) or ¬<i>m</i> (free), and Bayes’ filter for it is short.
+      </p>
+      <Derivation />
+      <p>
+        Feed the cell. A <b class="noun-hit">hit</b> adds{" "}
+        <Scrub
+          label="evidence of a hit"
+          value={log_odds_hit}
+          text={signed(log_odds_hit)}
+          tone="hit"
+          low={0}
+          high={3}
+          step={0.05}
+          onInput={(value) => setParameter("log_odds_hit", value)}
+        />
+        , a <b class="noun-miss">miss</b> adds{" "}
+        <Scrub
+          label="evidence of a miss"
+          value={log_odds_miss}
+          text={signed(log_odds_miss)}
+          tone="miss"
+          low={-3}
+          high={0}
+          step={0.05}
+          onInput={(value) => setParameter("log_odds_miss", value)}
+        />
+        ; both are already the middle term minus ℓ₀. Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while
+        one of them has the focus.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,83 @@
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import { presenting, slide } from "./present";
+import { SOURCES, type SourceName } from "./sources";
+
+interface SectionProps {
+  readonly id: string;
+  readonly number: number;
+  readonly title: string;
+  readonly figure: ComponentChildren;
+  /** What stands before the figure, and after it. */
+  readonly children: ComponentChildren;
+  readonly after?: ComponentChildren;
+  readonly sources: readonly (SourceName | readonly [SourceName, string])[];
+}
+
+/** Makes the figure of a slide as wide as it may be to fit into the room that it has. */
+function useFittedWidth(on: boolean) {
+  const frame = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const element = frame.current;
+    const room = element?.parentElement;
+    if (!element || !room || !on) return;
+    const settle = (): void => {
+      // The height follows the width, though not in proportion: halve the interval until it is small.
+      let [fits, wide] = [300, room.clientWidth];
+      for (let width = wide; wide - fits > 4; width = (fits + wide) / 2) {
+        element.style.width = `${width}px`;
+        if (element.offsetHeight <= room.clientHeight) fits = width;
+        else wide = width;
+      }
+      element.style.width = `${fits}px`;
+    };
+    const observer = new ResizeObserver(settle);
+    observer.observe(room);
+    return () => {
+      observer.disconnect();
+      element.style.width = "";
+    };
+  }, [on]);
+  return frame;
+}
+
+/** One lesson: a heading, prose, one figure that is alive, and where it comes from. */
+export function Section({ id, number, title, figure, children, after, sources }: SectionProps) {
+  const onSlide = presenting.value && slide.value === number - 1;
+  const frame = useFittedWidth(onSlide);
+  return (
+    <section
+      class={`lesson${onSlide ? " on-slide" : ""}`}
+      id={id}
+      aria-labelledby={`${id}-title`}
+      hidden={presenting.value && !onSlide}
+    >
+      <h2 id={`${id}-title`}>
+        <span class="lesson-number">{number}</span> {title}
+      </h2>
+      <div class="prose">{children}</div>
+      <div class="lesson-room">
+        <div class="lesson-figure" ref={frame}>
+          {figure}
+        </div>
+      </div>
+      {after && <div class="prose">{after}</div>}
+      {sources.length > 0 && (
+        <footer class="lesson-sources">
+          <h3>Sources</h3>
+          <ul>
+            {sources.map((source) => {
+              const [name, place] = typeof source === "string" ? [source, ""] : source;
+              return (
+                <li key={name}>
+                  {SOURCES[name]}
+                  {place && `, ${place}`}.
+                </li>
+              );
+            })}
+          </ul>
+        </footer>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,25 @@
+/** The parameters that sections 2 and 4 share: what one turns in the profile, the cell's increments follow. */
+
+import { computed, signal } from "@preact/signals";
+import type { CellParameters } from "../../figures/cell/model";
+import { CONFIG } from "../../figures/lesson/grid";
+import { beamModel, INITIAL } from "../../figures/profile/model";
+
+const { clamp, log_odds_min, log_odds_max } = CONFIG;
+
+export const parameters = signal<Readonly<Record<string, unknown>>>({
+  ...INITIAL,
+  range_max: 8,
+  window: 0.2,
+  clamp,
+  log_odds_min,
+  log_odds_max,
+});
+
+export const cellParameters = computed(() => parameters.value as Readonly<Record<string, unknown>> & CellParameters);
+
+export function setParameter(name: string, value: unknown): void {
+  parameters.value = { ...parameters.peek(), [name]: value };
+}
+
+export const numbersOf = (values: CellParameters): { hit: number; miss: number } => beamModel(values);

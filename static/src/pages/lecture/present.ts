@@ -1,0 +1,60 @@
+/** The lecturer's mode: one figure at a time. The address keeps it: `?present` and the section's anchor. */
+
+import { signal } from "@preact/signals";
+
+/** The sections in their order: the anchor of each, and its title. */
+export interface Lesson {
+  readonly id: string;
+  readonly title: string;
+}
+
+const wanted = (): boolean => new URLSearchParams(location.search).has("present");
+
+export const presenting = signal(wanted());
+export const slide = signal(0);
+
+const address = (id: string): string => `${location.pathname}${presenting.peek() ? "?present" : ""}#${id}`;
+
+/** Show slide `index`, as far as there is one. */
+export function show(lessons: readonly Lesson[], index: number): void {
+  const next = Math.min(lessons.length - 1, Math.max(0, index));
+  slide.value = next;
+  const lesson = lessons[next];
+  if (lesson) history.replaceState(null, "", address(lesson.id));
+}
+
+/** Begin with the section that is in sight, or end and go on reading there. */
+export function setPresenting(lessons: readonly Lesson[], on: boolean): void {
+  if (on) slide.value = sectionInSight(lessons);
+  presenting.value = on;
+  show(lessons, slide.peek());
+  const id = lessons[slide.peek()]?.id;
+  if (!on && id) requestAnimationFrame(() => document.getElementById(id)?.scrollIntoView({ behavior: "instant" }));
+}
+
+/** The last section whose head is above the middle of the window. */
+export function sectionInSight(lessons: readonly Lesson[]): number {
+  const middle = innerHeight / 2;
+  const tops = lessons.map(({ id }) => document.getElementById(id)?.getBoundingClientRect().top ?? Number.MAX_VALUE);
+  return Math.max(
+    0,
+    tops.findLastIndex((top) => top < middle),
+  );
+}
+
+/** What a key does while presenting; null where the key is not ours. */
+export function keyedSlide(key: string, shift: boolean, index: number, count: number): number | null {
+  const moves: Record<string, number> = {
+    ArrowRight: 1,
+    ArrowLeft: -1,
+    ArrowDown: 1,
+    ArrowUp: -1,
+    PageDown: 1,
+    PageUp: -1,
+    " ": shift ? -1 : 1,
+    Home: -count,
+    End: count,
+  };
+  const move = moves[key];
+  return move === undefined ? null : Math.min(count - 1, Math.max(0, index + move));
+}

@@ -1,0 +1,68 @@
+/** The lecture's sources, each written once. */
+
+export const SOURCES = {
+  "moravec-elfes": (
+    <>
+      H. P. Moravec and A. Elfes, <cite>High resolution maps from wide angle sonar</cite>, IEEE International Conference
+      on Robotics and Automation, 1985
+    </>
+  ),
+  elfes: (
+    <>
+      A. Elfes, <cite>Using occupancy grids for mobile robot perception and navigation</cite>, Computer 22 (6), 1989
+    </>
+  ),
+  "probabilistic-robotics": (
+    <>
+      S. Thrun, W. Burgard and D. Fox, <cite>Probabilistic Robotics</cite>, MIT Press, 2005
+    </>
+  ),
+  bresenham: (
+    <>
+      J. E. Bresenham, <cite>Algorithm for computer control of a digital plotter</cite>, IBM Systems Journal 4 (1), 1965
+    </>
+  ),
+  "amanatides-woo": (
+    <>
+      J. Amanatides and A. Woo, <cite>A fast voxel traversal algorithm for ray tracing</cite>, Eurographics 1987
+    </>
+  ),
+  octomap: (
+    <>
+      A. Hornung and others, <cite>OctoMap: an efficient probabilistic 3D mapping framework based on octrees</cite>,
+      Autonomous Robots 34, 2013
+    </>
+  ),
+  ieee754: (
+    <>
+      <cite>IEEE Standard for Floating-Point Arithmetic</cite>, IEEE 754
+    </>
+  ),
+  "rep-103": (
+    <>
+      REP 103, <cite>Standard units of measure and coordinate conventions</cite>
+    </>
+  ),
+  "rep-105": (
+    <>
+      REP 105, <cite>Coordinate frames for mobile platforms</cite>
+    </>
+  ),
+  "rep-117": (
+    <>
+      REP 117, <cite>Informational distance measurements</cite>
+    </>
+  ),
+  "map-server": (
+    <>
+      Nav2, <cite>nav2_map_server</cite>: the map files, their modes and thresholds
+    </>
+  ),
+  "occupancy-grid": (
+    <>
+      ROS, message definition <cite>nav_msgs/OccupancyGrid</cite>
+    </>
+  ),
+} as const;
+
+export type SourceName = keyof typeof SOURCES;

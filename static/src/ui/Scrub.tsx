@@ -1,0 +1,61 @@
+import { useRef } from "preact/hooks";
+import { decimals, keyed, type Range, snap, written } from "./numbers";
+import type { Tone } from "./Slider";
+
+interface ScrubProps extends Range {
+  readonly label: string;
+  readonly value: number;
+  readonly unit?: string;
+  readonly tone?: Tone;
+  /** How it is written; fixed decimals otherwise. */
+  readonly text?: string;
+  readonly onInput: (value: number) => void;
+}
+
+const PX_PER_STEP = 6;
+
+/** A number in a sentence that can be dragged sideways, or moved by the arrow keys. After Bret Victor's Tangle. */
+export function Scrub({ label, value, unit, tone = "accent", text, low, high, step, onInput }: ScrubProps) {
+  const range = { low, high, step };
+  const grip = useRef<{ readonly x: number; readonly from: number } | null>(null);
+  const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
+  const end = (): void => {
+    grip.current = null;
+  };
+  return (
+    <span
+      class={`scrub tone-${tone}`}
+      role="slider"
+      tabIndex={0}
+      aria-label={label}
+      aria-valuenow={value}
+      aria-valuemin={low}
+      aria-valuemax={high}
+      aria-valuetext={shown}
+      title={`${label}: drag sideways, or use the arrow keys`}
+      onPointerDown={(event) => {
+        if (event.button !== 0) return;
+        event.preventDefault();
+        event.currentTarget.focus({ preventScroll: true });
+        event.currentTarget.setPointerCapture(event.pointerId);
+        grip.current = { x: event.clientX, from: value };
+      }}
+      onPointerMove={(event) => {
+        if (!grip.current) return;
+        const next = snap(grip.current.from + ((event.clientX - grip.current.x) / PX_PER_STEP) * step, range);
+        if (next !== value) onInput(next);
+      }}
+      onPointerUp={end}
+      onPointerCancel={end}
+      onLostPointerCapture={end}
+      onKeyDown={(event) => {
+        const next = keyed(event.key, event.shiftKey, value, range);
+        if (next === null) return;
+        event.preventDefault();
+        if (next !== value) onInput(next);
+      }}
+    >
+      {shown}
+    </span>
+  );
+}
