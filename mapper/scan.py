@@ -110,6 +110,26 @@ class Trajectory:
 
 
 @dataclass(frozen=True, slots=True)
+class Topic:
+    """One stream of messages in the file that a log was read from.
+
+    The figures after ``count`` are those of a range sensor, None of anything else: ``frame`` is the one that its
+    scans are stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor
+    whose scans the log holds.
+    """
+
+    name: str
+    type: str
+    count: int
+    frame: str | None = None
+    beams: int | None = None
+    field_of_view_deg: float | None = None
+    rate_hz: float | None = None
+    mount: tuple[float, float, float] | None = None
+    chosen: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class ScanLog:
     """A whole log of one sensor, packed once, so that it can be mapped again and again in milliseconds.
 
@@ -129,6 +149,7 @@ class ScanLog:
     upside_down: bool = False
     name: str = ""
     format: str = ""
+    topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
     notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 

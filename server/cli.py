@@ -48,7 +48,10 @@ app = typer.Typer(
 bench_app = typer.Typer(no_args_is_help=True)
 app.add_typer(bench_app, name="bench")
 
-LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or gzip.")]
+LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or compressed.")]
+TopicName = Annotated[
+    str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
@@ -136,12 +139,12 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def read_log(path: Path) -> ScanLog:
+def read_log(path: Path, topic: str | None = None) -> ScanLog:
     """Return the log at ``path``, or end the command with what is wrong with it."""
     from mapper.logs import open_log  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
-        return open_log(path, progress=progress)
+        return open_log(path, topic=topic, progress=progress)
 
 
 @app.command()
@@ -169,11 +172,11 @@ def serve(
 
 
 @app.command()
-def info(log: LogPath, as_json: AsJson = False) -> None:
+def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
     """Say what a log holds."""
     from mapper.logs.summary import summarise  # noqa: PLC0415 - start-up
 
-    facts = asdict(summarise(read_log(log)))
+    facts = asdict(summarise(read_log(log, topic)))
     if as_json:
         print_json(facts)
         return
@@ -184,17 +187,37 @@ def info(log: LogPath, as_json: AsJson = False) -> None:
     )
     n = facts["readings"]
     typer.echo(f"  {n['measured']} readings measured, {n['no_return']} without return, {n['invalid']} invalid")
-    typer.echo(f"  laser on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)")
+    typer.echo(
+        f"  sensor on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)"
+        + (", upside-down" if facts["upside_down"] else "")
+    )
     for trajectory in facts["trajectories"]:
         typer.echo(f"  trajectory {trajectory['name']}: {trajectory['length_m']:.1f} m, {trajectory['description']}")
+    for one in facts["topics"]:
+        typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _topic_line(topic: dict[str, Any]) -> str:
+    """Say what is known of one topic of a log."""
+    said = [f"{topic['name']}: {topic['count']} × {topic['type']}"]
+    if topic["beams"] is not None:
+        said.append(f"{topic['beams']} beam{'s' if topic['beams'] != 1 else ''} over {topic['field_of_view_deg']:.1f}°")
+    if topic["rate_hz"] is not None:
+        said.append(f"{topic['rate_hz']:.1f} Hz")
+    if topic["frame"]:
+        said.append(f"frame {topic['frame']}")
+    if topic["mount"] is not None:
+        said.append(f"at {', '.join(f'{value:g}' for value in topic['mount'])}")
+    return ", ".join(said)
 
 
 @app.command("map")
 @with_parameter_options(*(row.name for row in PARAMETERS if row.name not in MOUNT))
 def map_log(
     log: LogPath,
+    topic: TopicName = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
     mount: Annotated[
         str | None, typer.Option(metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad).")
@@ -211,7 +234,7 @@ def map_log(
     config = configured(parameters, mount)
     if mode not in ("trinary", "scale", "raw"):
         fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
-    scans = read_log(log)
+    scans = read_log(log, topic)
     with refusing(log):
         grid = OccupancyGrid(geometry_for(scans, config, trajectory), config.log_odds_prior)
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.

@@ -36,7 +36,7 @@ from mapper.logs import fields
 from mapper.logs.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.logs.lines import Progress, TextLines, take_lines
 from mapper.logs.packing import ScanStack, note_on_largest_reading
-from mapper.scan import ScanLog, Trajectory
+from mapper.scan import ScanLog, Topic, Trajectory
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
 PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2")  #: the sensor that is taken, where there are several
@@ -201,13 +201,18 @@ class CarmenReader:
             raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} m.")
         self.parameters[tokens[1]] = (value, line)
 
-    def log(self, name: str, notes: list[str]) -> ScanLog:
-        """Return the scans of the preferred sensor. Raises :class:`ReadError` if there is none."""
+    def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
+        """Return the scans of one sensor, the preferred one where ``topic`` names none.
+
+        Raises :class:`ReadError` if there is none.
+        """
         if not self.sensors:
             raise ReadError(
                 "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER1 or ROBOTLASER2 line."
             )
-        word = next(word for word in PREFERENCE if word in self.sensors)
+        if topic is not None and topic not in self.sensors:
+            raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
+        word = topic or next(word for word in PREFERENCE if word in self.sensors)
         sensor = self.sensors[word]
         for other, stack in self.sensors.items():
             if other != word:
@@ -233,9 +238,31 @@ class CarmenReader:
             mount=mount,
             name=name,
             format=f"CARMEN {word}",
+            topics=self._topics(word, mount),
             notes=tuple(notes),
             limits=self.limits,
         )
+
+    def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
+        """Return the sensors, and the other messages that were taken."""
+        found = []
+        for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
+            step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
+            view = math.degrees(abs(self.beams[word].angle_increment)) * (stack.n_beams - 1)
+            found.append(
+                Topic(
+                    word,
+                    "laser scan",
+                    stack.n_scans,
+                    beams=stack.n_beams,
+                    field_of_view_deg=view,
+                    rate_hz=1.0 / step if step > 0.0 else None,
+                    mount=mount if word == chosen else None,
+                    chosen=word == chosen,
+                )
+            )
+        poses = {"ODOM": ("odometry", len(self.odometry)), "TRUEPOS": ("true pose", len(self.truth))}
+        return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
 
     def _parameter(self, word: str, which: str) -> float | None:
         side = "front" if word in FRONT else "rear"
@@ -314,12 +341,14 @@ def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Be
     return _Beams(start, resolution, range_max)
 
 
-def read_carmen(path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None) -> ScanLog:
-    """Return the CARMEN log at ``path``, plain or gzip.
+def read_carmen(
+    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the CARMEN log at ``path``, plain or gzip; ``topic`` is the word of the sensor's lines.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
     reader = CarmenReader(limits)
     notes: list[str] = []
     take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.n_scans, notes)
-    return reader.log(path.name, notes)
+    return reader.log(path.name, notes, topic)

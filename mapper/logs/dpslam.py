@@ -53,11 +53,15 @@ class _DpslamReader:
             )
 
 
-def read_dpslam(path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None) -> ScanLog:
+def read_dpslam(
+    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
     """Return the DP-SLAM log at ``path``, plain or gzip; its stamps are zero.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
+    if topic is not None:
+        raise ReadError("log.topic", f"A DP-SLAM log has one sensor, and no topic {topic!r:.80}.")
     reader = _DpslamReader(limits)
     notes = ["The log has no times."]
     take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.stack.n_scans, notes)

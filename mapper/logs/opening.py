@@ -7,20 +7,20 @@ import zlib
 from collections.abc import Callable
 from pathlib import Path
 
+import zstandard
+
 from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.logs import carmen, dpslam
+from mapper.logs import carmen, dpslam, mcap_file, ros1_bag, ros2_db3
+from mapper.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
 from mapper.logs.lines import GZIP_MAGIC, Progress, opened
 from mapper.scan import ScanLog
 
-HEAD = 1 << 16  #: bytes of text that the kind is read from
+HEAD = 1 << 16  #: bytes that the kind is read from
+PACKED_HEAD = 1 << 18  #: bytes read for it: a whole block of Zstandard data, which gives nothing before its end
 
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
-    (b"#ROSBAG V", "a ROS 1 bag"),
-    (b"\x89MCAP0\r\n", "an MCAP file"),
-    (b"SQLite format 3\0", "an SQLite file, perhaps a ROS 2 bag"),
-    (b"\x28\xb5\x2f\xfd", "Zstandard data"),
     (b"BZh", "bzip2 data"),
     (b"\xfd7zXZ\0", "xz data"),
     (b"PK\x03\x04", "a zip archive"),
@@ -31,10 +31,22 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"%PDF", "a PDF document"),
 )
 
-FORMATS: tuple[tuple[frozenset[str], Callable[[Path, Limits, Progress | None], ScanLog]], ...] = (
+Reader = Callable[[Path, Limits, Progress | None, str | None], ScanLog]
+
+#: First bytes of the binary formats.
+BINARY: tuple[tuple[bytes, Reader], ...] = (
+    (ros1_bag.MAGIC, ros1_bag.read_ros1_bag),
+    (mcap_file.MAGIC, mcap_file.read_mcap),
+    (ros2_db3.MAGIC, ros2_db3.read_ros2_db3),
+)
+
+#: First words of the lines of the text formats.
+TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
     (carmen.WORDS, carmen.read_carmen),
     (dpslam.WORDS, dpslam.read_dpslam),
 )
+
+KNOWN = "CARMEN, DP-SLAM, ROS 1 bag, ROS 2 bag (SQLite) or MCAP"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -50,45 +62,60 @@ def is_log(path: str | os.PathLike[str]) -> bool:
 
 
 def open_log(
-    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+    path: str | os.PathLike[str],
+    *,
+    topic: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
 ) -> ScanLog:
-    """Return the log at ``path``, plain or gzip: CARMEN or DP-SLAM.
+    """Return the log at ``path``, plain or gzip: CARMEN, DP-SLAM, a ROS 1 bag, a ROS 2 bag (db3) or MCAP.
 
-    ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`, which names
-    the line, for a file that is missing, no log, damaged or without scans, and :class:`LimitError` for one that is
-    larger than ``limits`` allow.
+    ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
+    is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
+    which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
+    :class:`LimitError` for one that is larger than ``limits`` allow.
     """
     file = Path(path)
-    return _reader_for(file)(file, limits, progress)
+    return _reader_for(file)(file, limits, progress, topic)
 
 
-def _reader_for(file: Path) -> Callable[[Path, Limits, Progress | None], ScanLog]:
+def _reader_for(file: Path) -> Reader:
     """Return the reader of the format that the file begins in; raise :class:`ReadError` where it begins in none."""
     head, cut = _head(file)
+    for magic, reader in BINARY:
+        if head.startswith(magic):
+            return reader
     words = _first_words(head)
-    for format_words, reader in FORMATS:
+    for format_words, reader in TEXT:
         if words & format_words:
             return reader
     if cut and b"\n" not in head:
-        raise ReadError("log.truncated", "The gzip data ends early, before the first line of a log.")
+        raise ReadError("log.truncated", "The compressed data ends early, before the first line of a log.")
     raise _not_a_log(head)
 
 
 def _head(file: Path) -> tuple[bytes, bool]:
-    """Return the first bytes of the text in the file, and whether they are gzip data that ends early."""
+    """Return the log's first bytes, and whether they are compressed data that ends early."""
     with opened(file) as stream:
         try:
-            head = stream.read(HEAD)
+            head = stream.read(PACKED_HEAD)
         except OSError as error:
             raise ReadError("log.unreadable", f"The file {file.name!r} cannot be read: {error.strerror}.") from error
+    if head.startswith(ZSTD_MAGIC):
+        unzstd = zstandard.ZstdDecompressor(max_window_size=MAX_WINDOW).stream_reader(head, read_across_frames=True)
+        try:
+            text = unzstd.read(HEAD)
+        except zstandard.ZstdError as error:
+            raise ReadError("log.compression", f"The zstd data is damaged at its beginning: {error}.") from error
+        return text, not text and zstandard.frame_content_size(head) != 0
     if not head.startswith(GZIP_MAGIC):
-        return head, False
+        return head[:HEAD], False
     unzip = zlib.decompressobj(zlib.MAX_WBITS | 16)
     try:
         text = unzip.decompress(head, HEAD)
     except zlib.error as error:
         raise ReadError("log.gzip", f"The gzip data is damaged at its beginning: {error}.") from error
-    return text, len(head) < HEAD and not unzip.eof
+    return text, len(head) < PACKED_HEAD and not unzip.eof
 
 
 def _first_words(head: bytes) -> set[str]:
@@ -100,7 +127,7 @@ def _not_a_log(head: bytes) -> ReadError:
         return ReadError("log.empty", "The file is empty.")
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:
-        return ReadError("log.unknown_format", f"The file is {foreign}; only CARMEN and DP-SLAM logs can be read.")
+        return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
     if b"\0" in head:
         return ReadError("log.binary", "The file is binary data, not a text log.")
     comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())
@@ -109,5 +136,5 @@ def _not_a_log(head: bytes) -> ReadError:
     line = next(line for line in head.split(b"\n") if line.strip())
     return ReadError(
         "log.unknown_format",
-        f"The file is no log of a known kind (CARMEN, DP-SLAM): it starts with {line[:40].decode('latin-1')!r}.",
+        f"The file is no log of a known kind ({KNOWN}): it starts with {line[:40].decode('latin-1')!r}.",
     )

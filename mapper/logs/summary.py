@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.scan import ScanLog
+from mapper.scan import ScanLog, Topic
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,8 @@ class LogSummary:
     readings: ReadingCounts
     trajectories: tuple[TrajectorySummary, ...]
     notes: tuple[str, ...]
+    upside_down: bool = False
+    topics: tuple[Topic, ...] = ()
 
 
 def summarise(log: ScanLog) -> LogSummary:
@@ -68,6 +70,8 @@ def summarise(log: ScanLog) -> LogSummary:
             for name, trajectory in log.trajectories.items()
         ),
         notes=log.notes,
+        upside_down=log.upside_down,
+        topics=log.topics,
     )
 
 

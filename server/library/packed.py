@@ -8,14 +8,16 @@ from __future__ import annotations
 import json
 import uuid
 import zipfile
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from mapper.errors import MapperError
-from mapper.scan import ScanLog, Trajectory
+from mapper.scan import ScanLog, Topic, Trajectory
 
-VERSION = 1
+VERSION = 2
 
 
 class StalePackError(Exception):
@@ -35,6 +37,7 @@ def write_pack(log: ScanLog, path: Path) -> None:
         "name": log.name,
         "format": log.format,
         "notes": list(log.notes),
+        "topics": [asdict(topic) for topic in log.topics],
         "trajectories": [[name, trajectory.description] for name, trajectory in log.trajectories.items()],
     }
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
@@ -76,9 +79,16 @@ def read_pack(path: Path) -> ScanLog:
                 name=about["name"],
                 format=about["format"],
                 notes=tuple(about["notes"]),
+                topics=tuple(topic_from_json(one) for one in about["topics"]),
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error
+
+
+def topic_from_json(values: dict[str, Any]) -> Topic:
+    """Return the topic that ``asdict`` made ``values`` of. Raises ``TypeError`` for anything else."""
+    mount = values.get("mount")
+    return Topic(**(values | {"mount": None if mount is None else tuple(mount)}))
 
 
 def nbytes(log: ScanLog) -> int:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from mapper.logs.summary import LogSummary, ReadingCounts, TrajectorySummary
+from server.library.packed import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
@@ -67,6 +68,7 @@ class Record:
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,
             "trajectories": [asdict(trajectory) for trajectory in summary.trajectories] if summary else [],
+            "topics": [asdict(topic) for topic in summary.topics] if summary else [],
             "notes": list(summary.notes) if summary else [],
         }
 
@@ -132,6 +134,7 @@ def _summary(data: dict[str, Any] | None) -> LogSummary | None:
         values["trajectories"] = tuple(TrajectorySummary(**one) for one in values["trajectories"])
         values["mount"] = tuple(values["mount"])
         values["notes"] = tuple(values["notes"])
+        values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
         return LogSummary(**values)
     except (TypeError, KeyError):
         return None

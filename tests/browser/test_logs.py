@@ -161,7 +161,7 @@ def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: st
     error = page.locator(".log-card.failed .log-error", has_text=".")
     expect(error).to_be_visible(timeout=SECONDS * 1000)
     assert "Traceback" not in error.inner_text()
-    expect(page.locator(".log-card.failed")).to_contain_text("Logs of CARMEN and DP-SLAM can be read")
+    expect(page.locator(".log-card.failed")).to_contain_text("CARMEN logs, ROS bags, MCAP")
     # Nothing else stopped working: the sample opens beside it.
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50", timeout=SECONDS * 1000)

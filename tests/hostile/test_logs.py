@@ -116,9 +116,10 @@ def test_a_log_without_scans(tmp_path):
     ("data", "code", "words"),
     [
         (b"Dear robot,\nhow are you?\n", "log.unknown_format", "'Dear robot,'"),
-        (b"#ROSBAG V2.0\n\x45\0\0\0", "log.unknown_format", "a ROS 1 bag"),
+        (b"#ROSBAG V2.0\n\x45\0\0\0", "log.no_scans", "no messages; the bag ends early, at byte 17"),
         (b"\x89PNG\r\n\x1a\n\0\0", "log.unknown_format", "a PNG picture"),
-        (b"\x28\xb5\x2f\xfd\0\0", "log.unknown_format", "Zstandard"),
+        (b"\x28\xb5\x2f\xfd\0\0", "log.truncated", "ends early"),
+        (b"BZh91AY&SY", "log.unknown_format", "bzip2 data"),
         (bytes(range(256)) * 20, "log.binary", "binary"),
     ],
 )

@@ -18,6 +18,7 @@ import yaml
 from mapper.parameters import PARAMETERS
 from server.cli import SHORT_NAMES, main
 from server.settings import Settings
+from tests.mapper.logs import recorded
 
 ROOT = Path(__file__).parents[2]
 
@@ -70,6 +71,24 @@ def test_info_as_json_is_one_object_and_nothing_else(run, log):
     assert (facts["scans"], facts["beams"], facts["duration_s"]) == (4, 180, 3.0)
     assert facts["readings"] == {"measured": 716, "no_return": 4, "invalid": 0}
     assert [trajectory["name"] for trajectory in facts["trajectories"]] == ["scan", "wheel"]
+
+
+def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
+    at = 1_700_000_000 * recorded.SECOND
+    said = [recorded.scan(at + i, [2.0, 3.0], "/front", "front") for i in range(3)]
+    said += [recorded.scan(at + i * recorded.SECOND, [4.0], "/rear", "rear") for i in range(2)]
+    path = recorded.write_bag(tmp_path / "run.bag", said)
+    status, out, _ = run("info", path)
+    assert status == 0
+    assert "* /front: 3 × sensor_msgs/LaserScan, 2 beams over 5.7°" in out
+    assert "  /rear: 2 × sensor_msgs/LaserScan, 1 beam over 0.0°, 1.0 Hz, frame rear" in out
+    assert "the file holds no poses" in out.lower()
+    rear = json.loads(run("info", path, "--topic", "/rear", "--json").out)
+    assert (rear["scans"], rear["topics"][1]["chosen"]) == (2, True)
+    assert json.loads(run("map", path, "--topic", "/rear", "--json").out)["scans"] == 2
+    status, _, err = run("map", path, "--topic", "/left")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "'/left'; it has /front, /rear" in err
 
 
 def test_map_as_json_has_the_figures_that_programs_need(run, log, tmp_path):

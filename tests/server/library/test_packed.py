@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.scan import ScanLog, Trajectory
+from mapper.scan import ScanLog, Topic, Trajectory
 from server.library.cache import LogCache
 from server.library.packed import StalePackError, nbytes, read_pack, write_pack
 
@@ -30,6 +30,10 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
         "upside_down": True,
         "name": "Café 地図",
         "format": "CARMEN",
+        "topics": (
+            Topic("/scan", "sensor_msgs/LaserScan", 7, "laser", 4, 3.0, 10.0, (0.1, 0.2, 0.3), chosen=True),
+            Topic("/tf", "tf2_msgs/TFMessage", 9),
+        ),
         "notes": ("one", "two"),
     }
     return ScanLog(**(values | changes))  # type: ignore[arg-type]
@@ -51,7 +55,7 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
         assert again.trajectories[name].description == trajectory.description
     for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
         assert getattr(again, name) == getattr(log, name), name
-    assert again.notes == log.notes
+    assert (again.topics, again.notes) == (log.topics, log.notes)
     assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
 
 

@@ -1,0 +1,189 @@
+"""MCAP files with ROS messages (the default of ROS 2 bags), chunks plain, lz4 or zstd; the whole file gzip or zstd.
+
+Source: mcap.dev/spec. After the magic bytes come records ``<opcode u8> <length u64> <content>``; most stand in chunks.
+
+Records are read from front to back, each no larger than what is there, and expanded as streams with a cap; the mcap
+library, whose own readers believe every length and expand a chunk in one call, decodes what is in a record.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, DataEnd, Schema
+
+from mapper.errors import LimitError, ReadError
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.logs.bytestream import ByteStream, byte_stream
+from mapper.logs.inflate import inflate
+from mapper.logs.lines import Progress
+from mapper.logs.recording import Recording
+from mapper.scan import ScanLog
+
+MAGIC = b"\x89MCAP0\r\n"
+ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
+SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
+
+_RECORD = struct.Struct("<BQ")
+_MESSAGE = struct.Struct("<HIQQ")  #: channel, sequence, log time, publish time
+_BAD_RECORD = (struct.error, ValueError, McapError, MemoryError, OverflowError)
+
+
+class _CutError(Exception):
+    """The data ends in the middle of a record."""
+
+
+class _DamagedError(Exception):
+    """The data is no record."""
+
+
+def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, start and end of each record in a chunk. Raises :class:`_CutError` where it ends within one."""
+    at, n = 0, len(data)
+    while at < n:
+        if at + 9 > n:
+            raise _CutError
+        opcode, size = _RECORD.unpack_from(data, at)
+        end = at + 9 + size
+        if end > n:
+            raise _CutError
+        yield opcode, at + 9, end
+        at = end
+
+
+class _Mcap:
+    def __init__(self, stream: ByteStream, recording: Recording, limits: Limits) -> None:
+        self.stream = stream
+        self.recording = recording
+        self.limits = limits
+        self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
+        self.expanded = 0
+
+    def read(self) -> None:
+        """Hand everything to the recording that can be read; note what cannot."""
+        self.stream.skip(len(MAGIC))
+        try:
+            while self._record():
+                pass
+        except _CutError:
+            self.recording.notes.append(f"The file ends early, at byte {self.stream.at}: what stands before is there.")
+        except _DamagedError:
+            self.recording.notes.append(f"The file is damaged before byte {self.stream.at}: the rest is left out.")
+
+    def _record(self) -> bool:
+        """Read one record; return whether more may come: the data ends with its own record."""
+        crc = self.stream.crc
+        head = self.stream.read(9)
+        if len(head) < 9:
+            raise _CutError
+        opcode, size = _RECORD.unpack(head)
+        if opcode == 0:
+            raise _DamagedError
+        if opcode in (Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.DATA_END):
+            at = self.stream.at
+            content = self.stream.read(size)
+            cut = len(content) < size
+            if opcode == Opcode.CHUNK:
+                self._chunk(content, at, cut=cut)
+            elif not cut:
+                self._content(opcode, content, 0, size)
+            if cut:
+                raise _CutError
+            if opcode == Opcode.DATA_END:
+                stated = _decoded(DataEnd.read, content).data_section_crc
+                if stated not in (0, crc):
+                    self._note("The file's checksum is not that of its bytes: something in it is damaged.")
+                return False
+        elif self.stream.skip(size) < size:
+            raise _CutError
+        return True
+
+    def _chunk(self, content: bytes, at: int, *, cut: bool) -> None:
+        damaged = f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
+        try:
+            chunk = _decoded(Chunk.read, content)
+            data = chunk.data
+            if chunk.compression in ("zstd", "lz4"):
+                data, _ = inflate(chunk.compression, data, self.limits.max_chunk_bytes, f"the chunk at byte {at}")
+            elif chunk.compression:
+                self._note(
+                    f"The chunk at byte {at} is compressed in an unknown way, {chunk.compression!r:.40}, "
+                    "and is left out."
+                )
+                return
+        except (_DamagedError, ReadError):
+            if not cut:
+                self._note(damaged)
+            return
+        self.expanded += len(data)
+        if self.expanded > self.limits.max_log_bytes:
+            raise LimitError(
+                "log.too_many_bytes",
+                f"The file expands to more than the limit of {self.limits.max_log_bytes} bytes.",
+            )
+        if not cut and chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+            self._note(f"The chunk at byte {at} has not the checksum that it states, and is left out.")
+            return
+        try:
+            for opcode, start, end in _records(data):
+                self._content(opcode, data, start, end)
+        except _DamagedError:
+            self._note(damaged)
+        except _CutError:
+            if not cut:
+                self._note(damaged)
+
+    def _content(self, opcode: int, data: bytes, start: int, end: int) -> None:
+        """Take a message, a channel or a schema."""
+        if opcode == Opcode.MESSAGE:
+            if end - start < _MESSAGE.size:
+                raise _DamagedError
+            key, _, time, _ = _MESSAGE.unpack_from(data, start)
+            wanted = self.recording.wants(key)
+            self.recording.take(key, time, data[start + _MESSAGE.size : end] if wanted else b"")
+        elif opcode == Opcode.SCHEMA:
+            # Only its name is of use: what it defines is known, or not read (see ros_messages).
+            schema = _decoded(Schema.read, data[start:end])
+            self.schemas[schema.id] = (schema.name, schema.encoding)
+        elif opcode == Opcode.CHANNEL:
+            channel = _decoded(Channel.read, data[start:end])
+            name, encoding = self.schemas.get(channel.schema_id, ("", ""))
+            self.recording.channel(
+                channel.id,
+                channel.topic,
+                name,
+                cdr=ENCODINGS.get(channel.message_encoding, True),
+                readable=channel.message_encoding in ENCODINGS and encoding in SCHEMA_ENCODINGS,
+            )
+
+    def _note(self, sentence: str) -> None:
+        if len(self.recording.notes) < 20:
+            self.recording.notes.append(sentence)
+
+
+def _decoded(read, content: bytes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202 - any of the library's records
+    try:
+        return read(ReadDataStream(BytesIO(content)))
+    except _BAD_RECORD:
+        raise _DamagedError from None
+
+
+def read_mcap(
+    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the MCAP file at ``path`` as the log of one of its range sensors; see :class:`Recording`.
+
+    A file that is cut or damaged gives what could be read, and notes that say what is missing. Raises
+    :class:`ReadError` where there is no scan, and :class:`LimitError`.
+    """
+    recording = Recording(limits)
+    with byte_stream(path, limits, progress) as stream:
+        _Mcap(stream, recording, limits).read()
+    return recording.log(path.name, "MCAP", topic)

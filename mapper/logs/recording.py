@@ -1,0 +1,410 @@
+"""The messages of a recording, whatever container they came in, put together to a log.
+
+A container's reader announces each stream of messages (:meth:`Recording.channel`) and hands its messages over
+(:meth:`Recording.take`); :meth:`Recording.log` makes the log of one range sensor out of them, with a trajectory from
+each source of poses: tf, odometry, a localiser's estimate.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.errors import LimitError, ReadError
+from mapper.limits import Limits
+from mapper.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, Beams, plain_type
+from mapper.logs.transforms import FrameTree, Poses3, Timeline
+from mapper.scan import ScanLog, Topic, Trajectory
+
+Int64Array = NDArray[np.int64]
+STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
+STILL = "standing still"
+_Geometry = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
+
+
+@dataclass(slots=True)
+class _Channel:
+    topic: str
+    kind: str
+    cdr: bool
+    take: Callable[[_Channel, int, bytes], None] | None
+    count: int = 0
+    bad: int = 0
+
+
+class _Sensor:
+    """The scans of one sensor, as they come."""
+
+    def __init__(self, topic: str, kind: str, first: Beams) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.frame = first.frame
+        self.beam_width = first.beam_width
+        self.stamps = array("q")
+        self._numbers: dict[_Geometry, int] = {}
+        self._of_scan = array("q")  #: the number of each scan's geometry
+        self._ranges = bytearray()
+
+    def add(self, stamp_ns: int, beams: Beams) -> None:
+        geometry = (
+            float(beams.angle_min),
+            float(beams.angle_increment),
+            float(beams.range_min),
+            float(beams.range_max),
+            len(beams.ranges),
+        )
+        self.stamps.append(stamp_ns)
+        self._of_scan.append(self._numbers.setdefault(geometry, len(self._numbers)))
+        self._ranges += beams.ranges.tobytes()
+
+    @property
+    def n_scans(self) -> int:
+        return len(self.stamps)
+
+    @property
+    def usual(self) -> _Geometry:
+        """The beams that most scans have."""
+        counts = np.bincount(np.frombuffer(self._of_scan, dtype=np.int64))
+        return list(self._numbers)[int(np.argmax(counts))]
+
+    def packed(self, limits: Limits) -> tuple[NDArray[np.float32], list[str]]:
+        """Return the readings (n_scans, n_beams) on the usual beams, and what is to be noted about them."""
+        angle_min, increment, _, _, n = self.usual
+        flat = np.frombuffer(self._ranges, dtype=np.float32)
+        if len(self._numbers) == 1:
+            return flat.reshape(-1, n), []
+        if self.n_scans * n > limits.max_readings:
+            raise LimitError(
+                "log.too_many_scans",
+                f"{self.n_scans} scans of {n} beams on {self.topic} are more than {limits.max_readings} readings.",
+            )
+        out = np.full((self.n_scans, n), np.nan, dtype=np.float32)
+        at = 0
+        others = 0
+        places: dict[_Geometry, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
+        geometries = list(self._numbers)
+        for row, number in enumerate(self._of_scan):
+            geometry = geometries[number]
+            readings = flat[at : at + geometry[4]]
+            at += geometry[4]
+            if geometry[0] == angle_min and geometry[1] == increment:
+                same = min(n, len(readings))
+                out[row, :same] = readings[:same]
+            else:
+                if geometry not in places and len(places) < 100:
+                    places[geometry] = _nearest(geometry, self.usual)
+                to, taken = places[geometry] if geometry in places else _nearest(geometry, self.usual)
+                out[row, to] = readings[taken]
+            others += geometry != self.usual
+        note = (
+            f"{others} of the {self.n_scans} scans on {self.topic} have other beams or range limits than the rest; "
+            "their readings count at the nearest of the usual beams."
+        )
+        return out, [note]
+
+
+def _nearest(theirs: _Geometry, usual: _Geometry) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return which of the usual beams have one of theirs within half a step, and which one that is."""
+    angles = usual[0] + usual[1] * np.arange(usual[4])
+    if theirs[4] == 0:
+        return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
+    if theirs[1] == 0.0:
+        index = np.zeros(usual[4])
+    else:
+        index = np.clip(np.rint((angles - theirs[0]) / theirs[1]), 0, theirs[4] - 1)
+    near = np.abs(theirs[0] + theirs[1] * index - angles) <= max(abs(usual[1]), abs(theirs[1])) / 2.0 + 1e-9
+    return np.nonzero(near)[0], index[near].astype(np.intp)
+
+
+class Recording:
+    """Takes a recording message by message; :meth:`log` packs what it took."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.notes: list[str] = []
+        self._channels: dict[int, _Channel] = {}
+        self._sensors: dict[str, _Sensor] = {}
+        self._poses: dict[str, tuple[str, Timeline]] = {}  #: topic → type, poses
+        self._children: set[str] = set()
+        self._tf = FrameTree(limits)
+        self._messages = 0
+        self._scans = 0
+        self._readings = 0
+
+    @property
+    def n_scans(self) -> int:
+        """Scans taken so far, of all sensors."""
+        return self._scans
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they are serialised as ROS 2 does.
+
+        Messages of a type that no map is made of, or that are not ``readable``, are only counted.
+        """
+        if len(self._channels) >= self.limits.max_topics and key not in self._channels:
+            raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
+        name, kind = topic[:200], plain_type(kind)[:200]
+        known = self._channels.get(key)
+        if known is not None and (known.topic, known.kind, known.cdr) == (name, kind, cdr):
+            return
+        take = None
+        if readable and kind in SENSORS:
+            take = self._take_scan
+        elif readable and kind in POSES:
+            take = self._take_pose
+        elif readable and kind in TRANSFORMS:
+            take = self._take_transforms
+        self._channels[key] = _Channel(name, kind, cdr, take)
+
+    def wants(self, key: int) -> bool:
+        """Return whether anything is made of this stream's messages."""
+        channel = self._channels.get(key)
+        return channel is not None and channel.take is not None
+
+    def take(self, key: int, stamp_ns: int, data: bytes) -> None:
+        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
+
+        Raises :class:`LimitError`.
+        """
+        self._messages += 1
+        if self._messages > self.limits.max_messages:
+            raise LimitError("log.too_many_messages", f"The log has more than {self.limits.max_messages} messages.")
+        channel = self._channels.get(key)
+        if channel is None:
+            return
+        channel.count += 1
+        if channel.take is None:
+            return
+        try:
+            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+                data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
+            channel.take(channel, stamp_ns, data)
+        except (BadMessageError, ReadError):
+            channel.bad += 1
+
+    def _take_scan(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
+        beams = SENSORS[channel.kind](data, cdr=channel.cdr)
+        n = len(beams.ranges)
+        angles = (beams.angle_min, beams.angle_increment, beams.beam_width)
+        # Written so that nan fails, too.
+        if not (max(map(abs, angles)) < 100.0 and sum(angles) == sum(angles)) or not beams.range_max > 0.0 or n == 0:
+            raise BadMessageError
+        if n > self.limits.max_beams:
+            raise LimitError(
+                "log.too_many_beams",
+                f"A scan on {channel.topic} has {n} beams; the limit is {self.limits.max_beams}.",
+            )
+        self._scans += 1
+        self._readings += n
+        if self._scans > self.limits.max_scans or self._readings > self.limits.max_readings:
+            raise LimitError(
+                "log.too_many_scans",
+                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans and "
+                f"{self.limits.max_readings} readings.",
+            )
+        name = channel.topic
+        sensor = self._sensors.get(name)
+        if sensor is not None and sensor.frame != beams.frame:  # several sonars may share a topic
+            name = f"{channel.topic}#{beams.frame[:100]}"
+            sensor = self._sensors.get(name)
+        if sensor is None:
+            if len(self._sensors) >= self.limits.max_topics:
+                raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} sensors.")
+            sensor = self._sensors[name] = _Sensor(name, channel.kind, beams)
+        sensor.add(_stamp(beams.stamp_ns, stamp_ns), beams)
+
+    def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
+        for one in POSES[channel.kind](data, cdr=channel.cdr):
+            if channel.topic not in self._poses:
+                self._poses[channel.topic] = (channel.kind, Timeline(self.limits))
+            self._poses[channel.topic][1].add(_stamp(one.stamp_ns, stamp_ns), one.pose)
+            if one.child and len(self._children) < 100:
+                self._children.add(one.child)
+
+    def _take_transforms(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
+        for one in TRANSFORMS[channel.kind](data, cdr=channel.cdr):
+            self._tf.add(replace(one, stamp_ns=_stamp(one.stamp_ns, stamp_ns)))
+
+    # -- the log ------------------------------------------------------------------------------------------------
+
+    def log(self, name: str, form: str, topic: str | None = None) -> ScanLog:
+        """Return the log of the sensor on ``topic``; without one, of the laser with most scans, or else the sonar.
+
+        Raises :class:`ReadError` where there are no scans, or none on that topic.
+        """
+        bad = [
+            f"{channel.bad} of {channel.count} on {channel.topic}" for channel in self._channels.values() if channel.bad
+        ]
+        sensor = self._sensor(topic, bad)
+        notes = list(self.notes)
+        if bad:
+            notes.append(f"Messages that could not be decoded: {_listed(bad)}.")
+        ranges, more = sensor.packed(self.limits)
+        notes += more
+        angle_min, increment, range_min, range_max, _ = sensor.usual
+        ranges = ranges.copy() if not ranges.flags.writeable else ranges
+        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers say 0 instead
+        if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
+            notes.append("Of each beam's echoes the first is taken.")
+        stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
+        backwards = int(np.count_nonzero(np.diff(stamps) < 0))
+        if backwards:
+            notes.append(f"The time runs backwards {backwards} times; the scans stay in the file's order.")
+        chain = self._tf.ancestors(sensor.frame)
+        base = self._tf.base_of(chain, self._children)
+        mount, upside_down, more = self._mount(chain[: base + 1], stamps)
+        notes += more
+        trajectories, more = self._trajectories(chain[base:], stamps)
+        notes += more
+        return ScanLog(
+            ranges=ranges,
+            angle_min=angle_min,
+            angle_increment=increment,
+            range_min=max(0.0, range_min) if range_min < range_max else 0.0,
+            range_max=range_max,
+            stamps_ns=stamps,
+            trajectories=trajectories,
+            mount=mount,
+            upside_down=upside_down,
+            name=name,
+            format=f"{form}, {sensor.topic}",
+            topics=self._topics(sensor),
+            notes=tuple(notes),
+            limits=self.limits,
+        )
+
+    def _sensor(self, topic: str | None, bad: list[str]) -> _Sensor:
+        if not self._sensors:
+            held = "it holds no messages"
+            if bad:
+                held = f"messages that could not be decoded: {_listed(bad)}"
+            elif self._channels:
+                held = f"it has {_listed(sorted({channel.kind for channel in self._channels.values()}))}"
+            damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in self.notes[:1])
+            raise ReadError(
+                "log.no_scans",
+                "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan or Range): "
+                f"{held}{damage}.",
+            )
+        if topic is None:
+            return max(self._sensors.values(), key=lambda sensor: (sensor.kind != "sensor_msgs/Range", sensor.n_scans))
+        for sensor in self._sensors.values():
+            if sensor.topic.lstrip("/") == topic.lstrip("/"):
+                return sensor
+        raise ReadError("log.topic", f"The log has no scans on {topic!r:.80}; it has {_listed(list(self._sensors))}.")
+
+    def _mount(self, chain: list[str], stamps: Int64Array) -> tuple[tuple[float, float, float], bool, list[str]]:
+        """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, as it was at first."""
+        notes = []
+        if len(chain) == 1 and self._tf.frames:
+            notes.append(
+                f"tf does not say where the frame {chain[0]!r} sits on the robot; "
+                "the sensor is taken to be at its centre."
+            )
+        poses = self._tf.lookup(chain, stamps)
+        x, y, yaw = (float(v) for v in poses.planar[0])
+        if (np.abs(poses.positions - poses.positions[0]).max() > 0.01) or (np.abs(poses.up - poses.up[0]) > 0.01).any():
+            notes.append(f"The frame {chain[0]!r} moves on the robot; the place where it was first is taken.")
+        up = float(poses.up[0])
+        if abs(up) < 0.9:
+            notes.append(
+                f"The sensor is tilted by {np.degrees(np.arccos(abs(up))):.0f}°; the map takes it to be level."
+            )
+        return (x, y, yaw), up < 0.0, notes
+
+    def _trajectories(self, chain: list[str], stamps: Int64Array) -> tuple[dict[str, Trajectory], list[str]]:
+        """Return a trajectory for each world that the base moves in and for each topic of poses, the best first."""
+        found: dict[str, Trajectory] = {}
+        notes = []
+        for world in self._tf.worlds(chain):
+            way = chain[: chain.index(world) + 1]
+            covered = np.ones(len(stamps), dtype=np.bool_)
+            for edge in self._tf.edges(way):
+                if edge.moves:
+                    covered &= edge.covers(stamps)
+            poses = self._tf.lookup(way, stamps)
+            sentence = f"tf from {world} to {chain[0]}, at the time of each scan"
+            notes += self._keep(found, f"tf/{world}", poses, covered, sentence)
+        for topic in sorted(self._poses, key=lambda topic: self._poses[topic][0] != "nav_msgs/Odometry"):
+            kind, timeline = self._poses[topic]
+            if len(timeline):
+                sentence = f"the {kind.split('/')[-1]} messages on {topic}, at the time of each scan"
+                notes += self._keep(found, topic.lstrip("/"), timeline.at(stamps), timeline.covers(stamps), sentence)
+        if not found:
+            notes.append(
+                "The file holds no poses, so the map shows all scans as from one place: record /tf and /tf_static, or "
+                "the odometry, beside the scans."
+            )
+            found[STILL] = Trajectory(np.zeros((len(stamps), 3)), "no poses in the file: one place for all scans")
+        return found, notes
+
+    def _keep(
+        self,
+        found: dict[str, Trajectory],
+        name: str,
+        poses: Poses3,
+        covered: NDArray[np.bool_],
+        sentence: str,
+    ) -> list[str]:
+        """Add the trajectory unless its poses are from another time than the scans; return what is to be noted."""
+        outside = int(np.count_nonzero(~covered))
+        if outside == len(covered):
+            return [f"The poses of {name} are from another time than the scans, and are left out."]
+        planar = np.broadcast_to(poses.planar, (len(covered), 3))
+        if np.abs(planar[:, :2]).max() > self.limits.max_pose:
+            return [f"The poses of {name} lie more than {self.limits.max_pose:g} m away, and are left out."]
+        found[name] = Trajectory(planar, sentence)
+        return (
+            [f"{outside} scans lie before the first or after the last pose of {name}; they get the nearest."]
+            if outside
+            else []
+        )
+
+    def _topics(self, chosen: _Sensor) -> tuple[Topic, ...]:
+        sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]
+        counts: dict[tuple[str, str], int] = {}
+        for channel in self._channels.values():
+            if channel.topic not in self._sensors:
+                key = (channel.topic, channel.kind)
+                counts[key] = counts.get(key, 0) + channel.count
+        rest = [Topic(name, kind, count) for (name, kind), count in sorted(counts.items())]
+        return (*sorted(sensors, key=lambda one: -one.count), *rest)
+
+    def _described(self, sensor: _Sensor, chosen: bool) -> Topic:
+        _, increment, _, _, n = sensor.usual
+        stamps = np.sort(np.frombuffer(sensor.stamps, dtype=np.int64))
+        step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+        chain = self._tf.ancestors(sensor.frame)
+        base = self._tf.base_of(chain, self._children)
+        mount = None
+        if base > 0:
+            x, y, yaw = (float(v) for v in self._tf.lookup(chain[: base + 1], stamps[:1]).planar[0])
+            mount = (x, y, yaw)
+        width = sensor.beam_width if n == 1 else abs(increment) * (n - 1)
+        return Topic(
+            sensor.topic,
+            sensor.kind,
+            sensor.n_scans,
+            frame=sensor.frame,
+            beams=n,
+            field_of_view_deg=float(np.degrees(width)),
+            rate_hz=1e9 / step if step > 0.0 else None,
+            mount=mount,
+            chosen=chosen,
+        )
+
+
+def _stamp(stated_ns: int, recorded_ns: int) -> int:
+    """Return the time that a message states, or else when it was recorded, or else 0."""
+    return next((t for t in (stated_ns, recorded_ns) if t and abs(t) < STAMP_LIMIT_NS), 0)
+
+
+def _listed(names: list[str], most: int = 6) -> str:
+    """Return the first of ``names`` with commas between them."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(name[:80] for name in names[:most]) + more

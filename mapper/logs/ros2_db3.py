@@ -1,0 +1,114 @@
+"""ROS 2 bags in SQLite (``.db3``), plain, or the whole file gzip or Zstandard.
+
+Source: rosbag2_storage_sqlite3: a table ``topics`` (id, name, type, serialization_format, …) and one ``messages``
+(id, topic_id, timestamp, data).
+
+The file is opened read-only and as hostile as sqlite.org/security.html advises: no trusted schema, nothing but two
+ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from pathlib import Path
+from urllib.parse import quote
+
+from mapper.errors import LimitError, ReadError
+from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.logs.bytestream import byte_stream
+from mapper.logs.lines import Progress
+from mapper.logs.recording import Recording
+from mapper.scan import ScanLog
+
+MAGIC = b"SQLite format 3\0"
+TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
+
+
+def read_ros2_db3(
+    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the ROS 2 bag at ``path`` as the log of one of its range sensors; see :class:`Recording`.
+
+    A database that is damaged gives the messages before the damage, and a note. Raises :class:`ReadError` where there
+    is no scan, and :class:`LimitError`.
+    """
+    recording = Recording(limits)
+    connection, cut = _opened(path, limits)
+    try:
+        if cut:
+            recording.notes.append("The SQLite file ends early: what stands before is there.")
+        _take_all(connection, recording, limits, progress)
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
+        if not recording.n_scans:
+            raise ReadError("log.sqlite", f"The SQLite file cannot be read: {str(error)[:100]}.") from error
+        recording.notes.append(f"The SQLite file is damaged ({str(error)[:100]}): what stands before is there.")
+    finally:
+        connection.close()
+    return recording.log(path.name, "ROS 2 bag (SQLite)", topic)
+
+
+def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
+    """Return the database, and whether the file is shorter than it says."""
+    with path.open("rb") as file:
+        head = file.read(100)
+        size = os.fstat(file.fileno()).st_size
+    try:
+        if head.startswith(MAGIC):
+            # immutable: neither locks nor a journal beside it, which a hostile file could come with
+            connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+        else:
+            with byte_stream(path, limits) as stream:
+                pieces = []
+                while piece := stream.read(1 << 20):
+                    pieces.append(piece)
+            data = b"".join(pieces)
+            head, size = data[:100], len(data)
+            connection = sqlite3.connect(":memory:")
+            connection.deserialize(data)
+        page_bytes, pages = (int.from_bytes(head[a:b], "big") for a, b in ((16, 18), (28, 32)))
+        cut = size < (65536 if page_bytes == 1 else page_bytes) * pages
+        connection.text_factory = lambda data: data.decode("utf-8", "replace")
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_EXPR_DEPTH, 50)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
+        for pragma in ("trusted_schema=OFF", "query_only=ON", "cell_size_check=ON", "mmap_size=0", "temp_store=MEMORY"):
+            connection.execute(f"PRAGMA {pragma}")
+    except (sqlite3.Error, OverflowError) as error:
+        raise ReadError("log.sqlite", f"The SQLite file cannot be read: {str(error)[:100]}.") from error
+    return connection, cut
+
+
+def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    for table, needed in TABLES.items():
+        found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
+        # A view, a virtual table or a computed column would run what the file says.
+        if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: it has no table {table!r}.")
+        columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
+        if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
+    rows = connection.execute(
+        "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)
+    )
+    keys = []
+    for key, name, kind, form in rows:
+        if isinstance(key, int):
+            keys.append(key)
+            recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
+    wanted = ",".join(str(key) for key in keys if recording.wants(key))
+    last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    cursor = connection.execute(
+        "SELECT rowid, topic_id, timestamp, "  # noqa: S608 - the ids are whole numbers, and as such here
+        f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
+    )
+    read = 0
+    for index, (row, key, stamp, data) in enumerate(cursor):
+        if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
+            read += len(data)
+            recording.take(key, stamp, data)
+        if read > limits.max_log_bytes:
+            raise LimitError("log.too_many_bytes", f"The bag holds more than {limits.max_log_bytes} bytes of messages.")
+        if progress is not None and index % 256 == 0:
+            progress(min(1.0, max(0.0, row / last)))

@@ -1,0 +1,217 @@
+"""The few ROS messages that a map is made of, decoded from their serialised bytes.
+
+One fixed decoder for the message types below, in both serialisations: that of ROS 1, and CDR (ROS 2). A library that
+decodes any message takes its definition from the file; here no definition is ever read from a file, so none can
+redefine a type, refer to itself or claim ``string[1000000]``, and every length is checked against the bytes that are
+there before anything is made of it. The tests hold it to rosbags' decoder.
+
+Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_msgs; the ROS wiki's technical overview
+(serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header); REP 117.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pose7 = tuple[float, float, float, float, float, float, float]  #: x y z, and the quaternion x y z w
+
+
+class BadMessageError(Exception):
+    """The bytes are no message of the type that they are said to have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beams:
+    """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
+
+    ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar.
+    """
+
+    stamp_ns: int
+    frame: str
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: NDArray[np.float32]
+    beam_width: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class StampedPose:
+    """``T_frame_child`` at a time."""
+
+    stamp_ns: int
+    frame: str
+    child: str
+    pose: Pose7
+
+
+class _Fields:
+    """The fields of one message, in their order."""
+
+    def __init__(self, data: bytes, *, cdr: bool) -> None:
+        self.data = data
+        self.cdr = cdr
+        self.pos = self.origin = 0
+        self.order = "<"
+        if cdr:
+            if len(data) < 4 or data[0] != 0 or data[1] > 1:
+                raise BadMessageError
+            self.order = "<" if data[1] else ">"
+            self.pos = self.origin = 4
+
+    def unpack(self, code: str, size: int) -> tuple[float, ...]:
+        """Return numbers of one kind, of ``size`` bytes each; CDR aligns the first to its size."""
+        if self.cdr:
+            self.pos += -(self.pos - self.origin) % size
+        try:
+            values = struct.unpack_from(self.order + code, self.data, self.pos)
+        except struct.error:
+            raise BadMessageError from None
+        self.pos += size * len(values)
+        return values
+
+    def count(self, least_bytes: int) -> int:
+        """Return the length of what follows, of which each element has at least ``least_bytes``."""
+        n = int(self.unpack("I", 4)[0])
+        if n * least_bytes > len(self.data) - self.pos:
+            raise BadMessageError
+        return n
+
+    def string(self) -> str:
+        n = self.count(1)
+        text = self.data[self.pos : self.pos + n]
+        self.pos += n
+        return text.rstrip(b"\0").decode("utf-8", "replace")
+
+    def floats(self) -> NDArray[np.float32]:
+        n = self.count(4)
+        values = np.frombuffer(self.data, self.order + "f4", n, self.pos)
+        self.pos += 4 * n
+        return values
+
+    def header(self) -> tuple[int, str]:
+        """Return a std_msgs/Header's stamp in nanoseconds, and its frame."""
+        if not self.cdr:
+            self.unpack("I", 4)  # seq, which ROS 2 dropped
+        (seconds,) = self.unpack("i" if self.cdr else "I", 4)
+        (nanoseconds,) = self.unpack("I", 4)
+        return int(seconds) * 1_000_000_000 + int(nanoseconds), self.frame()
+
+    def frame(self) -> str:
+        """Return a frame's name; tf of ROS 1 still wrote a slash before it."""
+        return self.string().lstrip("/")
+
+    def pose(self) -> Pose7:
+        x, y, z, qx, qy, qz, qw = self.unpack("7d", 8)
+        return (x, y, z, qx, qy, qz, qw)
+
+    def end(self, at_most: int = 0) -> None:
+        """Check that nothing follows; CDR may pad to four bytes."""
+        if len(self.data) - self.pos > (3 if self.cdr else 0) + at_most:
+            raise BadMessageError
+
+
+def laser_scan(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/LaserScan."""
+    fields = _Fields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    angle_min, _, increment, _, _, range_min, range_max = fields.unpack("7f", 4)
+    ranges = fields.floats()
+    fields.floats()  # intensities
+    fields.end()
+    return Beams(stamp, frame, angle_min, increment, range_min, range_max, ranges.astype(np.float32))
+
+
+def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
+    fields = _Fields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    angle_min, _, increment, _, _, range_min, range_max = fields.unpack("7f", 4)
+    return Beams(stamp, frame, angle_min, increment, range_min, range_max, _first_echoes(fields))
+
+
+def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
+    n = fields.count(4)
+    rest = (len(fields.data) - fields.pos) // 4
+    readings = np.frombuffer(fields.data, fields.order + "f4", rest, fields.pos)
+    lengths = np.frombuffer(fields.data, fields.order + "u4", rest, fields.pos).tolist()
+    firsts = np.zeros(n, dtype=np.int64)  #: where each beam's first echo stands, after the number of its echoes
+    at = 0
+    for beam in range(n):
+        if at >= rest:
+            raise BadMessageError
+        firsts[beam] = at + 1 if lengths[at] else -1
+        at += 1 + lengths[at]
+    if at > rest:
+        raise BadMessageError
+    ranges = np.full(n, np.inf, dtype=np.float32)
+    ranges[firsts >= 0] = readings[firsts[firsts >= 0]]
+    return ranges
+
+
+def range_reading(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/Range: one beam straight ahead, as wide as its field of view."""
+    fields = _Fields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    fields.unpack("B", 1)  # ultrasound or infrared
+    width, range_min, range_max, reading = fields.unpack("4f", 4)
+    fields.end(at_most=4)  # newer ones state a variance
+    return Beams(stamp, frame, 0.0, 0.0, range_min, range_max, np.array([reading], dtype=np.float32), width)
+
+
+def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a nav_msgs/Odometry."""
+    fields = _Fields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    child = fields.frame()
+    pose = fields.pose()
+    fields.unpack("78d", 8)  # its covariance; the twist and its covariance
+    fields.end()
+    return [StampedPose(stamp, frame, child, pose)]
+
+
+def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/PoseWithCovarianceStamped."""
+    fields = _Fields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    pose = fields.pose()
+    fields.unpack("36d", 8)
+    fields.end()
+    return [StampedPose(stamp, frame, "", pose)]
+
+
+def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
+    fields = _Fields(data, cdr=cdr)
+    found = []
+    for _ in range(fields.count(72)):
+        stamp, frame = fields.header()
+        child = fields.frame()
+        found.append(StampedPose(stamp, frame, child, fields.pose()))
+    fields.end()
+    return found
+
+
+#: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
+SENSORS = {
+    "sensor_msgs/LaserScan": laser_scan,
+    "sensor_msgs/MultiEchoLaserScan": multi_echo_scan,
+    "sensor_msgs/Range": range_reading,
+}
+POSES = {
+    "nav_msgs/Odometry": odometry,
+    "geometry_msgs/PoseWithCovarianceStamped": pose_with_covariance,
+}
+TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
+
+
+def plain_type(name: str) -> str:
+    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan``."""
+    package, _, rest = name.partition("/")
+    return f"{package}/{rest.rsplit('/', 1)[-1]}" if rest else name

@@ -1,0 +1,237 @@
+"""Recordings written by other tools' writers (rosbags for bags and db3, mcap for MCAP), and the messages in them."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mcap.writer
+import numpy as np
+from mcap.writer import CompressionType
+from numpy.typing import ArrayLike
+from rosbags import rosbag1, rosbag2
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+SECOND = 1_000_000_000
+KINDS = ("bag", "db3", "mcap")
+
+
+@cache
+def store(ros: int) -> Typestore:
+    if ros == 2:
+        return get_typestore(Stores.ROS2_HUMBLE)
+    noetic = get_typestore(Stores.ROS1_NOETIC)  # which knows tf, but not tf2
+    noetic.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
+    return noetic
+
+
+@dataclass
+class Said:
+    """One message: where, of what type, when recorded, and the message as rosbags' class of ROS 1 or 2."""
+
+    topic: str
+    kind: str
+    stamp_ns: int
+    fields: dict[str, Any]
+
+
+def _time(stamp_ns: int) -> dict[str, Any]:
+    return {"sec": stamp_ns // SECOND, "nanosec": stamp_ns % SECOND}
+
+
+def header(stamp_ns: int, frame: str) -> dict[str, Any]:
+    return {"stamp": _time(stamp_ns), "frame_id": frame}
+
+
+def scan(
+    stamp_ns: int,
+    ranges: ArrayLike,
+    topic: str = "/scan",
+    frame: str = "laser",
+    angles: tuple[float, float] = (-1.5, 0.1),
+    limits: tuple[float, float] = (0.1, 30.0),
+) -> Said:
+    readings = np.asarray(ranges, dtype=np.float32)
+    fields = {
+        "header": header(stamp_ns, frame),
+        "angle_min": angles[0],
+        "angle_max": angles[0] + angles[1] * (len(readings) - 1),
+        "angle_increment": angles[1],
+        "time_increment": 0.0,
+        "scan_time": 0.1,
+        "range_min": limits[0],
+        "range_max": limits[1],
+        "ranges": readings,
+        "intensities": np.zeros(0, dtype=np.float32),
+    }
+    return Said(topic, "sensor_msgs/msg/LaserScan", stamp_ns, fields)
+
+
+def echoes(stamp_ns: int, beams: Sequence[Sequence[float]], topic: str = "/echoes", frame: str = "laser") -> Said:
+    said = scan(stamp_ns, np.zeros(len(beams)), topic, frame)
+    rows = [{"echoes": np.array(row, dtype=np.float32)} for row in beams]
+    return Said(
+        topic, "sensor_msgs/msg/MultiEchoLaserScan", stamp_ns, said.fields | {"ranges": rows, "intensities": rows}
+    )
+
+
+def sonar(stamp_ns: int, reading: float, topic: str = "/sonar", frame: str = "sonar", width: float = 0.5) -> Said:
+    fields = {
+        "header": header(stamp_ns, frame),
+        "radiation_type": 0,
+        "field_of_view": width,
+        "min_range": 0.02,
+        "max_range": 4.0,
+        "range": reading,
+    }
+    return Said(topic, "sensor_msgs/msg/Range", stamp_ns, fields)
+
+
+def quaternion(yaw: float = 0.0, roll: float = 0.0) -> dict[str, float]:
+    """The rotation that first rolls about x, then yaws about z."""
+    cy, sy, cr, sr = np.cos(yaw / 2), np.sin(yaw / 2), np.cos(roll / 2), np.sin(roll / 2)
+    return {"x": cy * sr, "y": sy * sr, "z": sy * cr, "w": cy * cr}
+
+
+def _pose(x: float, y: float, yaw: float) -> dict[str, Any]:
+    return {"position": {"x": x, "y": y, "z": 0.0}, "orientation": quaternion(yaw)}
+
+
+def odometry(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/odom") -> Said:
+    zeros = np.zeros(36)
+    nothing = {"x": 0.0, "y": 0.0, "z": 0.0}
+    fields = {
+        "header": header(stamp_ns, "odom"),
+        "child_frame_id": "base_link",
+        "pose": {"pose": _pose(x, y, yaw), "covariance": zeros},
+        "twist": {"twist": {"linear": nothing, "angular": nothing}, "covariance": zeros},
+    }
+    return Said(topic, "nav_msgs/msg/Odometry", stamp_ns, fields)
+
+
+def estimate(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/amcl_pose") -> Said:
+    fields = {"header": header(stamp_ns, "map"), "pose": {"pose": _pose(x, y, yaw), "covariance": np.zeros(36)}}
+    return Said(topic, "geometry_msgs/msg/PoseWithCovarianceStamped", stamp_ns, fields)
+
+
+def transform(
+    stamp_ns: int,
+    parent: str,
+    child: str,
+    x: float = 0.0,
+    y: float = 0.0,
+    yaw: float = 0.0,
+    roll: float = 0.0,
+    *,
+    z: float = 0.0,
+    topic: str = "/tf",
+) -> Said:
+    one = {
+        "header": header(stamp_ns, parent),
+        "child_frame_id": child,
+        "transform": {"translation": {"x": x, "y": y, "z": z}, "rotation": quaternion(yaw, roll)},
+    }
+    return Said(topic, "tf2_msgs/msg/TFMessage", stamp_ns, {"transforms": [one]})
+
+
+def text(stamp_ns: int, words: str, topic: str = "/chatter") -> Said:
+    return Said(topic, "std_msgs/msg/String", stamp_ns, {"data": words})
+
+
+_PLAIN = {
+    "header": "std_msgs/msg/Header",
+    "stamp": "builtin_interfaces/msg/Time",
+    "position": "geometry_msgs/msg/Point",
+    "orientation": "geometry_msgs/msg/Quaternion",
+    "rotation": "geometry_msgs/msg/Quaternion",
+    "translation": "geometry_msgs/msg/Vector3",
+    "linear": "geometry_msgs/msg/Vector3",
+    "angular": "geometry_msgs/msg/Vector3",
+    "transform": "geometry_msgs/msg/Transform",
+    "transforms": "geometry_msgs/msg/TransformStamped",
+}
+
+
+def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
+    """rosbags' message object of ``kind``, its parts made by name."""
+    values: dict[str, Any] = {}
+    for name, value in fields.items():
+        part = _PLAIN.get(name)
+        if name == "pose":
+            part = "geometry_msgs/msg/PoseWithCovariance" if "pose" in value else "geometry_msgs/msg/Pose"
+        elif name == "twist":
+            part = "geometry_msgs/msg/TwistWithCovariance" if "twist" in value else "geometry_msgs/msg/Twist"
+        elif isinstance(value, list):
+            part = part or "sensor_msgs/msg/LaserEcho"
+            values[name] = [_made(ros, part, one) for one in value]
+            continue
+        values[name] = value if part is None else _made(ros, part, value)
+    if kind == "std_msgs/msg/Header" and ros == 1:
+        values["seq"] = 7
+    return store(ros).types[kind](**values)
+
+
+def serialised(said: Said, ros: int) -> bytes:
+    message = _made(ros, said.kind, said.fields)
+    if ros == 1:
+        return bytes(store(1).serialize_ros1(message, said.kind))
+    return bytes(store(2).serialize_cdr(message, said.kind))
+
+
+def write_bag(path: Path, messages: Iterable[Said], compression: str = "none") -> Path:
+    writer = rosbag1.Writer(path)
+    if compression != "none":
+        writer.set_compression(rosbag1.Writer.CompressionFormat[compression.upper()])
+    with writer:
+        known: dict[tuple[str, str], Any] = {}
+        for said in messages:
+            key = (said.topic, said.kind)
+            if key not in known:
+                known[key] = writer.add_connection(said.topic, said.kind, typestore=store(1))
+            writer.write(known[key], said.stamp_ns, serialised(said, 1))
+    return path
+
+
+def write_rosbag2(folder: Path, messages: Iterable[Said], plugin: rosbag2.StoragePlugin, suffix: str) -> Path:
+    """Return the file in the bag's folder that holds the messages."""
+    with rosbag2.Writer(folder, version=9, storage_plugin=plugin) as writer:
+        known: dict[tuple[str, str], Any] = {}
+        for said in messages:
+            key = (said.topic, said.kind)
+            if key not in known:
+                known[key] = writer.add_connection(said.topic, said.kind, typestore=store(2))
+            writer.write(known[key], said.stamp_ns, serialised(said, 2))
+    return next(folder.glob(f"*.{suffix}"))
+
+
+def mcap_bytes(messages: Iterable[Said], compression: str = "zstd", ros: int = 2, **options: Any) -> bytes:
+    out = io.BytesIO()
+    writer = mcap.writer.Writer(out, compression=CompressionType[compression.upper()], **options)
+    writer.start("ros2" if ros == 2 else "ros1")
+    channels: dict[tuple[str, str], int] = {}
+    for said in messages:
+        key = (said.topic, said.kind)
+        if key not in channels:
+            definition, _ = store(ros).generate_msgdef(said.kind, ros_version=ros)
+            name = said.kind if ros == 2 else said.kind.replace("/msg/", "/")
+            schema = writer.register_schema(name, f"ros{ros}msg", definition.encode())
+            channels[key] = writer.register_channel(said.topic, "cdr" if ros == 2 else "ros1", schema)
+        writer.add_message(channels[key], said.stamp_ns, serialised(said, ros), said.stamp_ns)
+    writer.finish()  # type: ignore[no-untyped-call]
+    return out.getvalue()
+
+
+def written(folder: Path, messages: Sequence[Said], kind: str) -> Path:
+    """The messages in a file of one of :data:`KINDS`."""
+    if kind == "bag":
+        return write_bag(folder / "run.bag", messages)
+    if kind == "db3":
+        return write_rosbag2(folder / "run", messages, rosbag2.StoragePlugin.SQLITE3, "db3")
+    path = folder / "run.mcap"
+    path.write_bytes(mcap_bytes(messages))
+    return path
