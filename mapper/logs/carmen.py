@@ -272,9 +272,11 @@ class CarmenReader:
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
         """Return ``T_base_laser``: what PARAM states, else what lies between a line's two poses, if always the same."""
         yaw = 0.0 if sensor.word in FRONT else math.pi
-        offset = self._parameter(sensor.word, "offset")
-        if offset is not None:
-            return (offset, 0.0, yaw)
+        ahead, aside, turned = (
+            self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
+        )
+        if ahead is not None:
+            return (ahead, aside or 0.0, yaw if turned is None else turned)
         relative = compose(inverse(sensor.robot_poses), sensor.laser_poses)
         away = np.abs(relative - relative[0])
         away[:, 2] = np.abs(wrap_angle(relative[:, 2] - relative[0, 2]))
@@ -311,7 +313,11 @@ class CarmenReader:
         return found
 
 
-_PARAMETERS = frozenset(f"robot_{side}laser_{which}" for side in ("front", "rear") for which in ("offset", "max"))
+_PARAMETERS = frozenset(
+    f"robot_{side}laser_{which}"
+    for side in ("front", "rear")
+    for which in ("offset", "side_offset", "angular_offset", "max")
+)
 
 
 def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:

@@ -11,7 +11,7 @@ import zstandard
 
 from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.logs import carmen, dpslam, mcap_file, ros1_bag, ros2_db3
+from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3
 from mapper.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
 from mapper.logs.lines import GZIP_MAGIC, Progress, opened
 from mapper.scan import ScanLog
@@ -46,7 +46,13 @@ TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
     (dpslam.WORDS, dpslam.read_dpslam),
 )
 
-KNOWN = "CARMEN, DP-SLAM, ROS 1 bag, ROS 2 bag (SQLite) or MCAP"
+#: What tells a text of numbers by its beginning.
+NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
+    (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
+    (breezyslam.is_breezyslam, breezyslam.read_breezyslam),
+)
+
+KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM or CSV"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -68,7 +74,7 @@ def open_log(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanLog:
-    """Return the log at ``path``, plain or gzip: CARMEN, DP-SLAM, a ROS 1 bag, a ROS 2 bag (db3) or MCAP.
+    """Return the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
 
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
     is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
@@ -88,6 +94,9 @@ def _reader_for(file: Path) -> Reader:
     words = _first_words(head)
     for format_words, reader in TEXT:
         if words & format_words:
+            return reader
+    for begins, reader in NUMBERS:
+        if begins(head):
             return reader
     if cut and b"\n" not in head:
         raise ReadError("log.truncated", "The compressed data ends early, before the first line of a log.")

@@ -240,12 +240,14 @@ VALID = "".join(
         *(f"{ODOM}\n{GOOD}\nNEFF 12\nTRUEPOS 1 2 3 4 5 6 7 host 7\n{ROBOT}\n" for _ in range(4)),
     ]
 ).encode()
+CSV = b"angle_min,-1\nangle_increment,0.5\nrange_max,9\nstamp,x,y,theta,ranges\n" + b"1,2,3,0.5,1.5,,inf\n" * 5
+BREEZY = b"1000 0 5 6 " + b"1 " * 20 + b"100 200 0 300 1\n"
 DPSLAM = b"Odometry 1 2 0.5\nLaser 3 1.0 2.0 3.0\n" * 6
 
 
 @st.composite
 def _damaged(draw: st.DrawFn) -> bytes:
-    data = bytearray(draw(st.sampled_from([VALID, DPSLAM, gzip.compress(VALID, mtime=0)])))
+    data = bytearray(draw(st.sampled_from([VALID, DPSLAM, CSV, BREEZY * 5, gzip.compress(VALID, mtime=0)])))
     for _ in range(draw(st.integers(0, 6))):
         position = draw(st.integers(0, max(0, len(data) - 1)))
         kind = draw(st.sampled_from(["flip", "replace", "cut", "insert", "remove"]))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mapper.errors import ReadError
 from mapper.logs import open_log
 from mapper.scan import ScanLog
 
@@ -244,3 +245,29 @@ def test_progress_ends_at_one(tmp_path):
     assert shares == sorted(shares)
     assert len(shares) > 3
     assert shares[-1] == 1.0
+
+
+def test_the_mount_may_be_aside_and_turned(tmp_path):
+    log = written(
+        tmp_path,
+        "PARAM robot_frontlaser_offset 0.3 nohost 0",
+        "PARAM robot_frontlaser_side_offset -0.1 nohost 0",
+        "PARAM robot_frontlaser_angular_offset 0.5 nohost 0",
+        flaser([1.0] * 4, (0, 0, 0)),
+    )
+    assert log.mount == (0.3, -0.1, 0.5)
+
+
+def test_each_sensor_of_a_log_can_be_asked_for(tmp_path):
+    path = tmp_path / "a.log"
+    front, rear = flaser([1.0] * 4, (0, 0, 0)), flaser([2.0] * 3, (0, 0, 0)).replace("FLASER", "RLASER")
+    path.write_text(f"{front}\n{rear}\n{rear}\n")
+    assert open_log(path).n_beams == 4
+    log = open_log(path, topic="RLASER")
+    assert (log.n_beams, log.n_scans) == (3, 2)
+    assert [(one.name, one.count, one.beams, one.chosen) for one in log.topics] == [
+        ("RLASER", 2, 3, True),
+        ("FLASER", 1, 4, False),
+    ]
+    with pytest.raises(ReadError, match="no 'ODOM' scans; it has FLASER, RLASER"):
+        open_log(path, topic="ODOM")

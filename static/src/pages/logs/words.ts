@@ -47,7 +47,10 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
     /\.(unknown_format|binary|garbage|empty|missing)$/,
     "CARMEN logs, ROS bags, MCAP and DP-SLAM logs can be read. Others have to be converted first.",
   ],
-  [/\.(truncated|gzip|compression|sqlite|unreadable)$/, "Copy the file again from where it was recorded; this copy is damaged."],
+  [
+    /\.(truncated|gzip|compression|sqlite|unreadable)$/,
+    "Copy the file again from where it was recorded; this copy is damaged.",
+  ],
   [/\.no_scans$/, "A map needs the range readings. Is there another file of the same run?"],
   [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
   [/\.(interrupted|reader_died|reader_failed|storage|stalled)$/, "Try it again; the log itself may be sound."],
