@@ -13,9 +13,9 @@
 First the sensor, a name and a value to a line: ``angle_min`` is the bearing of the first beam and ``angle_increment``
 that from one beam to the next (radians, counter-clockwise from straight ahead); ``range_min`` and ``range_max`` are the
 least and the largest distance that it measures (metres; 0 and no limit where they are left out). ``mount_x``,
-``mount_y`` and ``mount_yaw`` may say where it sits on the robot. Then the line ``stamp,x,y,theta,ranges``, and a line for each scan:
-its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are beams. ``inf`` is
-no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
+``mount_y`` and ``mount_yaw`` may say where it sits on the robot. Then the line ``stamp,x,y,theta,ranges``, and a line
+for each scan: its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are
+beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ class _Reader:
         else:
             raise ReadError(
                 "log.header",
-                f"Line {line}: {tokens[0]!r:.40} is neither a value of the sensor nor the line 'stamp,x,y,theta,ranges' "
-                "that the scans follow.",
+                f"Line {line}: {tokens[0]!r:.40} is neither a value of the sensor nor the line "
+                "'stamp,x,y,theta,ranges' that the scans follow.",
             )
 
     def _begin_rows(self, line: int) -> None:
