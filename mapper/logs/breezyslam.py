@@ -5,8 +5,8 @@ between: the time in microseconds, one column not used, the ticks of the left an
 used, the distances in millimetres, one more column not used.
 
 The robot's constants are not in the file; they are those of the examples: wheels of 77 mm radius with 2,000 ticks a
-turn, 330 mm apart, and the lidar 145 mm ahead of their axle. The lidar is a Hokuyo URG-04LX: 1,024 steps a turn, of which
-it reports 44 to 725 with 384 ahead; distances below 20 mm are its error codes, and it measures up to 5.6 m.
+turn, 330 mm apart, and the lidar 145 mm ahead of their axle. The lidar is a Hokuyo URG-04LX: of the 1,024 steps of a
+turn it reports 44 to 725, with 384 ahead; distances below 20 mm are its error codes, and it measures up to 5.6 m.
 """
 
 from __future__ import annotations

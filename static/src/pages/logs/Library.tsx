@@ -26,7 +26,9 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord) => void }) {
         <p>
           <strong>Drop your own log here</strong>
         </p>
-        <p class="quiet">CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM or CSV, plain or compressed. Only this browser will see it.</p>
+        <p class="quiet">
+          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM or CSV, plain or compressed. Only this browser will see it.
+        </p>
       </Dropzone>
       {uploads.value.map((one) => (
         <UploadCard key={one.key} upload={one} />
