@@ -167,17 +167,56 @@ class OccupancyGrid:
 
     ``log_odds`` (rows, cols) float32 starts at the prior ℓ₀ (Probabilistic Robotics, table 4.2); ``observed``
     (rows, cols) bool starts false, and tells a cell that evidence brought back to ℓ₀ from one never seen.
+
+    ℓ₀ is the number ``log_odds_prior``, and with ``prior_map`` (rows, cols) float32 what that says of each cell, NaN
+    being a cell of which it says nothing: mapping goes on from there, and what the map knew counts as observed.
+    ``tallies`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: what speaks for occupied, and
+    what for empty. ``log_odds`` is computed from them then. Raises :class:`ConfigError` for a prior that is not finite.
     """
 
-    __slots__ = ("geometry", "log_odds", "log_odds_prior", "observed")
+    __slots__ = ("geometry", "log_odds", "log_odds_prior", "observed", "prior_map", "tallies")
 
-    def __init__(self, geometry: GridGeometry, log_odds_prior: float = 0.0) -> None:
+    def __init__(
+        self, geometry: GridGeometry, log_odds_prior: float = 0.0, prior_map: NDArray[np.float32] | None = None
+    ) -> None:
         if not np.isfinite(log_odds_prior):
             raise ConfigError("grid.prior", f"The prior must be a finite log-odds, not {log_odds_prior!r}.")
+        if prior_map is not None and (prior_map.shape != geometry.shape or np.isinf(prior_map).any()):
+            raise ConfigError(
+                "grid.prior", f"A prior map must be {geometry.shape} finite log-odds, not {prior_map.shape}."
+            )
         self.geometry = geometry
         self.log_odds_prior = float(log_odds_prior)
-        self.log_odds: NDArray[np.float32] = np.full(geometry.shape, log_odds_prior, dtype=np.float32)
-        self.observed: NDArray[np.bool_] = np.zeros(geometry.shape, dtype=np.bool_)
+        self.prior_map = prior_map
+        self.tallies: NDArray[np.float32] | None = None
+        self.observed: NDArray[np.bool_] = (
+            np.zeros(geometry.shape, dtype=np.bool_) if prior_map is None else ~np.isnan(prior_map)
+        )
+        self.log_odds: NDArray[np.float32] = self.prior()
+
+    def prior(self) -> NDArray[np.float32]:
+        """Return ℓ₀ of every cell (rows, cols), an array of its own."""
+        number = np.full(self.geometry.shape, self.log_odds_prior, dtype=np.float32)
+        return number if self.prior_map is None else np.where(np.isnan(self.prior_map), number, self.prior_map)
+
+    def as_prior(self, log_odds_prior: float | None = None) -> OccupancyGrid:
+        """Return a grid that goes on from what this one believes: its observed cells are the new one's prior map."""
+        known = np.where(self.observed, self.log_odds, np.float32(np.nan))
+        number = self.log_odds_prior if log_odds_prior is None else log_odds_prior
+        return OccupancyGrid(self.geometry, number, known)
+
+    def emptied(self) -> OccupancyGrid:
+        """Return a grid of the same geometry and prior that no scan has touched."""
+        return OccupancyGrid(self.geometry, self.log_odds_prior, self.prior_map)
+
+    def with_tally(self, index: int) -> OccupancyGrid:
+        """Return a grid whose ``log_odds`` is a tally of this one; both share the tally and what was observed."""
+        if self.tallies is None:
+            raise ConfigError("grid.tallies", "The grid keeps no tallies.")
+        shared = object.__new__(OccupancyGrid)
+        shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry, self.log_odds_prior, None
+        shared.log_odds, shared.observed, shared.tallies = self.tallies[index], self.observed, None
+        return shared
 
     @property
     def p_occ(self) -> NDArray[np.float64]:
@@ -193,10 +232,18 @@ class OccupancyGrid:
         if grown is self.geometry:
             return False
         rows, cols = self.geometry.shape
+        old = np.s_[..., row : row + rows, col : col + cols]
         log_odds = np.full(grown.shape, self.log_odds_prior, dtype=np.float32)
         observed = np.zeros(grown.shape, dtype=np.bool_)
-        log_odds[row : row + rows, col : col + cols] = self.log_odds
-        observed[row : row + rows, col : col + cols] = self.observed
+        log_odds[old], observed[old] = self.log_odds, self.observed
+        if self.prior_map is not None:
+            prior_map = np.full(grown.shape, np.nan, dtype=np.float32)
+            prior_map[old] = self.prior_map
+            self.prior_map = prior_map
+        if self.tallies is not None:
+            tallies = np.zeros((2, *grown.shape), dtype=np.float32)
+            tallies[old] = self.tallies
+            self.tallies = tallies
         self.geometry, self.log_odds, self.observed = grown, log_odds, observed
         return True
 

@@ -17,8 +17,8 @@ from mapper.errors import ConfigError
 from mapper.geometry import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan, ScanLog, beam_fields, check_poses
+from mapper.parameters import CONES, MappingConfig
+from mapper.scan import RangeScan, ScanLog, check_poses, cones
 from mapper.sweep import Sweep
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
@@ -64,29 +64,26 @@ def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
 
 def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
     """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
-    poses = log.sensor_poses(trajectory)[start:stop]
-    angle_min, angle_increment = log.sweep
-    return _sweep(log.ranges[start:stop], poses, (angle_min, angle_increment, log.range_min, log.range_max), config)
+    return _sweep(log, log.ranges[start:stop], log.sensor_poses(trajectory)[start:stop], config)
 
 
 def _sweep(
-    ranges: NDArray[np.float32],
-    poses: NDArray[np.float64],
-    sensor: tuple[float, float, float, float],
-    config: MappingConfig,
+    sensor: RangeScan | ScanLog, ranges: NDArray[np.float32], poses: NDArray[np.float64], config: MappingConfig
 ) -> Sweep:
-    angle_min, angle_increment, range_min, range_max = sensor
-    if config.mount_upside_down:
-        angle_min, angle_increment = -angle_min, -angle_increment
-    n_beams = ranges.shape[1]
-    return Sweep(
-        ranges,
-        compose(poses, np.array(config.mount)),
-        np.asarray(angle_min + angle_increment * np.arange(n_beams), dtype=np.float64),
-        beam_fields(angle_min, angle_increment, n_beams),
-        range_min,
-        min(range_max, config.range_max),
-    )
+    turned_over = config.mount_upside_down
+    angles = -sensor.angles if turned_over else sensor.angles
+    if config.model in CONES and (config.model == "moravec_elfes" or config.update == "per_beam"):
+        fields = cones(angles, config.opening)
+    else:
+        widest = config.opening / 2.0 if config.model in CONES else np.pi / 4.0
+        fields = sensor.fields(widest, turned_over=turned_over)
+    range_max = min(sensor.range_max, config.range_max)
+    if config.no_return == "hit":
+        # The mistake: what nothing returned is read as the greatest range there is.
+        greatest = np.float32(range_max)
+        greatest = greatest if greatest <= range_max else np.nextafter(greatest, np.float32(0.0))
+        ranges = np.where(ranges > range_max, greatest, ranges)
+    return Sweep(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
 
 
 def geometry_for(
@@ -105,7 +102,36 @@ def geometry_for(
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
 
-def integrate_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike, config: MappingConfig) -> Change:
+def grid_for(
+    log: ScanLog,
+    config: MappingConfig,
+    trajectory: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    prior: OccupancyGrid | None = None,
+) -> OccupancyGrid:
+    """Return an empty grid that holds all that ``log`` sees with ``config``.
+
+    With ``prior``, a map in the same frame, it goes on from what that map believes, on its lattice (its origin and
+    yaw), grown where the log sees more. Raises as :func:`geometry_for` does, and :class:`mapper.errors.ConfigError` for
+    a map of another resolution than ``config.resolution``.
+    """
+    if prior is None:
+        return OccupancyGrid(geometry_for(log, config, trajectory, limits), config.log_odds_prior)
+    resolution = prior.geometry.resolution
+    if abs(resolution - config.resolution) > 1e-6 * resolution:
+        raise ConfigError(
+            "grid.resolution",
+            f"The prior map has cells of {resolution:g} m and the map to be made of {config.resolution:g} m; "
+            "they must be the same.",
+        )
+    if log.n_scans == 0:
+        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+    grid = prior.as_prior(config.log_odds_prior)
+    grid.grow_to_include(*sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
+    return grid
+
+
+def integrate_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> Change:
     """Add one scan to the grid, which grows first where the robot sees beyond its border.
 
     ``sensor_pose`` (3,) is ``T_map_laser`` as the robot states it; ``config.mount`` is composed onto it here. Growth
@@ -114,8 +140,7 @@ def integrate_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike,
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
-    sensor = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
-    sweep = _sweep(scan.ranges[np.newaxis], pose[np.newaxis], sensor, config)
+    sweep = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
     grown = grid.grow_to_include(*sweep.bounds(config))
     change = _add(grid, sweep, config)
     return Change(change.box, grown, change.cells_updated)

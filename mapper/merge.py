@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.errors import ConfigError
 from mapper.geometry import wrap_angle
@@ -20,12 +21,15 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     another order. With the clamp they may not: a cell that one part held at its limit has forgotten what it was told
     beyond it, and the sum may lie outside the limits, where no single map would go.
 
-    The result covers both grids; its lattice is that of ``a``. Raises :class:`ConfigError` where resolution, yaw or
-    prior differ or the cells of one do not coincide with the other's, and :class:`mapper.errors.LimitError` where the
-    two together are too large.
+    The result covers both grids; its lattice is that of ``a``; a prior map that only one of them went on from is taken
+    to hold for both. Raises :class:`ConfigError` where resolution, yaw or prior differ, the cells of one do not
+    coincide with the other's, or a grid is no sum of log-odds (it has tallies), and :class:`mapper.errors.LimitError`
+    where the two together are too large.
     """
     if a.log_odds_prior != b.log_odds_prior:
         raise ConfigError("merge.prior", f"The priors differ: {a.log_odds_prior:g} and {b.log_odds_prior:g}.")
+    if a.tallies is not None or b.tallies is not None:
+        raise ConfigError("merge.model", "Only maps that are sums of log-odds can be added; one of these counts.")
     row, col = _offset(a.geometry, b.geometry)
     rows, cols = b.geometry.shape
     top, left = min(0, row), min(0, col)
@@ -33,11 +37,29 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     corner = a.geometry.cell_to_world((top - 0.5, left - 0.5))
     origin = (float(corner[0]), float(corner[1]), a.geometry.origin[2])
     whole = GridGeometry(a.geometry.resolution, bottom - top, right - left, origin, a.geometry.limits)
-    out = OccupancyGrid(whole, a.log_odds_prior)
+    parts = []
     for grid, (at_row, at_col) in ((a, (-top, -left)), (b, (row - top, col - left))):
-        part = np.s_[at_row : at_row + grid.geometry.rows, at_col : at_col + grid.geometry.cols]
-        out.log_odds[part] += grid.log_odds - np.float32(grid.log_odds_prior)
+        parts.append((grid, np.s_[at_row : at_row + grid.geometry.rows, at_col : at_col + grid.geometry.cols]))
+    out = OccupancyGrid(whole, a.log_odds_prior, _prior_map(whole.shape, parts))
+    for grid, part in parts:
+        out.log_odds[part] += grid.log_odds - grid.prior()
         out.observed[part] |= grid.observed
+    return out
+
+
+def _prior_map(
+    shape: tuple[int, int], parts: list[tuple[OccupancyGrid, tuple[slice, slice]]]
+) -> NDArray[np.float32] | None:
+    """Return the prior map that both grids went on from, None where neither did."""
+    if all(grid.prior_map is None for grid, _ in parts):
+        return None
+    out = np.full(shape, np.nan, dtype=np.float32)
+    for grid, part in parts:
+        given = np.full(grid.geometry.shape, np.nan, np.float32) if grid.prior_map is None else grid.prior_map
+        known = ~np.isnan(out[part])
+        if np.any(known & ~np.isnan(given) & (out[part] != given)):
+            raise ConfigError("merge.prior", "The prior maps differ where both maps have cells.")
+        out[part] = np.where(known, out[part], given)
     return out
 
 

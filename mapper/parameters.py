@@ -15,7 +15,7 @@ import numpy as np
 
 from mapper.errors import ConfigError
 from mapper.grid import probability
-from mapper.sensor_model import BeamModel, FixedIncrements, StepWindow
+from mapper.sensor_model import BeamModel, FixedIncrements, HitCounting, MoravecElfes, SmoothRamp, SonarCone, StepWindow
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +60,16 @@ class Parameter:
         return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
 
 
+MODELS = ("fixed_increments", "step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting")
+CONES = ("sonar_cone", "moravec_elfes")  #: models of a beam that is wide, whatever cells its axis crosses
+_STEPPED = tuple(model for model in MODELS if model != "smooth_ramp")
+_THIN = tuple(model for model in MODELS if model not in CONES)
+
 PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "model", "Inverse sensor model", "model", "choice", "fixed_increments",
-        "How a reading becomes evidence: fixed increments in log-odds, or the textbook's step window in probabilities.",
-        choices=("fixed_increments", "step_window"),
+        "How a reading becomes evidence: along a thin beam, all over a sonar's cone, or by counting hits and visits.",
+        choices=MODELS,
     ),
     Parameter(
         "range_max", "Max range", "model", "number", 30.0,
@@ -74,17 +79,17 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "window", "Hit window", "model", "number", 0.0,
         "Width r of the zone around the reading that counts as hit; at 0 only the cell that holds the endpoint does.",
-        unit="m", low=0.0, high=2.0, step=0.05,
+        unit="m", low=0.0, high=2.0, step=0.05, only_for=_STEPPED,
     ),
     Parameter(
         "log_odds_hit", "Hit increment", "model", "number", 0.85,
         "Evidence that a cell gains when a beam ends in it.",
-        low=0.0, high=3.0, step=0.05, only_for=("fixed_increments",),
+        low=0.0, high=3.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     ),
     Parameter(
         "log_odds_miss", "Miss increment", "model", "number", -0.4,
         "Evidence that a cell loses when a beam passes through it.",
-        low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments",),
+        low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     ),
     Parameter(
         "p_free", "p of a cell passed", "model", "number", 0.4,
@@ -97,19 +102,44 @@ PARAMETERS: tuple[Parameter, ...] = (
         low=0.01, high=0.99, step=0.01, only_for=("step_window",),
     ),
     Parameter(
+        "sigma", "Spread σ₀", "model", "number", 0.03,
+        "Standard deviation of a reading at no distance; the ramp reaches two of them to either side.",
+        unit="m", low=0.005, high=0.5, step=0.005, only_for=("smooth_ramp",),
+    ),
+    Parameter(
+        "sigma_growth", "Growth of σ", "model", "number", 0.01,
+        "By how much σ grows with each metre of range.",
+        unit="m/m", low=0.0, high=0.2, step=0.005, only_for=("smooth_ramp",),
+    ),
+    Parameter(
+        "opening", "Opening angle", "model", "number", 0.5236,
+        "Angle of the cone, from edge to edge, in which the echo may have arisen.",
+        unit="rad", low=0.0175, high=1.5708, step=0.0175, only_for=CONES,
+    ),
+    Parameter(
+        "cone_profile", "Cone profile", "model", "choice", "flat",
+        "The same evidence all over the cone, or weaker off the axis (a Gaussian) and with the range (a quadratic).",
+        choices=("flat", "gaussian"), only_for=("sonar_cone",),
+    ),
+    Parameter(
+        "prior_weight", "Weight of the prior", "model", "number", 2.0,
+        "How many visits the prior counts for; 2 is Laplace's rule of succession.",
+        low=0.1, high=50.0, step=0.1, only_for=("hit_counting",),
+    ),
+    Parameter(
         "update", "Update", "update", "choice", "per_beam",
         "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
-        choices=("per_beam", "per_scan"),
+        choices=("per_beam", "per_scan"), only_for=tuple(model for model in MODELS if model != "moravec_elfes"),
     ),
     Parameter(
         "traversal", "Traversal", "update", "choice", "bresenham",
         "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
-        choices=("bresenham", "amanatides_woo"),
+        choices=("bresenham", "amanatides_woo"), only_for=_THIN,
     ),
     Parameter(
         "no_return", "No return", "update", "choice", "ignore",
-        "What a beam without echo says: nothing, or that all cells up to the max range are free.",
-        choices=("ignore", "free"),
+        "What a beam without echo says: nothing; that all is free up to the max range; or, a mistake, a hit there.",
+        choices=("ignore", "free", "hit"),
     ),
     Parameter(
         "clamp", "Clamp", "update", "flag", True,
@@ -175,6 +205,11 @@ class MappingConfig:
     log_odds_miss: float = -0.4
     p_free: float = 0.4
     p_occ: float = 0.7
+    sigma: float = 0.03
+    sigma_growth: float = 0.01
+    opening: float = 0.5236
+    cone_profile: str = "flat"
+    prior_weight: float = 2.0
     update: str = "per_beam"
     traversal: str = "bresenham"
     no_return: str = "ignore"
@@ -196,10 +231,27 @@ class MappingConfig:
         self.beam_model()  # the models check what concerns two parameters at once
 
     def beam_model(self) -> BeamModel:
-        """Return the inverse sensor model that the parameters describe."""
-        if self.model == "step_window":
-            return StepWindow(self.p_free, float(probability(self.log_odds_prior)), self.p_occ, self.window)
-        return FixedIncrements(self.log_odds_miss, self.log_odds_hit, self.window)
+        """Return the inverse sensor model that the parameters describe.
+
+        A cone's window is at least one cell wide: a thinner arc would slip between the cells' centres.
+        """
+        p_prior = float(probability(self.log_odds_prior))
+        evidence = (self.log_odds_miss, self.log_odds_hit)
+        wide = max(self.window, self.resolution)
+        match self.model:
+            case "step_window":
+                return StepWindow(self.p_free, p_prior, self.p_occ, self.window)
+            case "smooth_ramp":
+                return SmoothRamp(*evidence, self.sigma, self.sigma_growth)
+            case "sonar_cone":
+                profile: Literal["flat", "gaussian"] = "gaussian" if self.cone_profile == "gaussian" else "flat"
+                return SonarCone(*evidence, wide, self.opening, profile)
+            case "moravec_elfes":
+                return MoravecElfes(wide, self.opening)
+            case "hit_counting":
+                return HitCounting(self.prior_weight, p_prior, self.window)
+            case _:
+                return FixedIncrements(*evidence, self.window)
 
     @property
     def clamp_limits(self) -> tuple[float, float]:

@@ -5,18 +5,19 @@ Found anew from the log and the parameters whenever it is asked for, so the map 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.errors import ConfigError
-from mapper.grid import GridGeometry
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import sweep_of_log
 from mapper.kernels.provenance import running_sum
 from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog
-from mapper.sweep import rule_of
+from mapper.sweep import Sweep, rule_of
+from mapper.tallies import TALLIED, begin, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +26,9 @@ class Provenance:
 
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
     (beyond the max range: no return); ``hits`` (n,) bool whether it argued for occupied; ``increments`` (n,) float32
-    is its evidence and ``log_odds`` (n,) float32 what the cell held after it.
+    is its evidence (for models that keep tallies: what it changed) and ``log_odds`` (n,) float32 what the cell held
+    after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``tallies`` is what such
+    a model goes on from.
     """
 
     scans: NDArray[np.int64]
@@ -34,6 +37,14 @@ class Provenance:
     hits: NDArray[np.bool_]
     increments: NDArray[np.float32]
     log_odds: NDArray[np.float32]
+    before: float
+    prior: float
+    tallies: NDArray[np.float32] | None = field(default=None, repr=False)
+
+    @property
+    def after(self) -> float:
+        """The log-odds that the cell held in the end."""
+        return float(self.log_odds[-1]) if len(self.log_odds) else self.before
 
 
 def provenance(
@@ -43,13 +54,14 @@ def provenance(
     cell: tuple[int, int],
     trajectory: str | None = None,
     stop: int | None = None,
-    before: float | None = None,
+    before: Provenance | None = None,
+    prior: float | None = None,
 ) -> Provenance:
     """Return what the first ``stop`` scans of ``log`` (None: all) did to ``cell`` (row, col) of a map.
 
-    ``before`` is the log-odds that the cell held before them, None for the prior: a map of several logs is told log by
-    log.
-    A per-scan update that hits a cell is credited to the first beam that ended in it. Raises :class:`ConfigError` for
+    A map of several logs is told log by log, ``before`` being what the log before it did; ``prior`` is ℓ₀ of the cell
+    where a prior map says another than ``config``. A per-scan update that hits a cell is credited to the first beam
+    that ended in it. Raises :class:`ConfigError` for
     a cell outside the grid or for scans that the log does not have.
     """
     stop = log.n_scans if stop is None else stop
@@ -60,11 +72,43 @@ def provenance(
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")
-    touches = sweep_of_log(log, config, trajectory, 0, stop).touches(geometry, config, row, col)
-    miss, hit, low, high = rule_of(config)
-    readings, hits = touches[:, 0], touches[:, 1] == 1
-    increments = np.where(hits, hit, miss).astype(np.float32)
-    log_odds = np.empty_like(increments)
-    running_sum(increments, np.float32(config.log_odds_prior if before is None else before), low, high, log_odds)
-    scans, beams = np.divmod(readings, max(1, log.n_beams))
-    return Provenance(scans, beams, log.ranges[scans, beams], hits, increments, log_odds)
+    sweep = sweep_of_log(log, config, trajectory, 0, stop)
+    if before is None:
+        before = _nothing(config.log_odds_prior if prior is None else prior)
+    if config.model in TALLIED:
+        touches, log_odds, tallies = _tallied(sweep, geometry, config, (row, col), before)
+        increments = np.diff(log_odds, prepend=np.float32(before.after))
+    else:
+        touches, increments = sweep.touches(geometry, config, row, col)
+        log_odds, tallies = np.empty_like(increments), None
+        _, _, low, high = rule_of(config)
+        running_sum(increments, np.float32(before.after), low, high, log_odds)
+    scans, beams = np.divmod(touches[:, 0], max(1, log.n_beams))
+    ranges, hits = log.ranges[scans, beams], touches[:, 1] == 1
+    return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, tallies)
+
+
+def _nothing(prior: float) -> Provenance:
+    """Return the provenance of a cell that nothing has touched."""
+    none, values = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.float32)
+    return Provenance(none, none, values, np.empty(0, dtype=np.bool_), values, values, prior, prior)
+
+
+def _tallied(
+    sweep: Sweep, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], before: Provenance
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+    """Return touches, log-odds after each, and the tallies at the end, of a model whose evidence does not add up."""
+    if config.model == "moravec_elfes":
+        # What an arc says of a cell depends on the whole arc, so the map is made again and the cell watched.
+        grid = OccupancyGrid(geometry, before.prior)
+        begin(grid, config)
+        if before.tallies is not None:
+            grid.tallies = before.tallies.copy()
+        box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
+        _, touches, certainties = sweep.watch_certainties(grid, config, box, number)
+        assert grid.tallies is not None  # noqa: S101 - begun above
+        return touches, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.tallies
+    touches, _ = sweep.touches(geometry, config, *cell)
+    counted = np.zeros(2, dtype=np.float32) if before.tallies is None else before.tallies
+    counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)
+    return touches, shown(config, counts[0], counts[1], before.prior), counts[:, -1] if len(touches) else counted

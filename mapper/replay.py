@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from mapper.errors import ConfigError, MapperError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import CellBox, Change, geometry_for, integrate_scans
+from mapper.integrate import CellBox, Change, geometry_for, grid_for, integrate_scans
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
 from mapper.provenance import Provenance, provenance
@@ -23,7 +23,8 @@ class Replay:
     """The map of the first :attr:`index` scans of a log.
 
     The grid holds from the start all that the whole log will see, so it keeps its geometry while it is played. Not
-    for several threads at once. Raises as :func:`mapper.integrate.geometry_for` does; after an error the replay is as
+    for several threads at once. With ``prior``, a map of the same place, mapping goes on from that, on its lattice.
+    Raises as :func:`mapper.integrate.grid_for` does; after an error the replay is as
     it was before.
     """
 
@@ -33,8 +34,10 @@ class Replay:
         config: MappingConfig | None = None,
         trajectory: str | None = None,
         limits: Limits = DEFAULT_LIMITS,
+        prior: OccupancyGrid | None = None,
     ) -> None:
         self._limits = limits
+        self._prior = prior
         self.log = log
         self.config = MappingConfig() if config is None else config
         self.trajectory = trajectory or log.default_trajectory
@@ -43,7 +46,7 @@ class Replay:
         self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
     def _new_grid(self, log: ScanLog, config: MappingConfig) -> OccupancyGrid:
-        return OccupancyGrid(geometry_for(log, config, self.trajectory, self._limits), config.log_odds_prior)
+        return grid_for(log, config, self.trajectory, self._limits, self._prior)
 
     def advance_to(self, index: int) -> Change:
         """Bring the map to ``index`` scans: forwards by adding those between, backwards by making it anew.
@@ -54,7 +57,7 @@ class Replay:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
         if index < self.index:
             # The whole grid is emptied, so all of it is what changed.
-            emptied = OccupancyGrid(self.grid.geometry, self.config.log_odds_prior)
+            emptied = self.grid.emptied()
             change = self._integrate(emptied, self.config, 0, index)
             rows, cols = emptied.geometry.shape
             self.grid, self.index = emptied, index
@@ -89,7 +92,11 @@ class Replay:
 
         Raises :class:`ConfigError` for a cell outside the grid.
         """
-        return provenance(self.grid.geometry, self.log, self.config, (row, col), self.trajectory, self.index)
+        inside = self.grid.geometry.contains((row, col)) and self.grid.prior_map is not None
+        prior = float(self.grid.prior()[row, col]) if inside else None
+        return provenance(
+            self.grid.geometry, self.log, self.config, (row, col), self.trajectory, self.index, prior=prior
+        )
 
     def set_log(self, log: ScanLog) -> Change:
         """Go on with ``log``, which is the same log grown at its end; the map and the index stay.

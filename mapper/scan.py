@@ -7,7 +7,7 @@ measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserSc
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +44,19 @@ def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limi
         raise ConfigError("scan.pose_far", f"A pose lies more than {limits.max_pose:g} m from the origin.")
 
 
-def beam_fields(angle_min: float, angle_increment: float, n_beams: int) -> NDArray[np.float64]:
+def beam_fields(
+    angle_min: float, angle_increment: float, n_beams: int, widest: float = np.pi / 4.0
+) -> NDArray[np.float64]:
     """Return each beam's perceptual field (n_beams, 4): cosine and sine of its right edge, then of its left edge.
 
-    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most π/4, the
-    right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
+    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most ``widest``,
+    the right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
     beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
     (β, the opening angle).
     """
     turned = abs(angle_increment) * np.arange(n_beams + 1)
-    half = min(abs(angle_increment) / 2.0, np.pi / 4.0)
-    if half < np.pi / 4.0:
+    half = min(abs(angle_increment) / 2.0, widest)
+    if half < widest:
         edges = angle_min + angle_increment * (np.arange(n_beams + 1) - 0.5)
         edges[turned > 2.0 * np.pi - 1e-6 * abs(angle_increment)] = edges[0]
         ends = np.stack([edges[:-1], edges[1:]] if angle_increment > 0.0 else [edges[1:], edges[:-1]])
@@ -62,7 +64,34 @@ def beam_fields(angle_min: float, angle_increment: float, n_beams: int) -> NDArr
         angles = angle_min + angle_increment * np.arange(n_beams)
         ends = np.stack([angles - half, angles + half])
         ends[:, turned[:-1] > 2.0 * np.pi - 2.0 * half] = angle_min
-    right, left = ends
+    return _as_fields(*ends)
+
+
+def uneven_fields(bearings: NDArray[np.float64], widest: float = np.pi / 4.0) -> NDArray[np.float64]:
+    """Return what :func:`beam_fields` returns, for bearings (n_beams,) in any order and at any distance.
+
+    Of beams with the same bearing, to a nanoradian, the first sees all and the others nothing.
+    """
+    turn = round(2.0 * np.pi * 1e9)
+    places = np.round(np.mod(bearings, 2.0 * np.pi) * 1e9).astype(np.int64) % turn
+    places, first = np.unique(places, return_index=True)
+    right, left = bearings.copy(), bearings.copy()
+    right[first] -= widest
+    left[first] += widest
+    for n, k in enumerate(first):
+        following = first[(n + 1) % len(first)]
+        gap = ((places[(n + 1) % len(first)] - places[n]) % turn) * 1e-9
+        if len(first) > 1 and gap < 2.0 * widest:
+            left[k] = right[following] = bearings[k] + gap / 2.0
+    return _as_fields(right, left)
+
+
+def cones(bearings: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
+    """Return the edges (n_beams, 4) of cones of ``opening`` radians, which may overlap, as :func:`beam_fields` does."""
+    return _as_fields(bearings - opening / 2.0, bearings + opening / 2.0)
+
+
+def _as_fields(right: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.cos(right), np.sin(right), np.cos(left), np.sin(left)], axis=-1)
 
 
@@ -92,6 +121,67 @@ class LaserScan:
     def angles(self) -> NDArray[np.float64]:
         """Bearing of each beam (n_beams,) in the laser frame, radians."""
         return np.asarray(self.angle_min + self.angle_increment * np.arange(len(self.ranges)), dtype=np.float64)
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return :func:`beam_fields` of the scan, or of :meth:`turned_over`."""
+        sign = -1.0 if turned_over else 1.0
+        return beam_fields(sign * self.angle_min, sign * self.angle_increment, len(self.ranges), widest)
+
+    def turned_over(self) -> LaserScan:
+        """Return the scan as a sensor that hangs upside down took it."""
+        return replace(self, angle_min=-self.angle_min, angle_increment=-self.angle_increment)
+
+
+@dataclass(frozen=True, slots=True)
+class SonarScan:
+    """One reading from each sonar of a robot, at bearings that need not be even.
+
+    ``ranges`` (n_beams,) float32, metres, REP 117; ``bearings`` (n_beams,) float64, radians in the sensor frame,
+    counter-clockwise; ``beam_width`` is the angle of the cone, from edge to edge, in which an echo may arise, radians.
+    Source: sensor_msgs/Range (field_of_view), one message for each sonar.
+    """
+
+    ranges: NDArray[np.float32]
+    bearings: NDArray[np.float64]
+    beam_width: float
+    range_min: float
+    range_max: float
+    stamp_ns: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape))
+        _check_width(self.beam_width)
+        _check_beams(0.0, 0.0, self.range_min, self.range_max)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) in the sensor frame, radians."""
+        return self.bearings
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return :func:`uneven_fields` of the scan, or of :meth:`turned_over`."""
+        return uneven_fields(-self.bearings if turned_over else self.bearings, widest)
+
+    def turned_over(self) -> SonarScan:
+        """Return the scan as a sensor that hangs upside down took it."""
+        return replace(self, bearings=-self.bearings)
+
+
+RangeScan = LaserScan | SonarScan
+
+
+def checked_bearings(bearings: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return bearings as an array of this shape. Raises :class:`ConfigError` where they are none."""
+    array = np.ascontiguousarray(bearings, dtype=np.float64)
+    if array.shape != shape or len(shape) != 1 or not np.isfinite(array).all():
+        raise ConfigError("scan.bearings", f"Bearings must be finite and of shape {shape}, not {array.shape}.")
+    return array
+
+
+def _check_width(width: float) -> None:
+    if not 0.0 <= width <= np.pi / 2.0:
+        raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +226,8 @@ class ScanLog:
     ``ranges`` (n_scans, n_beams) float32; ``stamps_ns`` (n_scans,) int64, as recorded (they may jump backwards);
     ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``;
     ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
+    A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
+    and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
     """
 
     ranges: NDArray[np.float32]
@@ -147,6 +239,8 @@ class ScanLog:
     trajectories: Mapping[str, Trajectory]
     mount: tuple[float, float, float] = (0.0, 0.0, 0.0)
     upside_down: bool = False
+    bearings: NDArray[np.float64] | None = None
+    beam_width: float = 0.0
     name: str = ""
     format: str = ""
     topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
@@ -175,6 +269,9 @@ class ScanLog:
         for trajectory in self.trajectories.values():
             check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        _check_width(self.beam_width)
+        if self.bearings is not None:
+            object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape[1:]))
         if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
 
@@ -196,8 +293,21 @@ class ScanLog:
     @property
     def angles(self) -> NDArray[np.float64]:
         """Bearing of each beam (n_beams,) around the sensor's heading, radians, counter-clockwise seen from above."""
+        if self.bearings is not None:
+            return -self.bearings if self.upside_down else self.bearings
         angle_min, angle_increment = self.sweep
         return np.asarray(angle_min + angle_increment * np.arange(self.n_beams), dtype=np.float64)
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return the perceptual fields of the beams (n_beams, 4), as :func:`beam_fields`, seen from above.
+
+        With ``turned_over`` as if the sensor hung the other way up.
+        """
+        if self.bearings is not None:
+            return uneven_fields(-self.angles if turned_over else self.angles, widest)
+        angle_min, angle_increment = self.sweep
+        sign = -1.0 if turned_over else 1.0
+        return beam_fields(sign * angle_min, sign * angle_increment, self.n_beams, widest)
 
     @property
     def default_trajectory(self) -> str:
@@ -218,6 +328,9 @@ class ScanLog:
         """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""
         return compose(self.trajectory(trajectory).poses, np.array(self.mount))
 
-    def scan(self, index: int) -> LaserScan:
+    def scan(self, index: int) -> RangeScan:
         """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""
+        if self.bearings is not None:
+            limits = (self.range_min, self.range_max, int(self.stamps_ns[index]))
+            return SonarScan(self.ranges[index], self.angles, self.beam_width, *limits)
         return LaserScan(self.ranges[index], *self.sweep, self.range_min, self.range_max, int(self.stamps_ns[index]))

@@ -15,19 +15,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper import tallies
 from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.kernels.certainties import add_certainties
 from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
 from mapper.kernels.field import RUN_FIELDS, draw_runs, plan_runs
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
 from mapper.kernels.provenance import touches_of_fields, touches_of_lines, touches_of_rays
+from mapper.kernels.ramps import draw_ramps
 from mapper.kernels.types import Rule, Sight
-from mapper.parameters import MappingConfig
+from mapper.parameters import CONES, MappingConfig
 from mapper.threads import bands, cores, in_parallel
+from mapper.wide import drawer_of_cones, evidence_of, ramp_increments, touches_in_cones
 
 _CHUNK_READINGS = 1 << 16  # planned at once: what they become stays in the caches
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
 
+Scans = tuple[
+    NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
+]  # ranges, sensors, beams, fields, headings
 Draw = Callable[[int, int, NDArray[np.int64]], int]
 
 
@@ -60,13 +67,19 @@ class Sweep:
 
     def sight(self, config: MappingConfig) -> Sight:
         """Which readings count and how, as the kernels take it."""
-        return (self.range_min, self.range_max, config.window, 0.0, config.no_return == "free")
+        model = config.beam_model()
+        growth = 4.0 * config.sigma_growth if config.model == "smooth_ramp" else 0.0
+        return (self.range_min, self.range_max, 2.0 * model.half_window(0.0), growth, config.no_return == "free")
+
+    def scans_on(self, geometry: GridGeometry) -> Scans:
+        """The scans as the kernels of fields and cones take them: ranges, sensors, beams, fields, headings."""
+        return self.ranges, self.sensors, self.beams, self.fields, self.headings(geometry)
 
     def bounds(self, config: MappingConfig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The least and greatest x, y (2,) of the sensors and of all that they see."""
         out = np.array([np.inf, np.inf, -np.inf, -np.inf])
         directions = [self.beams]
-        if config.update == "per_scan" and len(self.fields):
+        if (config.update == "per_scan" or config.model in CONES) and len(self.fields):
             # A field ends in an arc. It lies within the corners of the polygon around it: right, middle and left.
             right, left = self.fields[:, :2], self.fields[:, 2:]
             cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
@@ -82,7 +95,7 @@ class Sweep:
         Return the number of cell updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is
         empty where row1 ≤ row0. Raises :class:`ConfigError` for cells so small that a beam crosses too many of them.
         """
-        if (self.range_max + config.window) / grid.geometry.resolution >= MAX_STEPS:
+        if (self.range_max + config.beam_model().half_window(self.range_max)) / grid.geometry.resolution >= MAX_STEPS:
             raise ConfigError(
                 "grid.resolution",
                 f"A beam of {self.range_max:g} m crosses {MAX_STEPS} cells or more; choose coarser ones.",
@@ -90,12 +103,72 @@ class Sweep:
         threads = cores() if self.ranges.size >= _WORTH_SHARING else 1
         rows, cols = grid.geometry.shape
         box = np.array([rows, 0, cols, 0], dtype=np.int64)
-        draw_sweep = self._draw_fields if config.update == "per_scan" else self._draw_beams
-        count = draw_sweep(grid, config, threads, box)
+        tallies.begin(grid, config)
+        if config.model == "moravec_elfes":
+            count = self._add_certainties(grid, config, box)
+        elif config.model == "hit_counting":
+            count = self._count(grid, config, threads, box)
+        else:
+            count = self._draw(grid, config, rule_of(config), threads, box)
+        tallies.show(grid, config, box)
         return count, box
 
-    def touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
-        """Return the readings that touch a cell (n, 2): scan · n_beams + beam, and 1 for a hit or 0 for a miss."""
+    def _draw(
+        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+    ) -> int:
+        """Add all scans by ``rule``; return the number of cell updates and widen ``box``."""
+        if _is_wide(config):
+            evenly = np.ones(grid.geometry.rows)
+            return _in_bands(drawer_of_cones(self, grid, config, rule), evenly, threads, box)
+        draw_sweep = self._draw_fields if config.update == "per_scan" else self._draw_beams
+        return draw_sweep(grid, config, rule, threads, box)
+
+    def _count(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
+        """Count the hits and the misses of each cell: two maps, in each of which one of them counts 1."""
+        count = 0
+        for tally, (miss, hit) in enumerate(((0.0, 1.0), (1.0, 0.0))):
+            rule = (np.float32(miss), np.float32(hit), np.float32(-np.inf), np.float32(np.inf))
+            count = self._draw(grid.with_tally(tally), config, rule, threads, box)
+        return count
+
+    def _add_certainties(self, grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64]) -> int:
+        count, _, _ = self.watch_certainties(grid, config, box, -1)
+        return count
+
+    def watch_certainties(
+        self, grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64], cell: int
+    ) -> tuple[int, NDArray[np.int64], NDArray[np.float32]]:
+        """Add all scans to the certainties of Moravec and Elfes.
+
+        Return the number of cell updates and, of the cell with this number (−1: none), the readings that touched it, as
+        :meth:`touches`, and its certainties after each (n, 2): occupied, empty.
+        """
+        assert grid.tallies is not None  # noqa: S101 - begun before
+        occupied, empty = (tally.reshape(-1) for tally in grid.tallies)
+        room = 2 * self.ranges.size if cell >= 0 else 0
+        touches, certainties = np.empty((room, 2), np.int64), np.empty((room, 2), np.float32)
+        count, n = add_certainties(
+            occupied, empty, grid.observed.reshape(-1), grid.geometry.cols, *self.scans_on(grid.geometry),
+            grid.geometry.frame, self.sight(config), config.opening, box, cell, touches, certainties,
+        )  # fmt: skip
+        return count, touches[:n], certainties[:n]
+
+    def touches(
+        self, geometry: GridGeometry, config: MappingConfig, row: int, col: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        """Return the readings that touch a cell (n, 2) and the evidence of each (n,), log-odds.
+
+        A reading is scan · n_beams + beam, and 1 for a hit or 0 for a miss.
+        """
+        if _is_wide(config):
+            return touches_in_cones(self, geometry, config, row, col)
+        touches = self._thin_touches(geometry, config, row, col)
+        if config.model == "smooth_ramp":
+            return touches, ramp_increments(self, geometry, config, (row, col), touches)
+        miss, hit, _, _ = rule_of(config)
+        return touches, np.where(touches[:, 1] == 1, hit, miss).astype(np.float32)
+
+    def _thin_touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
         headings, sight, n_beams = self.headings(geometry), self.sight(config), self.ranges.shape[1]
         found = [np.empty((0, 2), dtype=np.int64)]
         for part in self._chunks():
@@ -134,23 +207,30 @@ class Sweep:
         )
         return planned, np.cumsum(work.sum(axis=0))[:-1]
 
-    def _draw_beams(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
-        rule, frame = rule_of(config), grid.geometry.frame
+    def _draw_beams(
+        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+    ) -> int:
+        frame, evidence, smooth = grid.geometry.frame, evidence_of(config), config.model == "smooth_ramp"
         flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
         count = 0
         for part in self._chunks():
             planned, work = self._plan_beams(part, grid.geometry, config, threads)
             if config.traversal == "amanatides_woo":
-                draw = partial(draw_rays, *flat, planned, frame[4], rule)
+                draw = partial(draw_rays, *flat, planned, frame[4], smooth, evidence, rule)
+            elif smooth:
+                ranges, sensors, sight = self.ranges[part], self.sensors[part], self.sight(config)
+                draw = partial(draw_ramps, *flat, planned, ranges, sensors, frame, sight, evidence, rule)
             else:
                 draw = partial(draw_lines, *flat, planned, rule)
             count += _in_bands(draw, work, threads, box)
         return count
 
-    def _draw_fields(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
+    def _draw_fields(
+        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+    ) -> int:
         rows, cols = grid.geometry.shape
         shape = (3, rows, -(-cols // 32))
-        sensors, beams, sight, rule = self.sensors, self.beams, self.sight(config), rule_of(config)
+        sensors, beams, sight = self.sensors, self.beams, self.sight(config)
         headings, frame = self.headings(grid.geometry), grid.geometry.frame
         scratch = [np.zeros(shape, dtype=np.uint32) for _ in range(threads)]
         step = max(threads, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
@@ -179,6 +259,11 @@ class Sweep:
                 draw = partial(draw_runs, grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols, runs, rule)
                 count += _in_bands(draw, work, threads, box)
         return count
+
+
+def _is_wide(config: MappingConfig) -> bool:
+    """Return whether the model's evidence differs all over a beam's field, so that cones are drawn."""
+    return config.model in CONES or (config.model == "smooth_ramp" and config.update == "per_scan")
 
 
 def _plan_space(config: MappingConfig, readings: int) -> tuple[Callable[..., None], NDArray[Any]]:

@@ -9,16 +9,19 @@ fast; the two agree to the last bit. ``sensor_pose`` is always ``T_map_laser``, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, sqrt
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.geometry import transform_points
-from mapper.grid import OccupancyGrid
+from mapper.grid import OccupancyGrid, probability
 from mapper.kernels.lattice import cell_of
 from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan, beam_fields
+from mapper.scan import RangeScan
+from mapper.sensor_model import HitCounting, MoravecElfes
 
 Cell = tuple[int, int]
 Point = tuple[float, float]
@@ -86,8 +89,12 @@ def update(grid: OccupancyGrid, cell: Cell, evidence: float, config: MappingConf
     return 1
 
 
-def occupancy_grid_mapping(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+def occupancy_grid_mapping(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Update ``grid`` with one scan; return the number of cell updates."""
+    if config.model == "moravec_elfes":
+        return update_moravec_elfes(grid, scan, sensor_pose, config)
+    if config.model == "hit_counting":
+        return count_hits_and_misses(grid, scan, sensor_pose, config)
     if config.update == "per_scan":
         return update_per_scan(grid, scan, sensor_pose, config)
     return update_per_beam(grid, scan, sensor_pose, config)
@@ -96,14 +103,23 @@ def occupancy_grid_mapping(grid: OccupancyGrid, scan: LaserScan, sensor_pose: Ar
 # --- Each beam adds its evidence -------------------------------------------------------------------------------------
 
 
-def update_per_beam(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Follow every beam from the sensor's cell and update each cell on its way. Return the number of updates."""
     z_max = min(scan.range_max, config.range_max)
     updates = 0
-    for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
+    for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
         evidence = evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config)
         updates += sum(update(grid, cell, increment, config) for cell, increment in evidence.items())
     return updates
+
+
+def readings(scan: RangeScan, config: MappingConfig) -> NDArray[np.float64]:
+    """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max."""
+    ranges = scan.ranges.copy()
+    z_max = min(scan.range_max, config.range_max)
+    if config.no_return == "hit":
+        ranges[ranges > z_max] = z_max if np.float32(z_max) <= z_max else np.nextafter(np.float32(z_max), np.float32(0))
+    return ranges.astype(np.float64)
 
 
 def evidence_of_beam(
@@ -116,11 +132,45 @@ def evidence_of_beam(
     config: MappingConfig,
 ) -> dict[Cell, float]:
     """Return what one beam says of each cell: a reading, no return, or (too near, NaN, −Inf) nothing at all."""
+    wide = config.model == "sonar_cone"
     if z_min <= z <= z_max:
+        if wide:
+            return evidence_in_cone(grid, sensor_pose, bearing, z, z_max, config)
         return evidence_along_beam(grid, sensor_pose, bearing, z, config)
     if z > z_max and config.no_return == "free":
+        if wide:
+            cells, s, _ = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+            free = s < z_max
+            return dict.fromkeys(map(tuple, cells[free].tolist()), config.beam_model().log_odds_miss)
         return evidence_of_no_return(grid, sensor_pose, bearing, z_max, config)
     return {}
+
+
+def evidence_in_cone(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, z_max: float, config: MappingConfig
+) -> dict[Cell, float]:
+    """Return what a wide beam's reading ``z`` says of each cell in its cone: of those beyond z + r/2, nothing."""
+    model = config.beam_model()
+    cells, s, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+    near = s <= min(z + model.half_window(z), z_max)
+    increments = model.increment(s[near], z, within(theta[near], config.opening))
+    return dict(zip(map(tuple, cells[near].tolist()), increments.tolist(), strict=True))
+
+
+def cells_in_cone(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cells (n, 2) whose centre lies in a cone, the right edge included, and s and θ of each (n,)."""
+    s, d_col, d_row = distances(grid, sensor_pose)
+    heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
+    right, left = (
+        turned(heading, np.array([np.cos(edge), np.sin(edge)]))
+        for edge in (bearing - opening / 2.0, bearing + opening / 2.0)
+    )
+    inside = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
+    axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
+    theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
+    return np.argwhere(inside), s[inside], theta[inside]
 
 
 def evidence_along_beam(
@@ -130,22 +180,22 @@ def evidence_along_beam(
 
     The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2, or crosses exactly the cells that
     Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre lies at
-    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2; the cell that holds the
-    endpoint is occupied in any case, and with r = 0 it alone is, all before it being free.
+    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2 (for the smooth ramp: on its way
+    from one to the other); the cell that holds the endpoint is occupied in any case, and with r = 0 it alone is, all
+    before it being free.
     """
-    model, r = config.beam_model(), config.window
+    model = config.beam_model()
+    half = model.half_window(z)
     endpoint = cell_at(grid, sensor_pose, bearing, z)
 
-    if r == 0.0:
+    if half == 0.0:
         evidence = dict.fromkeys(cells_along(grid, sensor_pose, bearing, z, config), model.log_odds_miss)
     else:
         evidence = {}
-        for cell in cells_along(grid, sensor_pose, bearing, z + r / 2, config):
+        for cell in cells_along(grid, sensor_pose, bearing, z + half, config):
             s = distance(grid, sensor_pose, cell)
-            if s < z - r / 2:
-                evidence[cell] = model.log_odds_miss
-            elif s <= z + r / 2:
-                evidence[cell] = model.log_odds_hit
+            if s <= z + half:
+                evidence[cell] = float(model.increment(s, z)) if s >= z - half else model.log_odds_miss
     evidence[endpoint] = model.log_odds_hit
     return evidence
 
@@ -169,7 +219,7 @@ def cells_along(
 # --- Each cell of the perceptual field once (table 9.1) --------------------------------------------------------------
 
 
-def update_per_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+def update_per_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Update every cell in the scan's perceptual field once: table 9.1. Return the number of updates."""
     evidence = inverse_range_sensor_model(grid, scan, sensor_pose, config)
     in_field = ~np.isnan(evidence)
@@ -179,51 +229,145 @@ def update_per_scan(grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike
 
 
 def inverse_range_sensor_model(
-    grid: OccupancyGrid, scan: LaserScan, sensor_pose: ArrayLike, config: MappingConfig
+    grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig
 ) -> NDArray[np.float64]:
     """Return what a scan says of each cell (rows, cols), NaN outside the perceptual field: table 9.2.
 
     A cell whose centre lies at distance s belongs to the beam k that is nearest in bearing, at most half an increment
-    away. It is free for s < z − r/2 and occupied for |s − z| ≤ r/2 and s ≤ z_max. The cells that hold the endpoints
-    are occupied in any case: so a window narrower than a cell, r = 0 included, still marks where the beams ended.
+    away (and in a sonar's cone, at most half its opening angle). It is free for s < z − r/2 and occupied for
+    |s − z| ≤ r/2 and s ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
+    narrower than a cell, r = 0 included, still marks where the beams ended.
     """
-    model, r = config.beam_model(), config.window
+    model, wide = config.beam_model(), config.model == "sonar_cone"
     z_max = min(scan.range_max, config.range_max)
     evidence = np.full(grid.geometry.shape, np.nan)
 
     s, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
-    fields = beam_fields(scan.angle_min, scan.angle_increment, len(scan.ranges))
-    for z, field in zip(scan.ranges.astype(float), fields, strict=True):
+    fields = scan.fields(config.opening / 2.0) if wide else scan.fields()
+    for z, bearing, field in zip(readings(scan, config), scan.angles, fields, strict=True):
         right, left = turned(heading, field[:2]), turned(heading, field[2:])
         nearest = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
         if scan.range_min <= z <= z_max:
-            evidence[nearest & (s < z - r / 2)] = model.log_odds_miss
-            if r > 0.0:
-                evidence[nearest & (z - r / 2 <= s) & (s <= min(z_max, z + r / 2))] = model.log_odds_hit
+            half = model.half_window(z)
+            axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
+            theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
+            near = nearest & (s < z - half if half == 0.0 else s <= min(z_max, z + half))
+            # Which beam is nearest was decided above; the angle itself counts only in a cone.
+            evidence[near] = model.increment(s[near], z, within(theta[near], config.opening) if wide else 0.0)
         elif z > z_max and config.no_return == "free":
             evidence[nearest & (s < z_max)] = model.log_odds_miss
 
-    for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
-        if scan.range_min <= z <= z_max:
+    for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+        if scan.range_min <= z <= z_max and not wide:
             endpoint = cell_at(grid, sensor_pose, bearing, z)
             if grid.geometry.contains(endpoint):
                 evidence[endpoint] = model.log_odds_hit
     return evidence
 
 
+# --- Models that count, or that keep two certainties -----------------------------------------------------------------
+
+
+def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Count for each cell how often a beam ended in it and how often one passed it. Return the number of updates.
+
+    Which cells those are is decided as by fixed increments; ``grid.tallies`` holds the hits and the misses, and
+    ``grid.log_odds`` their closed-form posterior, clamped.
+    """
+    model = cast("HitCounting", config.beam_model())
+    hits, misses = tallies_of(grid, config)
+    before = hits + misses
+    one = config.with_values({"model": "fixed_increments", "clamp": False, "log_odds_hit": 1.0, "log_odds_miss": -1.0})
+    counted = OccupancyGrid(grid.geometry)
+    if config.update == "per_scan":
+        evidence = inverse_range_sensor_model(counted, scan, sensor_pose, one)
+        hits += evidence == 1.0
+        misses += evidence == -1.0
+    else:
+        z_max = min(scan.range_max, config.range_max)
+        for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+            for cell, kind in evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, one).items():
+                if grid.geometry.contains(cell):
+                    (hits if kind > 0 else misses)[cell] += 1
+    visited = hits + misses > before
+    grid.observed |= visited
+    posterior = np.clip(model.log_odds(hits, misses), *config.clamp_limits)
+    grid.log_odds[visited] = posterior[visited].astype(np.float32)
+    return int((hits + misses - before).sum())
+
+
+def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Combine a scan's readings with the certainties of each cell, as in 1985. Return the number of updates.
+
+    First what is empty, for all readings: Emp ← Emp + E − Emp·E. Then what is occupied, reading by reading: O is
+    cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
+    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both.
+    Source: Moravec & Elfes 1985, section 4.
+    """
+    model = cast("MoravecElfes", config.beam_model())
+    occupied, empty = tallies_of(grid, config)
+    z_max = min(scan.range_max, config.range_max)
+    cones = [
+        (z, *cells_in_cone(grid, sensor_pose, bearing, config.opening))
+        for z, bearing in zip(readings(scan, config), scan.angles, strict=True)
+    ]
+    no_arc = MoravecElfes(0.0, config.opening)
+    updates = 0
+    for z, cells, s, theta in cones:
+        if scan.range_min <= z <= z_max:
+            before, certainty = s < z - model.half_window(z), model.empty(s, z, within(theta, config.opening))
+        elif z > z_max and config.no_return == "free":
+            before, certainty = s < z_max, no_arc.empty(s, z_max, within(theta, config.opening))
+        else:
+            continue
+        rows, cols = cells[before].T
+        empty[rows, cols] += certainty[before] * (1 - empty[rows, cols].astype(np.float64))
+        grid.observed[rows, cols] = True
+        updates += len(rows)
+    for z, cells, s, theta in cones:
+        if not scan.range_min <= z <= z_max:
+            continue
+        arc = (s >= z - model.half_window(z)) & (s <= min(z + model.half_window(z), z_max))
+        rows, cols = cells[arc].T
+        certainty = model.occupied(s[arc], z, within(theta[arc], config.opening))
+        certainty *= 1 - empty[rows, cols].astype(np.float64)
+        if certainty.sum() <= 0.0:
+            continue
+        occupied[rows, cols] += certainty / certainty.sum() * (1 - occupied[rows, cols].astype(np.float64))
+        grid.observed[rows, cols] = True
+        updates += len(rows)
+    with np.errstate(divide="ignore"):
+        shown = np.clip(model.log_odds(empty, occupied), *config.clamp_limits).astype(np.float32)
+    grid.log_odds[grid.observed] = shown[grid.observed]
+    return updates
+
+
+def tallies_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
+    """Return the grid's two tallies (2, rows, cols): what speaks for occupied, and what for empty.
+
+    Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
+    """
+    if grid.tallies is None:
+        grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
+        if config.model == "moravec_elfes":
+            value = 2 * probability(grid.prior()) - 1
+            grid.tallies[0], grid.tallies[1] = np.maximum(value, 0), np.maximum(-value, 0)
+    return grid.tallies
+
+
 # --- Why a cell is what it is ----------------------------------------------------------------------------------------
 
 
 def provenance(
-    grid: OccupancyGrid, scans: list[LaserScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
+    grid: OccupancyGrid, scans: Sequence[RangeScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
 ) -> list[tuple[int, int, float, np.float32]]:
     """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
     touches = []
     log_odds = np.float32(config.log_odds_prior)
     for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
         z_max = min(scan.range_max, config.range_max)
-        for k, (z, bearing) in enumerate(zip(scan.ranges.astype(float), scan.angles, strict=True)):
+        for k, (z, bearing) in enumerate(zip(readings(scan, config), scan.angles, strict=True)):
             evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
             if cell in evidence:
                 log_odds = bayes_filter(log_odds, np.float32(evidence[cell]), config)
@@ -263,6 +407,11 @@ def distances(
     rows, cols = np.indices(grid.geometry.shape)
     d_col, d_row = cols + 0.5 - col, rows + 0.5 - row
     return np.sqrt(d_col * d_col + d_row * d_row) * grid.geometry.resolution, d_col, d_row
+
+
+def within(theta: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
+    """Return angles from the axis of cells that lie in a cone: none is wider, whatever rounding did at its edges."""
+    return np.clip(theta, -opening / 2.0, opening / 2.0)
 
 
 def turned(angle: float, direction: NDArray[np.float64]) -> tuple[float, float]:

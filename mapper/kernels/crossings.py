@@ -8,9 +8,12 @@ from __future__ import annotations
 
 from math import inf, isnan, nan, sqrt
 
+import numpy as np
+
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
-from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
+from mapper.kernels.ramps import _ramp
+from mapper.kernels.types import BoolArray, Evidence, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -62,11 +65,13 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
 
 
 @jit
-def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float, rule: Rule,
-              row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
+def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float,
+              smooth: bool, evidence: Evidence, rule: Rule, row_low: int, row_high: int, box: Int64Array,
+              ) -> int:  # fmt: skip
     """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
-    The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell.
+    The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell. With
+    ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
     """
     miss, hit, low, high = rule
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
@@ -93,7 +98,7 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
                     c_u, c_v = col + 0.5 - u, row + 0.5 - v
                     s = sqrt(c_u * c_u + c_v * c_v) * resolution
                     if s >= z - half:
-                        increment = hit
+                        increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1])) if smooth else hit
                         counts = s <= z + half
                 if counts:
                     cell = row * cols + col

@@ -19,3 +19,7 @@ Frame = tuple[float, float, float, float, float]
 Sight = tuple[float, float, float, float, bool]
 #: What they say, log-odds: miss, hit, lower and upper clamp.
 Rule = tuple[np.float32, np.float32, np.float32, np.float32]
+#: The same unrounded, for models whose evidence differs from cell to cell: miss, hit.
+Evidence = tuple[float, float]
+#: A cone: its profile (see :mod:`mapper.kernels.cones`) and its opening angle (rad).
+Cone = tuple[int, float]

@@ -155,7 +155,7 @@ def beam_segments(view: SessionView) -> NDArray[np.float32]:
     step = -(-len(view.ranges) // MAX_BEAMS) or 1
     ranges = np.asarray(view.ranges, dtype=np.float64)[::step]
     x, y, yaw = compose(inverse(view.pose), compose(view.sensor_pose, view.config.mount))
-    angles = yaw + view.angle_min + view.angle_increment * step * np.arange(len(ranges))
+    angles = yaw + view.angles[::step]
     hit = np.isfinite(ranges) & (ranges > BEAM_START) & (ranges <= view.range_max)
     ranges, angles = ranges[hit], angles[hit]
     segments = np.full((len(ranges), 2, 3), LASER_Z, dtype=np.float32)

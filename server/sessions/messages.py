@@ -9,7 +9,7 @@ import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
 from mapper.parameters import PARAMETERS, MappingConfig
-from mapper.scan import LaserScan
+from mapper.scan import RangeScan, SonarScan
 from mapper.world import SensorConfig
 from server.sessions.view import Moment, Pose
 
@@ -42,12 +42,10 @@ def scan_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
     fields: dict[str, Any] = {"scan_pose": _rounded(moment.scan_pose)}
     if moment.believed_scan_pose is not None:
         fields["believed_scan_pose"] = _rounded(moment.believed_scan_pose)
-    return fields | {
-        "ranges": _ranges(scan),
-        "angle_min": scan.angle_min,
-        "angle_increment": scan.angle_increment,
-        "range_max": min(scan.range_max, config.range_max),
-    }
+    fields |= {"ranges": _ranges(scan), "range_max": min(scan.range_max, config.range_max)}
+    if isinstance(scan, SonarScan):
+        return fields | {"angle_min": 0.0, "angle_increment": 0.0, "bearings": np.round(scan.bearings, 5).tolist()}
+    return fields | {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
 
 
 def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int) -> dict[str, Any]:
@@ -78,7 +76,7 @@ def _rounded(pose: Pose) -> list[float]:
     return [round(value, 4) for value in pose]
 
 
-def _ranges(scan: LaserScan) -> list[float | None]:
+def _ranges(scan: RangeScan) -> list[float | None]:
     """Return the scan's readings in metres, None for no return and for what is no reading."""
     ranges = scan.ranges
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
 from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan
+from mapper.scan import RangeScan
 from mapper.world import SensorConfig, World
 
 Pose = tuple[float, float, float]
@@ -19,7 +19,8 @@ Pose = tuple[float, float, float]
 class SessionView:
     """What a session shows now. The arrays are the session's own: read them at once, write nothing.
 
-    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``.
+    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``,
+    at the bearings ``angles``, radians.
     """
 
     geometry: GridGeometry
@@ -28,8 +29,7 @@ class SessionView:
     pose: Pose
     sensor_pose: Pose
     ranges: NDArray[np.float32]
-    angle_min: float
-    angle_increment: float
+    angles: NDArray[np.float64]
     range_max: float
     world: World | None
     config: MappingConfig
@@ -50,7 +50,7 @@ class Moment:
     pose: Pose
     sensor_pose: Pose
     scan_pose: Pose
-    scan: LaserScan
+    scan: RangeScan
     stamp_s: float
     believed_pose: Pose | None = None
     believed_scan_pose: Pose | None = None

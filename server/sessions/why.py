@@ -45,11 +45,9 @@ def why_message(
         raise ProtocolError("command.until", f"Touches count from 1; there is none up to {until}.")
     row, col = about["row"], about["col"]
     told: list[Provenance] = []
-    before: float | None = None
+    part: Provenance | None = None
     for source in sources:
-        part = provenance(grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, before)
-        if len(part.log_odds):
-            before = float(part.log_odds[-1])
+        part = provenance(grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, part)
         told.append(part)
     counts = [len(part.scans) for part in told]
     total = sum(counts)

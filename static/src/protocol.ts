@@ -84,6 +84,8 @@ export interface Seen {
   readonly ranges: readonly (number | null)[];
   readonly angle_min: number;
   readonly angle_increment: number;
+  /** Bearing of each beam where they are not even: sonars. */
+  readonly bearings?: readonly number[];
   readonly range_max: number;
 }
 
@@ -383,6 +385,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     believed_scan_pose: orMissing(isNumbers(3)),
     angle_min: orMissing(isNumber),
     angle_increment: orMissing(isNumber),
+    bearings: orMissing(isList),
     range_max: orMissing(isNumber),
   },
   forgetting: {

@@ -1,7 +1,7 @@
 /** The one store of a page that watches a session: every figure is a view of it and changes it; none knows another. */
 
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
-import { type Beam, beamAt, beamToward } from "./beams";
+import { type Beam, beamAhead, beamToward, turnedOver } from "./beams";
 import type { OnBloom } from "./gl/cells";
 import { type Cell, cellAt, compose, contains, extent } from "./lattice";
 import { Optimistic } from "./optimistic";
@@ -128,7 +128,7 @@ export class Store implements Receiver {
       if (!frame) return frame;
       const believed = frame.believed_pose ? { ...frame, pose: frame.believed_pose } : frame;
       if (this.mapping.values.value.mount_upside_down !== true) return believed;
-      return { ...believed, angle_min: -frame.angle_min, angle_increment: -frame.angle_increment };
+      return turnedOver(believed);
     });
     this.cell = computed(() => {
       const probe = this.probe.value;
@@ -152,11 +152,7 @@ export class Store implements Receiver {
       const pose = this.beliefPose.value;
       if (!frame || !pose || frame.ranges.length === 0) return null;
       const probe = this.probe.value;
-      const ahead = Math.min(
-        frame.ranges.length - 1,
-        Math.max(0, Math.round(-frame.angle_min / frame.angle_increment)),
-      );
-      return (probe && beamToward(frame, pose, probe)) ?? beamAt(frame, ahead);
+      return (probe && beamToward(frame, pose, probe)) ?? beamAhead(frame);
     });
     this.bounds = computed(() => {
       const world = this.world.value;
@@ -293,9 +289,14 @@ export class Store implements Receiver {
     const { ranges } = message;
     if (ranges !== undefined) this.frame.value = message as Frame;
     else if (before) {
-      const { scan_pose, believed_scan_pose, angle_min, angle_increment, range_max } = before;
+      const { scan_pose, believed_scan_pose, angle_min, angle_increment, bearings, range_max } = before;
       const seen = { scan_pose, ranges: before.ranges, angle_min, angle_increment, range_max };
-      this.frame.value = { ...message, ...seen, ...(believed_scan_pose ? { believed_scan_pose } : {}) };
+      this.frame.value = {
+        ...message,
+        ...seen,
+        ...(bearings && { bearings }),
+        ...(believed_scan_pose && { believed_scan_pose }),
+      };
     }
   }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from hypothesis import strategies as st
@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from mapper.geometry import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan, ScanLog, Trajectory
+from mapper.scan import RangeScan, ScanLog, Trajectory
 
+STEPS = ("fixed_increments", "step_window")  #: models of three zones
 QUARTERS = [k * np.pi / 4 for k in range(-4, 5)]
 
 
@@ -29,12 +30,12 @@ class MappingCase:
     def sensor_poses(self) -> np.ndarray:
         return compose(self.log.sensor_poses(), np.array(self.config.mount))
 
-    def scans(self) -> list[LaserScan]:
+    def scans(self) -> list[RangeScan]:
         """The scans as the textbook takes them, with bearings as the mount has them."""
         scans = [self.log.scan(t) for t in range(self.log.n_scans)]
         if not self.config.mount_upside_down:
             return scans
-        return [replace(s, angle_min=-s.angle_min, angle_increment=-s.angle_increment) for s in scans]
+        return [scan.turned_over() for scan in scans]
 
 
 def some(*values: float, low: float, high: float) -> st.SearchStrategy[float]:
@@ -64,20 +65,28 @@ def poses(draw: st.DrawFn, geometry: GridGeometry) -> list[float]:
 
 
 @st.composite
-def configs(draw: st.DrawFn, update: str) -> MappingConfig:
+def configs(draw: st.DrawFn, update: str, models: tuple[str, ...]) -> MappingConfig:
     config = MappingConfig(
         update=update,
-        model=draw(st.sampled_from(["fixed_increments", "step_window"])),
+        model=draw(st.sampled_from(models)),
         range_max=draw(some(2.0, 30.0, low=0.5, high=20.0)),
         window=draw(some(0.0, 0.05, 0.2, 2.0, low=0.0, high=2.0)),
         log_odds_hit=draw(some(0.85, 0.0, 3.0, low=0.0, high=3.0)),
         log_odds_miss=draw(some(-0.4, 0.0, -3.0, low=-3.0, high=0.0)),
         traversal=draw(st.sampled_from(["bresenham", "amanatides_woo"])),
-        no_return=draw(st.sampled_from(["ignore", "free"])),
+        no_return=draw(st.sampled_from(["ignore", "free", "hit"])),
         clamp=draw(st.booleans()),
         log_odds_prior=draw(some(0.0, low=-0.3, high=0.3)),
     )
-    mounted = {
+    shape = {
+        "sigma": some(0.03, 0.5, low=0.005, high=0.5),
+        "sigma_growth": some(0.01, 0.0, low=0.0, high=0.2),
+        "opening": some(0.5236, 1.5708, 0.0175, low=0.0175, high=1.5708),
+        "cone_profile": st.sampled_from(["flat", "gaussian"]),
+        "prior_weight": some(2.0, 0.1, low=0.1, high=50.0),
+        "resolution": some(0.05, low=0.01, high=1.0),
+    }
+    mounted = shape | {
         "mount_upside_down": st.booleans(),
         "mount_x": some(0.0, low=-1, high=1),
         "mount_y": some(0.0, low=-1, high=1),
@@ -87,9 +96,9 @@ def configs(draw: st.DrawFn, update: str) -> MappingConfig:
 
 
 @st.composite
-def mapping_cases(draw: st.DrawFn, update: str) -> MappingCase:
+def mapping_cases(draw: st.DrawFn, update: str, models: tuple[str, ...] = STEPS) -> MappingCase:
     geometry = draw(geometries())
-    config = draw(configs(update))
+    config = draw(configs(update, models))
     n_scans, n_beams = draw(st.integers(1, 3)), draw(st.integers(1, 12))
     range_min = draw(st.sampled_from([0.0, 0.1]))
     range_max = draw(st.sampled_from([5.0, 80.0, np.inf]))
@@ -102,6 +111,8 @@ def mapping_cases(draw: st.DrawFn, update: str) -> MappingCase:
     )
     ranges = draw(st.lists(reading, min_size=n_scans * n_beams, max_size=n_scans * n_beams))
     base = np.array([draw(poses(geometry)) for _ in range(n_scans)])
+    bearing = some(0.0, *QUARTERS, low=-7, high=7)
+    uneven = draw(st.none() | st.lists(bearing, min_size=n_beams, max_size=n_beams))
     full_turn = 2 * np.pi / n_beams
     log = ScanLog(
         np.array(ranges, dtype=np.float32).reshape(n_scans, n_beams),
@@ -113,6 +124,7 @@ def mapping_cases(draw: st.DrawFn, update: str) -> MappingCase:
         {"drawn": Trajectory(base)},
         mount=(draw(some(0.0, low=-1, high=1)), 0.0, draw(some(0.0, np.pi, low=-3, high=3))),
         upside_down=draw(st.booleans()),
+        bearings=None if uneven is None else np.array(uneven),
     )
     return MappingCase(geometry, log, config)
 

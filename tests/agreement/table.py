@@ -27,6 +27,7 @@ class Row:
     kernel: Callable[[Any], tuple[Any, ...]]
     twin: Callable[[Any], tuple[Any, ...]]
     inputs: st.SearchStrategy[Any]
+    tolerance: float = 0.0  #: of floating-point numbers; cells and counts are always equal
 
 
 def map_by_kernel(case: MappingCase) -> tuple[Any, ...]:
@@ -41,6 +42,20 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
     return grid.log_odds, grid.observed, count
+
+
+def tallies_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = integrate_log(grid, case.log, case.config)
+    return grid.tallies, grid.observed, count
+
+
+def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = 0
+    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+        count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
+    return grid.tallies, grid.observed, count
 
 
 def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
@@ -72,7 +87,7 @@ def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     seen = []
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         seen.append(pose[:2])
-        for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
+        for z, bearing in zip(textbook.readings(scan, case.config), scan.angles, strict=True):
             if z > z_max:
                 reach = z_max if case.config.no_return == "free" else 0.0
             else:
@@ -124,21 +139,37 @@ def cells_to_ask(case: MappingCase) -> list[tuple[int, int]]:
 
 def provenance_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     found = [provenance(case.geometry, case.log, case.config, cell) for cell in cells_to_ask(case)]
-    columns = [list(zip(p.scans, p.beams, p.increments, p.log_odds, strict=True)) for p in found]
-    return ([[(int(t), int(k), float(e), float(v)) for t, k, e, v in touches] for touches in columns],)
+    names = [list(zip(p.scans.tolist(), p.beams.tolist(), strict=True)) for p in found]
+    values = [np.stack([p.increments, p.log_odds]) for p in found]
+    return (names, *values)
 
 
 def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     scans, poses = case.scans(), case.sensor_poses()
     found = [textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)]
-    return ([[(t, k, float(np.float32(e)), float(v)) for t, k, e, v in touches] for touches in found],)
+    names = [[(t, k) for t, k, _, _ in touches] for touches in found]
+    values = [np.array([[e for *_, e, _ in touches], [v for *_, v in touches]], np.float32) for touches in found]
+    return (names, *values)
 
+
+RAMP, CONE, COUNTING, CERTAINTIES = (("smooth_ramp",), ("sonar_cone",), ("hit_counting",), ("moravec_elfes",))
+ROUNDING = 1e-6  # exponentials, angles and powers differ in their last bit from library to library
 
 TABLE = (
     Row("bresenham", line_by_kernel, line_by_textbook, lines()),
     Row("per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam")),
     Row("per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan")),
+    Row("smooth ramp per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
+    Row("smooth ramp per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", RAMP), ROUNDING),
+    Row("sonar cone per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
+    Row("sonar cone per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", CONE), ROUNDING),
+    Row("hits and misses per beam", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", COUNTING)),
+    Row("hits and misses per scan", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_scan", COUNTING)),
+    Row("hit counting", map_by_kernel, map_by_textbook, mapping_cases("per_beam", COUNTING), ROUNDING),
+    Row("Moravec and Elfes", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", CERTAINTIES), ROUNDING),
     Row("provenance", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam")),
+    Row("provenance of ramps", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
+    Row("provenance of cones", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
 )

@@ -9,7 +9,7 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import integrate_scan
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.scan import LaserScan
-from mapper.sensor_model import beam_profile
+from mapper.sensor_model import NoReturn, beam_profile
 
 VECTORS = Path(__file__).parents[2] / "static" / "src" / "figures" / "profile" / "profile.vectors.json"
 
@@ -80,7 +80,7 @@ def vectors() -> dict[str, Any]:
                 5.0,
             ]
             profile = beam_profile(
-                config.beam_model(), z, s, config.range_max, no_return_free=config.no_return == "free"
+                config.beam_model(), z, s, config.range_max, no_return=cast("NoReturn", config.no_return)
             )
             cases.append(
                 {

@@ -35,12 +35,12 @@ def test_no_return_says_nothing_or_free() -> None:
     model, s = FixedIncrements(), [0.0, 5.0, 10.0, 10.1]
     for z in (np.inf, 12.0):
         assert beam_profile(model, z, s, 10.0).tolist() == [0.0] * 4
-        assert beam_profile(model, z, s, 10.0, no_return_free=True).tolist() == [-0.4, -0.4, -0.4, 0.0]
+        assert beam_profile(model, z, s, 10.0, no_return="free").tolist() == [-0.4, -0.4, -0.4, 0.0]
 
 
 @pytest.mark.parametrize("z", [np.nan, -np.inf, -1.0])
 def test_no_reading_says_nothing(z: float) -> None:
-    assert not beam_profile(FixedIncrements(), z, np.linspace(0, 10, 50), 10.0, no_return_free=True).any()
+    assert not beam_profile(FixedIncrements(), z, np.linspace(0, 10, 50), 10.0, no_return="free").any()
 
 
 @given(st.floats(0.5, 9.0), st.floats(0.05, 2.0), st.sampled_from(["per_beam", "per_scan"]))

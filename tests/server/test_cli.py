@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mapper.parameters import PARAMETERS
+from mapper.parameters import MODELS, PARAMETERS
 from server.cli import SHORT_NAMES, main
 from server.settings import Settings
 from tests.mapper.logs import recorded
@@ -158,7 +158,7 @@ def test_the_mount_moves_the_map(run, log):
 BAD_OPTIONS = {
     "resolution of 0": (["--resolution", "0"], "Resolution (resolution) must be between 0.01 and 1 m"),
     "resolution of nan": (["--resolution", "nan"], "Resolution (resolution) must be a finite number"),
-    "unknown model": (["--model", "neural"], "must be one of fixed_increments, step_window, not 'neural'"),
+    "unknown model": (["--model", "neural"], "must be one of " + ", ".join(MODELS) + ", not 'neural'"),
     "hit below 0": (["--hit", "-1"], "Hit increment (log_odds_hit) must be between 0 and 3"),
     "clamp upside down": (["--log-odds-min", "0", "--log-odds-max", "0"], "The lower clamp must lie below"),
     "unknown trajectory": (["--trajectory", "slam"], "The log has no trajectory 'slam'; it has 'scan', 'wheel'."),

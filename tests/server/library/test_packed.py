@@ -56,6 +56,21 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
     for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
         assert getattr(again, name) == getattr(log, name), name
     assert (again.topics, again.notes) == (log.topics, log.notes)
+    assert again.bearings is None
+
+
+def test_the_bearings_of_sonars_come_out(tmp_path: Path) -> None:
+    log = log_of(3, bearings=np.array([-1.5, -0.1, 0.1, 1.5]), beam_width=0.35)
+    write_pack(log, tmp_path / "log.npz")
+    again = read_pack(tmp_path / "log.npz")
+    assert log.bearings is not None
+    assert again.bearings is not None
+    np.testing.assert_array_equal(again.bearings, log.bearings)
+    assert again.beam_width == 0.35
+
+
+def test_no_other_file_is_left(tmp_path: Path) -> None:
+    write_pack(log_of(2), tmp_path / "log.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
 
 

@@ -19,10 +19,13 @@ class View:
     ranges: np.ndarray
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
     sensor_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    angle_min: float = 0.0
     angle_increment: float = np.pi / 2
     range_max: float = 10.0
     config: MappingConfig = field(default_factory=MappingConfig)
+
+    @property
+    def angles(self) -> np.ndarray:
+        return self.angle_increment * np.arange(len(self.ranges))
 
 
 def segments_of(view: View) -> np.ndarray:

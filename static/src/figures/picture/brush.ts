@@ -1,6 +1,6 @@
 /** What both pictures are painted with: the robot, its beams, the pointer. World metres in, canvas pixels out. */
 
-import { along, type Beam } from "../../beams";
+import { along, type Beam, bearingOf } from "../../beams";
 import { fromLattice } from "../../lattice";
 import type { Frame, Geometry, Point, Pose } from "../../protocol";
 import { type Size, toScreen, type View } from "../../view";
@@ -42,7 +42,7 @@ function endpoints(brush: Brush, from: Pose, frame: Frame, rangeMax: number): Fl
       ends[2 * i] = ends[2 * i + 1] = Number.NaN;
       continue;
     }
-    const [x, y] = place(brush, along(from, frame.angle_min + i * frame.angle_increment, range));
+    const [x, y] = place(brush, along(from, bearingOf(frame, i), range));
     ends[2 * i] = x;
     ends[2 * i + 1] = y;
   }
