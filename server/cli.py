@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -185,6 +186,7 @@ def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None
         f"  {facts['scans']} scans of {facts['beams']} beams over {facts['field_of_view_deg']:.1f}°, "
         f"{facts['duration_s']:.1f} s"
     )
+    typer.echo(f"  {_time_line(facts['time'])}")
     n = facts["readings"]
     typer.echo(f"  {n['measured']} readings measured, {n['no_return']} without return, {n['invalid']} invalid")
     typer.echo(
@@ -197,6 +199,21 @@ def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None
         typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _time_line(time: dict[str, Any]) -> str:
+    """Say when the scans of a log were made."""
+    if time["rate_hz"] is None:
+        return "no times"
+    said = (
+        []
+        if time["start_s"] is None
+        else [f"from {datetime.fromtimestamp(time['start_s'], UTC):%Y-%m-%d %H:%M:%S} UTC"]
+    )
+    said.append(f"{time['rate_hz']:.1f} scans a second")
+    gaps = f"{time['gaps']} gap{'s' if time['gaps'] != 1 else ''}"
+    at = f", the longest of {time['longest_gap_s']:.1f} s at {time['longest_gap_at_s']:.1f} s" if time["gaps"] else ""
+    return ", ".join(said) + f", {gaps}{at}"
 
 
 def _topic_line(topic: dict[str, Any]) -> str:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from mapper.scan import ScanLog, Topic
 
+EPOCH_S = (6e8, 5e9)  #: a stamp between these is seconds since 1970: the years 1989 to 2128
+
 
 @dataclass(frozen=True, slots=True)
 class TrajectorySummary:
@@ -30,6 +32,21 @@ class ReadingCounts:
 
 
 @dataclass(frozen=True, slots=True)
+class TimeSummary:
+    """When the scans were made. ``start_s`` is the earliest stamp since 1970, None for a clock that began elsewhere.
+
+    A gap is a pause of more than a second and five times the usual one between two scans; ``longest_gap_at_s`` is
+    where the longest begins, in seconds since the earliest stamp.
+    """
+
+    start_s: float | None
+    rate_hz: float | None  #: by the median pause between two scans; None for a log without times
+    gaps: int
+    longest_gap_s: float
+    longest_gap_at_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class LogSummary:
     """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
 
@@ -47,6 +64,7 @@ class LogSummary:
     trajectories: tuple[TrajectorySummary, ...]
     notes: tuple[str, ...]
     upside_down: bool = False
+    time: TimeSummary | None = None
     topics: tuple[Topic, ...] = ()
 
 
@@ -71,6 +89,7 @@ def summarise(log: ScanLog) -> LogSummary:
         ),
         notes=log.notes,
         upside_down=log.upside_down,
+        time=_time(log.stamps_ns, seconds),
         topics=log.topics,
     )
 
@@ -87,6 +106,21 @@ def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
     # As unsigned numbers: the span of two absurd stamps does not fit into a signed one.
     span_ns: NDArray[np.uint64] = latest.view(np.uint64) - log.stamps_ns.min(keepdims=True).view(np.uint64)
     return span_ns.astype(np.float64) * 1e-9
+
+
+def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSummary:
+    pauses = np.diff(seconds)
+    usual = float(np.median(pauses[pauses > 0.0])) if (pauses > 0.0).any() else 0.0
+    gaps = pauses > max(1.0, 5.0 * usual)
+    longest = int(np.argmax(pauses)) if gaps.any() else -1
+    start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
+    return TimeSummary(
+        start_s=start if EPOCH_S[0] < start < EPOCH_S[1] else None,
+        rate_hz=1.0 / usual if usual > 0.0 else None,
+        gaps=int(np.count_nonzero(gaps)),
+        longest_gap_s=float(pauses[longest]) if gaps.any() else 0.0,
+        longest_gap_at_s=float(seconds[longest]) if gaps.any() else 0.0,
+    )
 
 
 def _length(poses: NDArray[np.float64]) -> float:

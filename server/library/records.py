@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from mapper.logs.summary import LogSummary, ReadingCounts, TrajectorySummary
+from mapper.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
 from server.library.packed import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
@@ -67,6 +67,9 @@ class Record:
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,
+            "time": asdict(summary.time) if summary and summary.time else None,
+            "mount": list(summary.mount) if summary else None,
+            "upside_down": summary.upside_down if summary else False,
             "trajectories": [asdict(trajectory) for trajectory in summary.trajectories] if summary else [],
             "topics": [asdict(topic) for topic in summary.topics] if summary else [],
             "notes": list(summary.notes) if summary else [],
@@ -134,6 +137,8 @@ def _summary(data: dict[str, Any] | None) -> LogSummary | None:
         values["trajectories"] = tuple(TrajectorySummary(**one) for one in values["trajectories"])
         values["mount"] = tuple(values["mount"])
         values["notes"] = tuple(values["notes"])
+        if values.get("time") is not None:
+            values["time"] = TimeSummary(**values["time"])
         values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
         return LogSummary(**values)
     except (TypeError, KeyError):

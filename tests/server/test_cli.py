@@ -80,6 +80,7 @@ def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
     path = recorded.write_bag(tmp_path / "run.bag", said)
     status, out, _ = run("info", path)
     assert status == 0
+    assert "from 2023-11-14 22:13:20 UTC" in out
     assert "* /front: 3 × sensor_msgs/LaserScan, 2 beams over 5.7°" in out
     assert "  /rear: 2 × sensor_msgs/LaserScan, 1 beam over 0.0°, 1.0 Hz, frame rear" in out
     assert "the file holds no poses" in out.lower()

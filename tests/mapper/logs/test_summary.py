@@ -31,6 +31,21 @@ def test_figures() -> None:
     assert [(one.name, one.length_m) for one in facts.trajectories] == [("scan", 15.0)]
 
 
+def test_when_the_scans_were_made() -> None:
+    tenth = 100_000_000
+    start = 1_405_931_000 * 10 * tenth
+    steps = np.cumsum([0, 1, 1, 1, 30, 1, 1, 12, 1, -3, 5]) * tenth
+    time = summarise(log_at((start + steps).tolist())).time
+    assert time is not None
+    assert time.start_s == pytest.approx(1_405_931_000)
+    assert time.rate_hz == pytest.approx(10.0)
+    assert time.gaps == 2
+    assert (time.longest_gap_s, time.longest_gap_at_s) == (pytest.approx(3.0), pytest.approx(0.3))
+    none = summarise(log_at([7, 7, 7])).time
+    assert none is not None
+    assert (none.start_s, none.rate_hz, none.gaps) == (None, None, 0)
+
+
 def test_a_log_without_scans_lasts_no_time() -> None:
     assert summarise(log_at([])).duration_s == 0.0
 

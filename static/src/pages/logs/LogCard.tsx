@@ -3,7 +3,7 @@ import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
 import { isMoving, type LogRecord, remove } from "./library";
-import { file, remedy, run, witness } from "./words";
+import { file, inside, remedy, run, topic, witness } from "./words";
 
 /** One log: what it holds, or what is wrong with it, and what can be done with it. */
 export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogRecord) => void }) {
@@ -52,6 +52,7 @@ function Facts({ log }: { log: LogRecord }) {
           Where it was: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
         </p>
       )}
+      {known.length > 0 && <Inside log={log} />}
       {log.notes.length > 0 && (
         <details class="log-notes">
           <summary>{log.notes.length === 1 ? "1 note" : `${log.notes.length} notes`}</summary>
@@ -63,6 +64,27 @@ function Facts({ log }: { log: LogRecord }) {
         </details>
       )}
     </>
+  );
+}
+
+/** What the file holds, for who wants to know. */
+function Inside({ log }: { log: LogRecord }) {
+  const lines = inside(log);
+  if (lines.length === 0 && log.topics.length === 0) return null;
+  return (
+    <details class="log-notes">
+      <summary>What is inside</summary>
+      <ul>
+        {lines.map((line) => (
+          <li key={line}>{line}</li>
+        ))}
+        {log.topics.map((one) => (
+          <li key={one.name} class="log-topic">
+            {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
+          </li>
+        ))}
+      </ul>
+    </details>
   );
 }
 

@@ -1,5 +1,18 @@
 import { signal } from "@preact/signals";
 
+/** One stream of messages in a log's file. */
+export interface Topic {
+  readonly name: string;
+  readonly type: string;
+  readonly count: number;
+  readonly frame: string | null;
+  readonly beams: number | null;
+  readonly field_of_view_deg: number | null;
+  readonly rate_hz: number | null;
+  readonly mount: readonly number[] | null;
+  readonly chosen: boolean;
+}
+
 /** A log as the server lists it. Facts are null until the log was read. */
 export interface LogRecord {
   readonly id: string;
@@ -13,6 +26,18 @@ export interface LogRecord {
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;
+  readonly time: {
+    /** Seconds since 1970, null where the clock began elsewhere. */
+    readonly start_s: number | null;
+    readonly rate_hz: number | null;
+    readonly gaps: number;
+    readonly longest_gap_s: number;
+    readonly longest_gap_at_s: number;
+  } | null;
+  readonly mount: readonly number[] | null;
+  readonly upside_down: boolean;
+  /** The streams of messages in the file, its sensors first; those have the figures after `count`. */
+  readonly topics: readonly Topic[];
   readonly trajectories: readonly {
     readonly name: string;
     readonly description: string;

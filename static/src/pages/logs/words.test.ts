@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import type { LogRecord } from "./library";
-import { file, remedy, run, sentence, witness } from "./words";
+import type { LogRecord, Topic } from "./library";
+import { file, inside, remedy, run, sentence, topic, witness } from "./words";
 
 const intel: LogRecord = {
   id: "folder-1",
@@ -18,6 +18,10 @@ const intel: LogRecord = {
     { name: "scan", description: "the pose in each FLASER line", length_m: 501.1 },
     { name: "wheel", description: "the ODOM messages at the time of each scan", length_m: 501.1 },
   ],
+  time: { start_s: 1_000_000_000, rate_hz: 3.35, gaps: 2, longest_gap_s: 61.5, longest_gap_at_s: 125 },
+  mount: [0.2, -0.1, Math.PI],
+  upside_down: true,
+  topics: [],
   notes: [],
 };
 
@@ -34,9 +38,40 @@ test("what a log does not tell is not told", () => {
   expect(file(unread)).toEqual(["447 kB"]);
 });
 
+test("what is inside is told in plain words", () => {
+  expect(inside(intel)).toEqual([
+    "Recorded 2001-09-09 01:46 UTC",
+    "3.4 scans a second; 2 gaps, the longest of 61.5 s at 2:05",
+    "Sensor 0.20 m ahead, 0.10 m to the right, turned by 180°, upside-down",
+  ]);
+  const plain = { ...intel, time: null, mount: [0, 0, 0], upside_down: false };
+  expect(inside(plain)).toEqual(["Sensor at the robot's centre"]);
+  expect(inside({ ...intel, time: null, mount: null })).toEqual([]);
+});
+
+test("a topic is told in a line", () => {
+  const scan: Topic = {
+    name: "/scan",
+    type: "sensor_msgs/LaserScan",
+    count: 1200,
+    frame: "laser",
+    beams: 360,
+    field_of_view_deg: 359,
+    rate_hz: 10,
+    mount: null,
+    chosen: true,
+  };
+  const unplaced = { ...intel, time: null, mount: [0, 0, 0], topics: [scan] };
+  expect(inside(unplaced)).toEqual(["Sensor taken to be at the robot's centre: the file does not say"]);
+  expect(topic(scan)).toBe("1,200 × LaserScan, 360 beams, 359°, 10.0 Hz, frame laser");
+  const imu = { ...scan, type: "sensor_msgs/Imu", frame: null, beams: null, field_of_view_deg: null, rate_hz: null };
+  expect(topic(imu)).toBe("1,200 × Imu");
+});
+
 test("an unknown trajectory keeps its own name", () => {
   expect(witness("wheel")).toBe("wheel odometry");
   expect(witness("vicon")).toBe("vicon");
+  expect(witness("tf/map")).toBe("tf, in map");
 });
 
 test("a phrase becomes a sentence, a sentence stays one", () => {

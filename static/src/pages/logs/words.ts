@@ -1,7 +1,7 @@
 /** What is known of a log, in the words of people. */
 
-import { bytes, clock } from "../../ui/numbers";
-import type { LogRecord } from "./library";
+import { bytes, clock, written } from "../../ui/numbers";
+import type { LogRecord, Topic } from "./library";
 
 /** Whose word it is where the robot was: the readers' names of trajectories, and the simulator's. */
 const WITNESSES: Readonly<Record<string, string>> = {
@@ -13,7 +13,8 @@ const WITNESSES: Readonly<Record<string, string>> = {
   true: "the truth",
 };
 
-export const witness = (trajectory: string): string => WITNESSES[trajectory] ?? trajectory;
+export const witness = (trajectory: string): string =>
+  WITNESSES[trajectory] ?? trajectory.replace(/^tf\/(.*)$/, "tf, in $1");
 
 /** A phrase of the readers as a sentence. */
 export const sentence = (phrase: string): string =>
@@ -40,6 +41,53 @@ export function file(log: LogRecord): readonly string[] {
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
+}
+
+/** A place on the robot: metres ahead and to the left, degrees counter-clockwise. */
+function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
+  const turned = (yaw * 180) / Math.PI;
+  const parts = [
+    ...(Math.abs(x) >= 0.005 ? [`${Math.abs(x).toFixed(2)} m ${x > 0 ? "ahead" : "behind"}`] : []),
+    ...(Math.abs(y) >= 0.005 ? [`${Math.abs(y).toFixed(2)} m to the ${y > 0 ? "left" : "right"}`] : []),
+    ...(Math.abs(turned) >= 0.5 ? [`turned by ${written(turned, 0)}°`] : []),
+  ];
+  return parts.length > 0 ? parts.join(", ") : "at the robot's centre";
+}
+
+/** When the scans were made, and where the sensor sits: a phrase a line. */
+export function inside(log: LogRecord): readonly string[] {
+  const { time } = log;
+  const sensor = log.topics.find((one) => one.chosen);
+  // A file that names the sensor's frame and not its place: the centre is a guess.
+  const mount = sensor?.frame && !sensor.mount ? null : log.mount;
+  const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
+  return [
+    ...(time?.start_s
+      ? [`Recorded ${new Date(time.start_s * 1000).toISOString().slice(0, 16).replace("T", " ")} UTC`]
+      : []),
+    ...(time?.rate_hz
+      ? [
+          `${written(time.rate_hz, 1)} scans a second${
+            time.gaps > 0
+              ? `; ${gaps(time.gaps)}, the longest of ${written(time.longest_gap_s, 1)} s at ${clock(time.longest_gap_at_s)}`
+              : ", without gaps"
+          }`,
+        ]
+      : []),
+    ...(log.mount && !mount ? ["Sensor taken to be at the robot's centre: the file does not say"] : []),
+    ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
+  ];
+}
+
+/** A topic in a line. */
+export function topic(one: Topic): string {
+  return [
+    `${one.count.toLocaleString("en")} × ${one.type.replace(/^.*\//, "")}`,
+    ...(one.beams === null ? [] : [one.beams === 1 ? "1 beam" : `${one.beams} beams`]),
+    ...(one.field_of_view_deg === null ? [] : [`${Math.round(one.field_of_view_deg)}°`]),
+    ...(one.rate_hz === null ? [] : [`${written(one.rate_hz, 1)} Hz`]),
+    ...(one.frame ? [`frame ${one.frame}`] : []),
+  ].join(", ");
 }
 
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
