@@ -6,9 +6,15 @@ import { useEffect } from "preact/hooks";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { CellSection } from "./lecture/CellSection";
+import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
+import { FileSection } from "./lecture/FileSection";
+import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GridSection } from "./lecture/GridSection";
+import { LogSection } from "./lecture/LogSection";
 import { ModelSection } from "./lecture/ModelSection";
+import { MountSection } from "./lecture/MountSection";
+import { NoReturnSection } from "./lecture/NoReturnSection";
 import { keyedSlide, type Lesson, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
 
@@ -22,6 +28,12 @@ const PARTS: readonly Part[] = [
   { id: "log-odds", title: "Why log-odds", body: DigitsSection },
   { id: "model", title: "What one reading says", body: ModelSection },
   { id: "rays", title: "Rays on a grid", body: RaysSection },
+  { id: "no-return", title: "When nothing comes back", body: NoReturnSection },
+  { id: "mount", title: "Frames and mounts", body: MountSection },
+  { id: "forgetting", title: "Clamping and forgetting", body: ForgettingSection },
+  { id: "counting", title: "Per beam or per scan", body: CountingSection },
+  { id: "file", title: "The file that Nav2 reads", body: FileSection },
+  { id: "log", title: "Now your own log", body: LogSection },
 ];
 
 const isTyping = (target: EventTarget | null): boolean =>
@@ -112,8 +124,8 @@ function Page() {
             <p class="prose">
               How a robot makes a map out of distances, from one cell to a file that it can navigate by. Every figure is
               alive: take hold of what is coloured, and of the numbers that are{" "}
-              <span class="scrub-sample">underlined</span>. All that the figures compute is what the mapper of this site
-              computes.
+              <span class="scrub-sample">underlined</span>. What a figure computes is what the mapper of this site
+              computes; where one shows more, it says so.
             </p>
             <div class="actions no-print">
               <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>

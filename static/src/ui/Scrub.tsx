@@ -9,20 +9,22 @@ interface ScrubProps extends Range {
   readonly tone?: Tone;
   /** How it is written; fixed decimals otherwise. */
   readonly text?: string;
+  /** Punctuation that must not be parted from it at a line's end. */
+  readonly after?: string;
   readonly onInput: (value: number) => void;
 }
 
 const PX_PER_STEP = 6;
 
 /** A number in a sentence that can be dragged sideways, or moved by the arrow keys. After Bret Victor's Tangle. */
-export function Scrub({ label, value, unit, tone = "accent", text, low, high, step, onInput }: ScrubProps) {
+export function Scrub({ label, value, unit, tone = "accent", text, low, high, step, after, onInput }: ScrubProps) {
   const range = { low, high, step };
   const grip = useRef<{ readonly x: number; readonly from: number } | null>(null);
   const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
   const end = (): void => {
     grip.current = null;
   };
-  return (
+  const number = (
     <span
       class={`scrub tone-${tone}`}
       role="slider"
@@ -56,6 +58,13 @@ export function Scrub({ label, value, unit, tone = "accent", text, low, high, st
       }}
     >
       {shown}
+    </span>
+  );
+  if (!after) return number;
+  return (
+    <span class="scrub-phrase">
+      {number}
+      {after}
     </span>
   );
 }

@@ -2,14 +2,13 @@ import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { Plot } from "../lesson/Plot";
 import { logOdds } from "../profile/model";
 import "./digits.css";
 import { asLogOdds, type Digits as Belief, lostAt, type Readings, run } from "./model";
 
-const WIDTH = 720;
 const HEIGHT = 330;
 const LEFT = 44;
-const RIGHT = WIDTH - 12;
 const TOP = 48;
 const BOTTOM = HEIGHT - 30;
 
@@ -54,51 +53,11 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
   const total = hits + misses;
   const at = Math.min(cursor.value ?? total, total);
   const now = path.value[at] ?? { p: 0.5, odds: 1, logOdds: 0 };
-  const sums = path.value.map((one) => one.logOdds);
-  const low = Math.min(-5, ...sums);
-  const high = Math.max(20, ...sums) * 1.06;
-  const x = (i: number): number => LEFT + ((RIGHT - LEFT) * i) / Math.max(1, total);
-  const y = (l: number): number => BOTTOM - ((BOTTOM - TOP) * (l - low)) / (high - low);
-  const lines = WAYS.map(({ way }) =>
-    path.value
-      .map((one, i) => {
-        const l = asLogOdds(one, way);
-        return `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${(l === Infinity ? (way === "p" ? 9 : 15) : y(Math.max(low, l))).toFixed(1)}`;
-      })
-      .join(""),
-  );
-  const every = high > 150 ? 50 : high > 60 ? 20 : 10;
-  const ticks = Array.from({ length: 24 }, (_, i) => (i - 12) * every).filter((tick) => tick >= low && tick < high);
   return (
     <figure class="digits" aria-label="The same evidence kept as probability, as odds and as log-odds">
-      <svg class="digits-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={summary(path.value)}>
-        <rect class="digits-lost" x={LEFT} y={2} width={RIGHT - LEFT} height={38} rx={4} />
-        <text class="tick" x={RIGHT - 8} y={34} text-anchor="end">
-          out of digits: no reading can bring it back
-        </text>
-        <rect class="zone-hit" x={LEFT} y={TOP} width={x(hits) - LEFT} height={BOTTOM - TOP} />
-        <rect class="zone-miss" x={x(hits)} y={TOP} width={RIGHT - x(hits)} height={BOTTOM - TOP} />
-        {ticks.map((tick) => (
-          <g key={tick} class="tick">
-            <line class={tick === 0 ? "zero" : "grid"} x1={LEFT} x2={RIGHT} y1={y(tick)} y2={y(tick)} />
-            <text x={LEFT - 7} y={y(tick) + 4} text-anchor="end">
-              {tick === 0 ? "0" : signed(tick, 0)}
-            </text>
-          </g>
-        ))}
-        {WAYS.map(({ way }, i) => (
-          <path key={way} class={`digits-line ${way}`} d={lines[i] ?? ""} />
-        ))}
-        <line class="digits-cursor" x1={x(at)} x2={x(at)} y1={2} y2={BOTTOM} />
-        <text class="tick" x={(LEFT + x(hits)) / 2} y={HEIGHT - 10} text-anchor="middle">
-          {hits} hits
-        </text>
-        {misses > 0 && (
-          <text class="tick" x={(x(hits) + RIGHT) / 2} y={HEIGHT - 10} text-anchor="middle">
-            {misses} misses
-          </text>
-        )}
-      </svg>
+      <Plot height={HEIGHT} label={summary(path.value)}>
+        {(width) => <Lines path={path.value} hits={hits} misses={misses} at={at} width={width} />}
+      </Plot>
       <Slider
         label="Look at the belief after reading"
         value={at}
@@ -138,6 +97,64 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
         One hit is worth {signed(logOdds(pHit))}, one miss as much the other way. {summary(path.value)}
       </figcaption>
     </figure>
+  );
+}
+
+interface LinesProps {
+  readonly path: readonly Belief[];
+  readonly hits: number;
+  readonly misses: number;
+  readonly at: number;
+  readonly width: number;
+}
+
+function Lines({ path, hits, misses, at, width }: LinesProps) {
+  const right = width - 12;
+  const total = hits + misses;
+  const sums = path.map((one) => one.logOdds);
+  const low = Math.min(-5, ...sums);
+  const high = Math.max(20, ...sums) * 1.06;
+  const x = (i: number): number => LEFT + ((right - LEFT) * i) / Math.max(1, total);
+  const y = (l: number): number => BOTTOM - ((BOTTOM - TOP) * (l - low)) / (high - low);
+  const lines = WAYS.map(({ way }) =>
+    path
+      .map((one, i) => {
+        const l = asLogOdds(one, way);
+        return `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${(l === Infinity ? (way === "p" ? 9 : 15) : y(Math.max(low, l))).toFixed(1)}`;
+      })
+      .join(""),
+  );
+  const every = high > 150 ? 50 : high > 60 ? 20 : 10;
+  const ticks = Array.from({ length: 24 }, (_, i) => (i - 12) * every).filter((tick) => tick >= low && tick < high);
+  return (
+    <>
+      <rect class="digits-lost" x={LEFT} y={2} width={right - LEFT} height={38} rx={4} />
+      <text class="tick" x={right - 8} y={34} text-anchor="end">
+        out of digits: no reading can bring it back
+      </text>
+      <rect class="zone-hit" x={LEFT} y={TOP} width={x(hits) - LEFT} height={BOTTOM - TOP} />
+      <rect class="zone-miss" x={x(hits)} y={TOP} width={right - x(hits)} height={BOTTOM - TOP} />
+      {ticks.map((tick) => (
+        <g key={tick} class="tick">
+          <line class={tick === 0 ? "zero" : "grid"} x1={LEFT} x2={right} y1={y(tick)} y2={y(tick)} />
+          <text x={LEFT - 7} y={y(tick) + 4} text-anchor="end">
+            {tick === 0 ? "0" : signed(tick, 0)}
+          </text>
+        </g>
+      ))}
+      {WAYS.map(({ way }, i) => (
+        <path key={way} class={`digits-line ${way}`} d={lines[i] ?? ""} />
+      ))}
+      <line class="digits-cursor" x1={x(at)} x2={x(at)} y1={2} y2={BOTTOM} />
+      <text class="tick" x={(LEFT + x(hits)) / 2} y={HEIGHT - 10} text-anchor="middle">
+        {hits} hits
+      </text>
+      {misses > 0 && (
+        <text class="tick" x={(x(hits) + right) / 2} y={HEIGHT - 10} text-anchor="middle">
+          {misses} misses
+        </text>
+      )}
+    </>
   );
 }
 

@@ -35,7 +35,7 @@ const placeOf = (geometry: LessonGeometry, width: number): Place => {
   };
 };
 
-/** The colours of log-odds between −4 and +4, or as far as the clamp goes. */
+/** Where the colours of the log-odds end. */
 const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
 
 function paint(canvas: HTMLCanvasElement, grid: LessonGrid, range: typeof RANGE): void {
@@ -54,6 +54,16 @@ function paint(canvas: HTMLCanvasElement, grid: LessonGrid, range: typeof RANGE)
   context.putImageData(image, 0, 0);
 }
 
+function paintGreys(canvas: HTMLCanvasElement, greys: Uint8Array): void {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const image = context.createImageData(canvas.width, canvas.height);
+  greys.forEach((grey, i) => {
+    image.data.set([grey, grey, grey, 255], 4 * i);
+  });
+  context.putImageData(image, 0, 0);
+}
+
 interface StageProps {
   readonly geometry: LessonGeometry;
   /** What it shows, for who cannot see it. */
@@ -61,6 +71,8 @@ interface StageProps {
   /** The belief on the floor; without it the floor is plain. */
   readonly grid?: ReadonlySignal<LessonGrid>;
   readonly range?: typeof RANGE;
+  /** Instead of a belief, an image: greys, top row first. */
+  readonly greys?: ReadonlySignal<Uint8Array>;
   /** Draw the borders of the cells. */
   readonly lines?: boolean;
   readonly onPoint?: (point: Point | null) => void;
@@ -69,7 +81,7 @@ interface StageProps {
 }
 
 /** A piece of the world: its cells as a canvas, and over them a drawing in pixels. It keeps its place while it loads. */
-export function Stage({ geometry, label, grid, range = RANGE, lines, onPoint, onPress, children }: StageProps) {
+export function Stage({ geometry, label, grid, greys, range = RANGE, lines, onPoint, onPress, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useSignal(0);
@@ -88,6 +100,7 @@ export function Stage({ geometry, label, grid, range = RANGE, lines, onPoint, on
   useSignalEffect(() => {
     void isDark.value;
     if (canvas.current && grid) paint(canvas.current, grid.value, range);
+    if (canvas.current && greys) paintGreys(canvas.current, greys.value);
   });
   const now = place.value;
   const at = (event: PointerEvent): Point => {
@@ -96,8 +109,10 @@ export function Stage({ geometry, label, grid, range = RANGE, lines, onPoint, on
   };
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
-      {grid && <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />}
-      {!grid && <p class="visually-hidden">{label}</p>}
+      {(grid || greys) && (
+        <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />
+      )}
+      {!(grid || greys) && <p class="visually-hidden">{label}</p>}
       <svg
         width={now.width}
         height={now.height}

@@ -265,8 +265,9 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           high={3}
           step={0.05}
           onInput={(value) => setParameter("log_odds_hit", value)}
-        />
-        , a <b class="noun-miss">miss</b> adds{" "}
+          after=","
+        />{" "}
+        a <b class="noun-miss">miss</b> adds{" "}
         <Scrub
           label="evidence of a miss"
           value={log_odds_miss}
@@ -276,8 +277,9 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           high={0}
           step={0.05}
           onInput={(value) => setParameter("log_odds_miss", value)}
-        />
-        ; both are already the middle term minus ℓ₀. Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while
+          after=";"
+        />{" "}
+        both are already the middle term minus ℓ₀. Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while
         one of them has the focus.
       </p>
     </Section>

@@ -43,8 +43,9 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
           onInput={(value) => {
             readings.value = { ...readings.peek(), hits: value };
           }}
-        />
-        , then the wall is torn down and{" "}
+          after=","
+        />{" "}
+        then the wall is torn down and{" "}
         <Scrub
           label="misses"
           value={misses}
@@ -69,9 +70,10 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
           onInput={(value) => {
             readings.value = { ...readings.peek(), pHit: value, pMiss: 1 - value };
           }}
-        />
-        , and as much against. Every step is computed in 32 bits, three ways: Bayes’ rule on <b class="noun-beam">p</b>,
-        a product of <b>odds</b>, a sum of <b class="noun-robot">ℓ</b>.
+          after=","
+        />{" "}
+        and as much against. Every step is computed in 32 bits, three ways: Bayes’ rule on <b class="noun-beam">p</b>, a
+        product of <b>odds</b>, a sum of <b class="noun-robot">ℓ</b>.
       </p>
     </Section>
   );

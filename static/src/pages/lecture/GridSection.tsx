@@ -87,9 +87,10 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           high={40}
           step={1}
           onInput={set("beamError")}
-        />
-        , looked at three of the cells and <b class="noun-miss">passed</b>. The same evidence, kept in two ways: a
-        number for each cell, as this mapper does it, and a number for each of the 32 possible maps, which no mapper can
+          after=","
+        />{" "}
+        looked at three of the cells and <b class="noun-miss">passed</b>. The same evidence, kept in two ways: a number
+        for each cell, as this mapper does it, and a number for each of the 32 possible maps, which no mapper can
         afford.
       </p>
     </Section>

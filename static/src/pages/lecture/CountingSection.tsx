@@ -1,0 +1,65 @@
+import { signal } from "@preact/signals";
+import { Counting } from "../../figures/counting/Counting";
+import { Scrub } from "../../ui/Scrub";
+import { Section } from "./Section";
+
+const beams = signal(180);
+const scans = signal(1);
+
+export function CountingSection({ id, number, title }: { id: string; number: number; title: string }) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Counting beams={beams} scans={scans} />}
+      sources={[["probabilistic-robotics", "tables 9.1 and 9.2"]]}
+      after={
+        <>
+          <p>
+            Near the sensor all beams run through the same few cells. <b>Per beam</b>, each of them adds its evidence,
+            and one scan makes those cells as sure as the clamp allows; the dashed curve is how many beams a cell’s
+            width covers, beams × cell / 2πs at distance s. But a scan is one look from one pose: its beams share every
+            error of that pose, and counting them apart counts the same thing many times.
+          </p>
+          <p>
+            <b>Per scan</b>, as table 9.1 of <cite>Probabilistic Robotics</cite> has it, a cell in view is updated once,
+            by the beam nearest in bearing. It costs a look at every cell in range, where the beams of the other way
+            only touch what they cross. The mapper offers both, and per beam is the default.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Log-odds may be added when the readings are independent, given the map. Are the{" "}
+        <Scrub
+          label="beams of a scan"
+          value={beams.value}
+          text={`${beams.value} beams`}
+          tone="beam"
+          low={36}
+          high={720}
+          step={12}
+          onInput={(value) => {
+            beams.value = value;
+          }}
+        />{" "}
+        of one scan? Here is a map after{" "}
+        <Scrub
+          label="scans"
+          value={scans.value}
+          text={scans.value === 1 ? "1 scan" : `${scans.value} scans`}
+          tone="beam"
+          low={1}
+          high={10}
+          step={1}
+          onInput={(value) => {
+            scans.value = value;
+          }}
+          after=","
+        />{" "}
+        made in two ways. Drag the cross over the cells.
+      </p>
+    </Section>
+  );
+}

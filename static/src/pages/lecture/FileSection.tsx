@@ -1,0 +1,40 @@
+import { Thresholds } from "../../figures/thresholds/Thresholds";
+import { Section } from "./Section";
+
+export function FileSection({ id, number, title }: { id: string; number: number; title: string }) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Thresholds />}
+      sources={[
+        ["map-server", ""],
+        ["occupancy-grid", ""],
+      ]}
+      after={
+        <>
+          <p>
+            The yaml does not state the thresholds that you drag, and that is no mistake: those decided what was
+            written, these say how to read it. A reader computes (255 − grey) / 255, which is 0 for 255, 1 for 0, and{" "}
+            <b>0.196</b> for the 205 of an unknown cell. Move the reader’s free_thresh above that number and see what
+            becomes of the unknown: nothing warns you, and the planner drives through it. The mapper writes 0.196, as
+            map_saver does.
+          </p>
+          <p>
+            The image has its top row first and the grid its lowest; the file is flipped on its way, and the origin in
+            the yaml is the lower left corner, in metres.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A planner wants no probabilities; it wants to know where it may drive. So the map is cut at two thresholds into{" "}
+        <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, and saved
+        as an image of three greys with a few lines of yaml beside it. That is the file that Nav2’s map_server loads.
+        Drag the thresholds across the cells of this small map, made of six noisy scans; its bars are drawn by the root
+        of their count, so that the rare ones can be seen.
+      </p>
+    </Section>
+  );
+}
