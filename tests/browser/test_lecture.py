@@ -331,8 +331,9 @@ def test_thresholds_change_the_file_and_a_reader_can_spoil_it(page: Page, server
 def test_a_log_dropped_at_the_end_leads_to_the_logs_page(page: Page, server: str) -> None:
     section = open_section(page, server, "log")
     line = "FLASER 3 1.0 1.0 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 lecture 0.0\n"
-    log = {"name": "lecture.log", "mimeType": "text/plain", "buffer": (line * 3).encode()}
-    section.locator("input[type=file]").set_input_files(log)
+    section.locator("input[type=file]").set_input_files(
+        {"name": "lecture.log", "mimeType": "text/plain", "buffer": (line * 3).encode()}
+    )
     page.wait_for_url("**/logs.html")
     expect(page.locator(".log-card", has_text="lecture.log").first).to_be_visible(timeout=30_000)
 
