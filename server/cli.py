@@ -36,7 +36,6 @@ SHORT_NAMES = {
     "range_max": "--max-range",
     "log_odds_hit": "--hit",
     "log_odds_miss": "--miss",
-    "log_odds_prior": "--prior",
 }
 
 app = typer.Typer(
@@ -104,18 +103,38 @@ def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Calla
     return widened
 
 
-def configured(values: dict[str, Any], mount: str | None = None) -> MappingConfig:
-    """Return the parameters with those replaced that were given, or end the command with what is wrong."""
+def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[str, Any]:
+    """Return the parameters that were given, or end the command with what is wrong with them."""
     given = {name: value for name, value in values.items() if value is not None}
     for name, value in given.items():
         if BY_NAME[name].kind == "choice":
             given[name] = value.replace("-", "_")
+    if mount is not None:
+        given |= zip(MOUNT, _three_numbers(mount), strict=True)
+    configured(given)
+    return given
+
+
+def configured(given: dict[str, Any]) -> MappingConfig:
+    """Return the parameters with those replaced that were given, or end the command with what is wrong."""
     try:
-        if mount is not None:
-            given |= zip(MOUNT, _three_numbers(mount), strict=True)
         return MappingConfig().with_values(given)
     except MapperError as error:
         fail(error.message)
+
+
+def _prior(text: str, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyGrid | None]:
+    """Return the parameters with a prior that is a number or a map file, and the map."""
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+
+    try:
+        number = float(text)
+    except ValueError:
+        path = Path(text)
+        with refusing(path):
+            grid = load_map(path).grid
+        return {"resolution": grid.geometry.resolution} | given, grid
+    return given | {"log_odds_prior": number}, None
 
 
 def _three_numbers(text: str) -> list[float]:
@@ -231,7 +250,7 @@ def _topic_line(topic: dict[str, Any]) -> str:
 
 
 @app.command("map")
-@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in MOUNT))
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
 def map_log(
     log: LogPath,
     topic: TopicName = None,
@@ -239,21 +258,34 @@ def map_log(
     mount: Annotated[
         str | None, typer.Option(metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad).")
     ] = None,
+    prior: Annotated[
+        str | None,
+        typer.Option(
+            "--prior",
+            "--log-odds-prior",
+            metavar="NUMBER|MAP.yaml",
+            help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm and PREFIX.yaml.")] = None,
     mode: Annotated[str, typer.Option(metavar="trinary|scale|raw", help="Kind of map file.")] = "trinary",
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make the map of a log."""
-    from mapper.grid import OccupancyGrid  # noqa: PLC0415 - start-up
-    from mapper.integrate import geometry_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
-    config = configured(parameters, mount)
+    given, prior_map = given_parameters(parameters, mount), None
+    if prior is not None:
+        given, prior_map = _prior(prior, given)
+        configured(given)
     if mode not in ("trinary", "scale", "raw"):
         fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
     scans = read_log(log, topic)
+    config = configured(suited_parameters(scans, given))
     with refusing(log):
-        grid = OccupancyGrid(geometry_for(scans, config, trajectory), config.log_odds_prior)
+        grid = grid_for(scans, config, trajectory, prior=prior_map)
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
         integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
@@ -288,6 +320,9 @@ def map_log(
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
+    typer.echo(
+        f"  {facts['information_gain_bits']:.0f} bits learned, {facts['entropy_bits']:.0f} bits open in seen cells"
+    )
     typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
     for path in written:
         typer.echo(f"  wrote {path}")
@@ -303,11 +338,17 @@ def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: 
     return [image_path, yaml_path]
 
 
-def _states(grid: OccupancyGrid) -> dict[str, int]:
+def _states(grid: OccupancyGrid) -> dict[str, float]:
     from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
 
     found = map_metrics(grid)
-    return {"occupied": found.occupied, "free": found.free, "unknown": found.unknown}
+    return {
+        "occupied": found.occupied,
+        "free": found.free,
+        "unknown": found.unknown,
+        "entropy_bits": round(found.entropy_bits, 1),
+        "information_gain_bits": round(found.information_gain_bits, 1),
+    }
 
 
 @app.command()
@@ -351,7 +392,7 @@ def bench_map_command(
     """Measure how long a log's map takes: the best of several runs, for each kind of update."""
     from mapper.bench import bench_map  # noqa: PLC0415 - start-up
 
-    config = configured(parameters)
+    config = configured(given_parameters(parameters))
     scans = read_log(log)
     with refusing(log):
         measured = bench_map(scans, config, repeats, trajectory)

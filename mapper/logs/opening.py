@@ -11,7 +11,7 @@ import zstandard
 
 from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3
+from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
 from mapper.logs.lines import GZIP_MAGIC, Progress, opened
 from mapper.scan import ScanLog
@@ -50,9 +50,10 @@ TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
 NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
     (breezyslam.is_breezyslam, breezyslam.read_breezyslam),
+    (sonar.is_sonar, sonar.read_sonar),
 )
 
-KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM or CSV"
+KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -87,6 +88,8 @@ def open_log(
 
 def _reader_for(file: Path) -> Reader:
     """Return the reader of the format that the file begins in; raise :class:`ReadError` where it begins in none."""
+    if sonar.is_sonar_folder(file):
+        return sonar.read_sonar
     head, cut = _head(file)
     for magic, reader in BINARY:
         if head.startswith(magic):

@@ -77,7 +77,7 @@ def summarise(log: ScanLog) -> LogSummary:
         scans=log.n_scans,
         beams=log.n_beams,
         duration_s=float(seconds[-1]) if len(seconds) else 0.0,
-        field_of_view_deg=math.degrees(abs(log.angle_increment)) * max(0, log.n_beams - 1),
+        field_of_view_deg=math.degrees(float(np.ptp(log.angles))) if log.n_beams else 0.0,
         angle_min=log.angle_min,
         angle_increment=log.angle_increment,
         range_max=log.range_max,

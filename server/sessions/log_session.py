@@ -17,6 +17,7 @@ from mapper.logs.summary import recorded_seconds
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
+from mapper.suited import suited_parameters
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import Moment, as_pose
@@ -47,7 +48,8 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
 def first_replay(log: ScanLog, trajectory: str | None, limits: Limits) -> Replay:
     """Return the replay that a session begins with: the default parameters, coarser where the map is too large."""
     row = BY_NAME["range_max"]
-    config = MappingConfig(range_max=float(np.clip(min(log.range_max, row.initial), row.low, row.high)))
+    range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
+    config = MappingConfig().with_values(suited_parameters(log, {"range_max": range_max}))
     for resolution in COARSER:
         try:
             return Replay(log, config, trajectory, limits)

@@ -149,6 +149,35 @@ def test_options_change_the_map(run, log):
     assert state_counts(run, log, "--trajectory", "wheel")["trajectory"] == "wheel"
 
 
+@pytest.mark.parametrize("model", [model.replace("_", "-") for model in MODELS])
+@pytest.mark.parametrize("update", ["per-beam", "per-scan"])
+def test_every_model_maps_from_the_command_line(run, log, model, update):
+    facts = state_counts(run, log, "--model", model, "--update", update, "--no-return", "hit")
+    assert facts["cells_updated"] > 1000
+    assert facts["information_gain_bits"] > 0
+
+
+def test_mapping_goes_on_from_a_map_file(run, log, tmp_path):
+    known = state_counts(run, log, "--out", tmp_path / "known", "--resolution", 0.1)
+    again = state_counts(run, log, "--prior", tmp_path / "known.yaml", "--hit", 0, "--miss", 0)
+    same = ("resolution", "rows", "cols", "origin", "occupied", "free", "unknown")
+    assert {name: again[name] for name in same} == {name: known[name] for name in same}
+    status, out, err = run("map", log, "--prior", tmp_path / "known.yaml", "--resolution", 0.05)
+    assert (status, out) == (2, "")
+    assert "must be the same" in err
+    status, out, err = run("map", log, "--prior", tmp_path / "gone.yaml")
+    assert (status, out) == (2, "")
+    assert "There is no file 'gone.yaml'" in err
+
+
+def test_a_ring_of_sonars_maps_from_its_folder(run, tmp_path):
+    (tmp_path / "measurement.txt").write_text("".join(f"{200 * t} 2000 2000 2000 5110\n" for t in range(20)))
+    (tmp_path / "poses.txt").write_text("".join(f"{200 * t} {10 * t} 0 0\n" for t in range(20)))
+    cones = state_counts(run, tmp_path)
+    assert cones["free"] > 2 * state_counts(run, tmp_path, "--model", "fixed-increments")["free"]
+    assert cones["cells_updated"] > state_counts(run, tmp_path, "--opening", 0.1)["cells_updated"]
+
+
 def test_the_mount_moves_the_map(run, log):
     plain, moved = state_counts(run, log), state_counts(run, log, "--mount", "-1.5,0,3.14159")
     # Whole tiles of 3.2 m on each side of the origin: the room ends at 2 m, or at 1.5 m + 2 m behind the robot.
@@ -163,6 +192,8 @@ BAD_OPTIONS = {
     "hit below 0": (["--hit", "-1"], "Hit increment (log_odds_hit) must be between 0 and 3"),
     "clamp upside down": (["--log-odds-min", "0", "--log-odds-max", "0"], "The lower clamp must lie below"),
     "unknown trajectory": (["--trajectory", "slam"], "The log has no trajectory 'slam'; it has 'scan', 'wheel'."),
+    "prior of a word": (["--prior", "much"], "There is no file 'much'"),
+    "prior out of range": (["--prior", "9"], "Prior ℓ₀ (log_odds_prior) must be between -2 and 2"),
     "mount of two numbers": (["--mount", "1,2"], "--mount needs three numbers, X,Y,YAW"),
     "mount of words": (["--mount", "a,b,c"], "--mount needs three numbers"),
     "mount out of range": (["--mount", "9,0,0"], "Mount forward (mount_x) must be between -2 and 2 m"),
