@@ -268,6 +268,10 @@ def map_log(
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm and PREFIX.yaml.")] = None,
+    mcap: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the map, the poses and the scans for Foxglove and ROS 2.")
+    ] = None,
+    tum: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the trajectory in TUM format.")] = None,
     mode: Annotated[str, typer.Option(metavar="trinary|scale|raw", help="Kind of map file.")] = "trinary",
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
@@ -295,6 +299,7 @@ def map_log(
             )
             seconds = time.perf_counter() - start
     written = _save(grid, out, mode) if out is not None else []
+    written += _export(scans, grid, trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
@@ -336,6 +341,28 @@ def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: 
     with refusing(prefix):
         yaml_path, image_path = save_map(grid, prefix, mode)
     return [image_path, yaml_path]
+
+
+def _export(
+    log: ScanLog, grid: OccupancyGrid, trajectory: str | None, mcap: Path | None, tum: Path | None
+) -> list[Path]:
+    """Write what was asked for; return the paths."""
+    from mapper.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
+    from mapper.files import whole_file  # noqa: PLC0415 - start-up
+
+    for path in (mcap, tum):
+        if path is None:
+            continue
+        try:
+            with whole_file(path) as file:
+                if path is tum:
+                    file.write(tum_text(log, trajectory).encode())
+                else:
+                    with progress_bar("Writing") as progress:
+                        write_mcap(file, log, grid, trajectory, progress)
+        except OSError as error:
+            fail(f"{path}: the file cannot be written: {error.strerror}.")
+    return [path for path in (mcap, tum) if path is not None]
 
 
 def _states(grid: OccupancyGrid) -> dict[str, float]:

@@ -44,7 +44,7 @@ class _Sensor:
         self.topic = topic
         self.kind = kind
         self.frame = first.frame
-        self.beam_width = first.beam_width
+        self.beam_width = max(0.0, first.beam_width)
         self.stamps = array("q")
         self._numbers: dict[_Geometry, int] = {}
         self._of_scan = array("q")  #: the number of each scan's geometry
@@ -271,6 +271,8 @@ class Recording:
             trajectories=trajectories,
             mount=mount,
             upside_down=upside_down,
+            bearings=np.zeros(1) if sensor.beam_width > 0.0 else None,
+            beam_width=min(sensor.beam_width, np.pi / 2.0),
             name=name,
             format=f"{form}, {sensor.topic}",
             topics=self._topics(sensor),

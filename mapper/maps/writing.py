@@ -17,7 +17,6 @@ import io
 import json
 import os
 import re
-import tempfile
 from pathlib import Path
 from typing import Literal
 
@@ -26,6 +25,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from mapper.errors import ConfigError
+from mapper.files import whole_file
 from mapper.grid import (
     FREE,
     FREE_THRESHOLD,
@@ -166,23 +166,13 @@ def save_map(
         image = pgm_bytes(grid, occupied_threshold, free_threshold, mode)
     try:
         base.parent.mkdir(parents=True, exist_ok=True)
-        _write_whole(image_path, image)
-        _write_whole(yaml_path, yaml_text(grid.geometry, image_path.name, mode).encode())
+        for path, data in (
+            (image_path, image),
+            (yaml_path, yaml_text(grid.geometry, image_path.name, mode).encode()),
+        ):
+            with whole_file(path) as file:
+                file.write(data)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ConfigError("map.unwritable", f"The map {base.name!r} cannot be written: {reason}.") from error
     return yaml_path, image_path
-
-
-def _write_whole(path: Path, data: bytes) -> None:
-    """Write a temporary file beside ``path`` and rename it, so that no reader ever sees half of it."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

@@ -109,6 +109,21 @@ def test_map_as_json_has_the_figures_that_programs_need(run, log, tmp_path):
     assert facts["files"] == [str(tmp_path / "out" / "room.pgm"), str(tmp_path / "out" / "room.yaml")]
 
 
+def test_map_takes_the_run_away(run, log, tmp_path):
+    mcap, tum = tmp_path / "run.mcap", tmp_path / "way.tum"
+    facts = json.loads(run("map", log, "--mcap", mcap, "--tum", tum, "--json").out)
+    assert facts["files"] == [str(mcap), str(tum)]
+    again = json.loads(run("info", mcap, "--json").out)
+    assert (again["scans"], again["beams"]) == (4, 180)
+    rows = np.loadtxt(tum)
+    np.testing.assert_allclose(rows[:, 0], np.arange(4.0))
+    np.testing.assert_allclose(2 * np.arctan2(rows[:, 6], rows[:, 7]) % (2 * np.pi), np.arange(4) * np.pi / 2)
+    status, _, err = run("map", log, "--tum", tmp_path / "nowhere" / "way.tum")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "cannot be written: No such file" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.mcap", "way.tum"]
+
+
 def test_map_for_people_says_what_was_written(run, log, tmp_path):
     status, out, err = run("map", log, "--out", tmp_path / "room")
     assert (status, err) == (0, "")

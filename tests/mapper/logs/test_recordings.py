@@ -13,7 +13,10 @@ from hypothesis import strategies as st
 
 from mapper.errors import ReadError
 from mapper.geometry import compose, wrap_angle
+from mapper.grid import OccupancyGrid
+from mapper.integrate import geometry_for, integrate_log
 from mapper.logs import is_log, open_log
+from mapper.parameters import MappingConfig
 from tests.mapper.logs import recorded
 from tests.mapper.logs.recorded import KINDS, SECOND, estimate, odometry, scan, sonar, transform, written
 
@@ -92,6 +95,24 @@ def test_the_sensor_with_most_scans_is_taken_or_the_one_that_is_named(tmp_path):
     with pytest.raises(ReadError, match=r"no scans on '/left'; it has .*/front.*/rear.*/sonar") as caught:
         open_log(path, topic="/left")
     assert caught.value.code == "log.topic"
+
+
+def test_a_sonar_is_one_beam_as_wide_as_its_field_of_view(tmp_path):
+    said = [transform(T0, "base_link", "sonar", 0.2, 0.1, math.pi / 2, topic="/tf_static")]
+    said += [sonar(T0 + i * SECOND, reading, width=0.5) for i, reading in enumerate([1.0, np.inf, 0.01])]
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert (log.beam_width, log.range_max, log.n_beams) == (0.5, 4.0, 1)
+    np.testing.assert_array_equal(log.angles, [0.0])
+    np.testing.assert_allclose(log.mount, (0.2, 0.1, math.pi / 2), atol=1e-12)
+    config = MappingConfig(model="sonar_cone", update="per_scan", resolution=0.05)
+    grid = OccupancyGrid(geometry_for(log, config))
+    integrate_log(grid, log, config, None, 0, 1)
+    # The echo came from an arc of a quarter metre, a metre to the robot's left.
+    cells = grid.geometry.cell_to_world(np.argwhere(grid.log_odds > 0.0))
+    distance = np.hypot(cells[:, 0] - 0.2, cells[:, 1] - 0.1)
+    assert len(cells) > 5
+    assert np.abs(distance - 1.0).max() < 0.3
+    assert np.abs(np.arctan2(cells[:, 0] - 0.2, cells[:, 1] - 0.1)).max() < 0.25 + 0.1
 
 
 def test_sonars_that_share_a_topic_are_told_apart_by_their_frames(tmp_path):

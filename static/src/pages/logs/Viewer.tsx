@@ -143,7 +143,8 @@ function Side({ store, session }: { store: Store; session: string }) {
     picked.value = null;
   });
   if (!hello) return <aside class="viewer-side" />;
-  const file = (kind: string): string => `/api/sessions/${encodeURIComponent(session)}/map.${kind}`;
+  const of = (name: string): string => `/api/sessions/${encodeURIComponent(session)}/${name}`;
+  const file = (kind: string): string => of(`map.${kind}`);
   const trajectories = hello.log?.trajectories ?? [];
   const trajectory = picked.value ?? store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
   const chosen = trajectories.find((one) => one.name === trajectory);
@@ -168,7 +169,7 @@ function Side({ store, session }: { store: Store; session: string }) {
         values={store.mapping.values}
         set={(name, value) => store.setParameter(name, value)}
       />
-      <Panel title="Take the map away">
+      <Panel title="Take it away">
         <div class="downloads">
           <Button icon="download" href={file("pgm")} download>
             pgm
@@ -179,8 +180,17 @@ function Side({ store, session }: { store: Store; session: string }) {
           <Button icon="download" href={file("png")} download>
             png
           </Button>
+          <Button icon="download" href={of("run.mcap")} download>
+            mcap
+          </Button>
+          <Button icon="download" href={of("trajectory.tum")} download>
+            tum
+          </Button>
         </div>
-        <p class="quiet">pgm and yaml together open in map_server and Nav2; png is for people.</p>
+        <p class="quiet">
+          pgm and yaml together open in map_server and Nav2; png is for people. mcap is the whole run with this map, for
+          Foxglove, Lichtblick, Rerun and ROS 2; tum is the way of the robot.
+        </p>
       </Panel>
     </aside>
   );

@@ -1,0 +1,113 @@
+"""A log and its map as an MCAP file of ROS 2 messages, which Foxglove, Lichtblick and Rerun open, and ROS 2 plays.
+
+| topic | type | |
+|---|---|---|
+| ``/map`` | nav_msgs/OccupancyGrid | the map, at the first scan's time: it is there from the beginning |
+| ``/tf_static`` | tf2_msgs/TFMessage | base_link → laser, the sensor's mount |
+| ``/tf`` | tf2_msgs/TFMessage | map → base_link at each scan |
+| ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
+| ``/scan`` | sensor_msgs/LaserScan | each scan |
+| ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
+
+Source: mcap.dev/spec; REP 105 (frames).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import IO
+
+import numpy as np
+from mcap.writer import CompressionType, Writer
+from numpy.typing import NDArray
+
+from mapper.export import ros2
+from mapper.grid import OccupancyGrid
+from mapper.maps import occupancy_values
+from mapper.scan import LaserScan, ScanLog
+
+SECOND = ros2.SECOND
+LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
+BETWEEN_NS = SECOND // 10  #: two scans of a log without times
+
+
+def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a time for each scan (n,) that every player takes: rising from 0 or later, and within 32 bits of seconds.
+
+    Times that are so already stay. A step back waits until the clock has caught up; a clock that began elsewhere is
+    set to begin at 0; a log without times gets ten scans a second.
+    """
+    if len(stamps_ns) == 0:
+        return stamps_ns
+    if (stamps_ns == stamps_ns[0]).all():
+        return np.arange(len(stamps_ns), dtype=np.int64) * BETWEEN_NS
+    rising = np.maximum.accumulate(stamps_ns)
+    if rising[0] < 0 or rising[-1] > LAST_STAMP_NS:
+        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it need not fit a signed number
+        rising = np.minimum(span, np.uint64(LAST_STAMP_NS)).astype(np.int64)
+    return rising
+
+
+class _Topics:
+    """The channels of the file, registered when the first message comes."""
+
+    def __init__(self, writer: Writer) -> None:
+        self._writer = writer
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+
+    def send(self, topic: str, kind: str, stamp_ns: int, message: bytes) -> None:
+        if kind not in self._schemas:
+            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", ros2.definition(kind).encode())
+        if topic not in self._channels:
+            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind])
+        self._writer.add_message(self._channels[topic], log_time=stamp_ns, data=message, publish_time=stamp_ns)
+
+
+def write_mcap(
+    file: IO[bytes],
+    log: ScanLog,
+    grid: OccupancyGrid | None = None,
+    trajectory: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Write ``log`` with one of its trajectories, and ``grid`` as its map, to ``file``.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    """
+    poses = log.trajectory(trajectory).poses
+    stamps = export_stamps(log.stamps_ns)
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start("ros2", "gridbloom")
+    topics = _Topics(writer)
+    first = int(stamps[0]) if len(stamps) else 0
+    if grid is not None:
+        geometry = grid.geometry
+        values = occupancy_values(grid)
+        message = ros2.occupancy_grid(first, "map", geometry.resolution, geometry.origin, values)
+        topics.send("/map", "nav_msgs/msg/OccupancyGrid", first, message)
+    edges = [("base_link", "laser", log.mount, log.upside_down)]
+    if log.bearings is not None:
+        edges += [("laser", f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
+    topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
+    for index, stamp in enumerate(stamps.tolist()):
+        pose = (float(poses[index, 0]), float(poses[index, 1]), float(poses[index, 2]))
+        edge = ("map", "base_link", pose, False)
+        topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
+        topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, "map", pose))
+        _send_scan(topics, log, index, stamp)
+        if progress is not None and index % 256 == 0:
+            progress(index / len(stamps))
+    writer.finish()  # type: ignore[no-untyped-call]
+
+
+def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
+    """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame."""
+    if log.bearings is None:
+        ranges = log.ranges[index]
+        scan = LaserScan(ranges, log.angle_min, log.angle_increment, log.range_min, log.range_max)
+        topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, "laser", scan))
+        return
+    for i, reading in enumerate(log.ranges[index].tolist()):
+        message = ros2.range_reading(stamp, f"sonar_{i}", log.beam_width, log.range_min, log.range_max, reading)
+        topics.send(f"/sonar_{i}", "sensor_msgs/msg/Range", stamp, message)

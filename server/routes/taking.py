@@ -1,0 +1,94 @@
+"""``/api/sessions/{id}/run.mcap`` and ``trajectory.tum``: a log taken away, with its map and for other viewers."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import IO
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response, StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from mapper.errors import LimitError, MapperError
+from mapper.export import tum_text, write_mcap
+from server.sessions import LogSession
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+MAX_AT_ONCE = 8  #: files of all visitors that are being made or fetched: each may be as large as its log
+PIECE = 1 << 18
+
+
+def _log_session(request: Request, session_id: str) -> LogSession:
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.no_log", "This session is no log's: it has no recorded scans to take away.")
+    return session
+
+
+@router.get("/{session_id}/run.mcap")
+async def run_mcap(request: Request, session_id: str) -> Response:
+    """Return the log with its map as it is now, as an MCAP file of ROS 2 messages."""
+    session = _log_session(request, session_id)
+    state = request.app.state
+    if state.taken >= MAX_AT_ONCE:
+        raise LimitError("library.busy", "Too many files are being taken away; try again in a moment.")
+    state.taken += 1
+
+    def give_back() -> None:
+        state.taken -= 1
+
+    try:
+        grid = await session.snapshot()
+        file: IO[bytes] = tempfile.TemporaryFile(dir=state.settings.data_dir)  # noqa: SIM115 - ends with the answer
+        try:
+            await asyncio.to_thread(write_mcap, file, session.log, grid, session.trajectory)
+        except OSError as error:
+            file.close()
+            raise LimitError("log.storage", "The server could not make the file; its disk may be full.") from error
+        except BaseException:
+            file.close()
+            raise
+    except BaseException:
+        give_back()
+        raise
+    headers = {
+        "Content-Disposition": 'attachment; filename="run.mcap"',
+        "Cache-Control": "no-store",
+        "Content-Length": str(file.tell()),
+        "Content-Encoding": "identity",  # it is compressed already
+    }
+    return _FileResponse(file, give_back, headers)
+
+
+class _FileResponse(StreamingResponse):
+    """Sends a file that has no name, and lets go of it however the answer ends."""
+
+    def __init__(self, file: IO[bytes], give_back: Callable[[], None], headers: dict[str, str]) -> None:
+        super().__init__(_pieces(file), media_type="application/octet-stream", headers=headers)
+        self._file = file
+        self._give_back = give_back
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._file.close()
+            self._give_back()
+
+
+def _pieces(file: IO[bytes]) -> Iterator[bytes]:
+    file.seek(0)
+    while piece := file.read(PIECE):
+        yield piece
+
+
+@router.get("/{session_id}/trajectory.tum")
+async def trajectory_tum(request: Request, session_id: str) -> Response:
+    """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
+    session = _log_session(request, session_id)
+    text = await asyncio.to_thread(tum_text, session.log, session.trajectory)
+    headers = {"Content-Disposition": 'attachment; filename="trajectory.tum"', "Cache-Control": "no-store"}
+    return Response(text, media_type="text/plain; charset=utf-8", headers=headers)

@@ -1,0 +1,175 @@
+"""What is taken away, read back with other people's readers: rosbags' and mcap's, and our own."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+
+from mapper.errors import ConfigError
+from mapper.export import tum_text, write_mcap
+from mapper.export.recording import LAST_STAMP_NS, export_stamps
+from mapper.grid import OccupancyGrid
+from mapper.integrate import geometry_for, integrate_log
+from mapper.logs import open_log
+from mapper.maps import occupancy_values
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog
+
+
+@pytest.fixture
+def log(office_log: ScanLog) -> ScanLog:
+    return replace(office_log, mount=(0.2, -0.1, 0.3), upside_down=True)
+
+
+def grid_of(log: ScanLog) -> OccupancyGrid:
+    config = MappingConfig(resolution=0.1)
+    grid = OccupancyGrid(geometry_for(log, config))
+    integrate_log(grid, log, config)
+    return grid
+
+
+def read(path: Path) -> dict[str, list[tuple[int, Any]]]:
+    """Every message by topic, decoded by rosbags with the definitions that are in the file."""
+    found: dict[str, list[tuple[int, Any]]] = {}
+    with AnyReader([path]) as reader:
+        for connection, stamp, data in reader.messages():
+            found.setdefault(connection.topic, []).append((stamp, reader.deserialize(data, connection.msgtype)))
+    return found
+
+
+def test_another_reader_finds_the_map_the_poses_and_the_scans(tmp_path: Path, log: ScanLog) -> None:
+    grid = grid_of(log)
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, grid, "true")
+    found = read(path)
+    assert {topic: len(messages) for topic, messages in found.items()} == {
+        "/map": 1, "/tf_static": 1, "/tf": log.n_scans, "/pose": log.n_scans, "/scan": log.n_scans,
+    }  # fmt: skip
+    (at, occupancy), *_ = found["/map"]
+    assert at == log.stamps_ns[0]
+    assert (occupancy.info.height, occupancy.info.width) == grid.geometry.shape
+    assert occupancy.info.resolution == pytest.approx(0.1)
+    assert (occupancy.info.origin.position.x, occupancy.info.origin.position.y) == grid.geometry.origin[:2]
+    np.testing.assert_array_equal(occupancy.data.reshape(grid.geometry.shape), occupancy_values(grid))
+    assert occupancy.header.frame_id == "map"
+    poses = log.trajectory("true").poses
+    for index in (0, 7, log.n_scans - 1):
+        stamp, scan = found["/scan"][index]
+        assert stamp == scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec == log.stamps_ns[index]
+        np.testing.assert_array_equal(scan.ranges, log.ranges[index])
+        assert scan.angle_max == pytest.approx(log.angle_min + log.angle_increment * (log.n_beams - 1), abs=1e-5)
+        pose = found["/pose"][index][1].pose
+        assert (pose.position.x, pose.position.y) == tuple(poses[index, :2])
+        yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+        assert math.cos(yaw - poses[index, 2]) == pytest.approx(1.0)
+    (mount,) = found["/tf_static"][0][1].transforms
+    assert (mount.header.frame_id, mount.child_frame_id) == ("base_link", "laser")
+
+
+def test_what_is_written_is_read_again_as_the_same_log(tmp_path: Path, log: ScanLog) -> None:
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, None, "true")
+    again = open_log(path)
+    np.testing.assert_array_equal(again.ranges, np.where(log.ranges <= 0, np.nan, log.ranges))
+    np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
+    assert again.upside_down
+    np.testing.assert_allclose(again.mount, log.mount, atol=1e-9)
+    assert (again.angle_min, again.angle_increment) == pytest.approx((log.angle_min, log.angle_increment), rel=1e-6)
+    poses = log.trajectory("true").poses
+    np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
+    np.testing.assert_allclose(np.cos(again.trajectory("tf/map").poses[:, 2] - poses[:, 2]), 1.0, atol=1e-9)
+    assert again.notes == ()
+
+
+def test_sonars_are_range_messages_in_frames_of_their_own(tmp_path: Path, log: ScanLog) -> None:
+    sonars = replace(
+        log,
+        ranges=log.ranges[:, :3].copy(),
+        bearings=np.array([-0.5, 0.1, 1.4]),
+        beam_width=0.3,
+        upside_down=False,
+    )
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, sonars)
+    found = read(path)
+    assert {"/sonar_0", "/sonar_1", "/sonar_2"} < set(found)
+    assert "/scan" not in found
+    reading = found["/sonar_2"][5][1]
+    assert (reading.header.frame_id, reading.range) == ("sonar_2", sonars.ranges[5, 2])
+    assert reading.field_of_view == pytest.approx(0.3)
+    again = open_log(path, topic="/sonar_2")
+    x, y, yaw = sonars.mount
+    np.testing.assert_allclose(again.mount, (x, y, yaw + 1.4), atol=1e-9)
+
+
+def test_the_mcap_library_finds_a_summary_and_good_checksums(log: ScanLog) -> None:
+    file = io.BytesIO()
+    write_mcap(file, log, grid_of(log))
+    reader = make_reader(io.BytesIO(file.getvalue()), validate_crcs=True)
+    summary = reader.get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == 2 + 3 * log.n_scans == sum(1 for _ in reader.iter_messages())
+    assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
+
+
+@given(st.lists(st.integers(-(2**63), 2**63 - 1), max_size=20))
+def test_times_that_every_player_takes(stamps: list[int]) -> None:
+    given_ns = np.array(stamps, dtype=np.int64)
+    times = export_stamps(given_ns)
+    assert len(times) == len(stamps)
+    assert (np.diff(times) >= 0).all()
+    assert ((times >= 0) & (times <= LAST_STAMP_NS)).all()
+
+
+def test_good_times_stay_and_a_log_without_times_gets_some() -> None:
+    good = np.array([5, 7, 7, 2_000_000_000], dtype=np.int64)
+    np.testing.assert_array_equal(export_stamps(good), good)
+    np.testing.assert_array_equal(export_stamps(np.zeros(3, dtype=np.int64)), [0, 100_000_000, 200_000_000])
+    np.testing.assert_array_equal(export_stamps(np.array([-5, 3, 1], dtype=np.int64)), [0, 8, 8])
+
+
+def test_tum_against_numpy(tmp_path: Path, log: ScanLog) -> None:
+    path = tmp_path / "a.tum"
+    path.write_text(tum_text(log, "true"))
+    rows = np.loadtxt(path)
+    poses = log.trajectory("true").poses
+    np.testing.assert_allclose(rows[:, 0], log.stamps_ns / 1e9, atol=1e-6)
+    np.testing.assert_allclose(rows[:, 1:3], poses[:, :2], atol=1e-6)
+    assert not rows[:, 3:6].any()
+    np.testing.assert_allclose(np.hypot(rows[:, 6], rows[:, 7]), 1.0, atol=1e-8)
+    np.testing.assert_allclose(np.cos(2 * np.arctan2(rows[:, 6], rows[:, 7]) - poses[:, 2]), 1.0, atol=1e-9)
+
+
+def test_tum_keeps_every_digit_of_a_stamp(log: ScanLog) -> None:
+    stamps = np.array([1_700_000_000_123_456_789, -1, 999_999_999], dtype=np.int64)
+    short = replace(
+        log,
+        ranges=log.ranges[:3],
+        stamps_ns=stamps,
+        trajectories={"a": replace(log.trajectory(), poses=log.trajectory().poses[:3])},
+    )
+    assert [line.split()[0] for line in tum_text(short).splitlines()] == [
+        "1700000000.123456789",
+        "-0.000000001",
+        "0.999999999",
+    ]
+
+
+def test_a_trajectory_that_the_log_lacks_is_refused(log: ScanLog) -> None:
+    for take in (lambda: tum_text(log, "gps"), lambda: write_mcap(io.BytesIO(), log, None, "gps")):
+        with pytest.raises(ConfigError, match="no trajectory 'gps'"):
+            take()

@@ -1,0 +1,67 @@
+"""A log taken away over HTTP: the files are those of the log and the map that the session shows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mapper.export import tum_text
+from mapper.logs import open_log
+from server.routes.taking import MAX_AT_ONCE
+from server.sessions import LogSession
+from tests.server.service import Service
+
+
+@pytest.fixture
+def session(service: Service) -> LogSession:
+    found = service.state.sessions.get(service.begin(kind="log", log="sample-office"))
+    assert isinstance(found, LogSession)
+    return found
+
+
+def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -> None:
+    answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
+    assert answer.status_code == 200
+    assert answer.headers["content-disposition"] == 'attachment; filename="run.mcap"'
+    assert int(answer.headers["content-length"]) == len(answer.content)
+    path = tmp_path / "run.mcap"
+    path.write_bytes(answer.content)
+    again = open_log(path)
+    np.testing.assert_array_equal(again.stamps_ns, session.log.stamps_ns)
+    poses = session.log.trajectory(session.trajectory).poses
+    np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
+    assert "/map" in {topic.name for topic in again.topics}
+    assert service.state.taken == 0
+    assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
+
+
+def test_the_trajectory(service: Service, session: LogSession) -> None:
+    answer = service.http.get(f"/api/sessions/{session.id}/trajectory.tum")
+    assert answer.text == tum_text(session.log, session.trajectory)
+    assert "trajectory.tum" in answer.headers["content-disposition"]
+
+
+def test_a_world_has_no_run_to_take_away(service: Service) -> None:
+    world = service.begin(kind="world", world="room", seed=5)
+    for name in ("run.mcap", "trajectory.tum"):
+        answer = service.http.get(f"/api/sessions/{world}/{name}")
+        assert (answer.status_code, answer.json()["code"]) == (409, "session.no_log")
+    assert service.http.get("/api/sessions/none/run.mcap").status_code == 404
+
+
+def test_only_so_many_files_at_once(service: Service, session: LogSession) -> None:
+    service.state.taken = MAX_AT_ONCE
+    try:
+        answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
+        assert (answer.status_code, answer.json()["code"]) == (503, "library.busy")
+    finally:
+        service.state.taken = 0
+
+
+def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: LogSession) -> None:
+    for _ in range(MAX_AT_ONCE + 1):
+        with service.http.stream("GET", f"/api/sessions/{session.id}/run.mcap") as answer:
+            assert answer.status_code == 200
+            next(answer.iter_raw(1000))
+    answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
+    assert answer.status_code == 200
