@@ -34,6 +34,8 @@ class Story(BaseModel):
     auto: bool = Field(True, description="Whether it walks by itself then.")
     parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from a new world's.")
     faults: dict[str, Any] = Field({}, description="The robot's faults.")
+    playing: bool = Field(True, description="Whether time goes on.")
+    speed: float | None = Field(None, description="Seconds of the world's time in a second.")
 
 
 class NewWorld(BaseModel):

@@ -116,6 +116,7 @@ class SessionRegistry:
         async with self._place(owner):
             mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)
             session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
+            session.resume(story or {})
             self._begin(session)
         return session
 

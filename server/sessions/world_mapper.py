@@ -229,6 +229,8 @@ class WorldMapper:
         """
         before = self.simulation.world
         after = edited(self.plan, edits, self.limits())
+        if self.vanishing is not None and not watch:
+            self.compare(None)
         vanishing = Vanishing.of(self.grid, self.config, before, after) if watch else None
         moved = self.simulation.alter_world(after)
         self.edits = edits

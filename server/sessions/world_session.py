@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from mapper.errors import ConfigError
 from mapper.geometry import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
@@ -113,6 +114,14 @@ class WorldSession(Session):
             for log in self._mapper.logs()
         ]
 
+    def resume(self, story: dict[str, Any]) -> None:
+        """Play, or not, at the speed at which the story was told. Raises :class:`ConfigError` for no such speed."""
+        low, high = self.speeds
+        speed = story.get("speed") or self.speed
+        if not low <= speed <= high:
+            raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
+        self.speed, self.playing = float(speed), bool(story.get("playing", True))
+
     async def story(self) -> dict[str, Any]:
         """Return what is needed to make this world and its map again, as it is between two ticks."""
         async with self._lock:
@@ -124,6 +133,7 @@ class WorldSession(Session):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
+            "initial": asdict(self._mapper.first_config(SensorConfig())),
         }
 
     def parameters_message(self) -> dict[str, Any]:

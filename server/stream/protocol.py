@@ -22,7 +22,7 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 
 ``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
                  speeds: [least, greatest], sensor: {table, values}|null, world: name (of a world session),
-                 seed: n (of a world session),
+                 seed: n, initial: values (of a world session),
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
                 first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the

@@ -1,6 +1,8 @@
 /** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
 
 import { beamAt } from "../beams";
+import { paintEditing } from "../editing/paint";
+import { act } from "../editing/strokes";
 import { SheetRenderer } from "../gl/sheet";
 import { centreOf } from "../lattice";
 import type { Store } from "../state";
@@ -58,7 +60,8 @@ export function TrueWorld({ store }: { readonly store: Store }) {
     <LinkedPicture
       store={store}
       label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there, question mark asks why its cell is what it is; plus and minus zoom, 0 shows everything."
-      onTap={(point) => store.teleport(point)}
+      draws
+      onTap={(point) => act(store, point)}
       setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
         const painting = document.createElement("canvas");
@@ -75,6 +78,10 @@ export function TrueWorld({ store }: { readonly store: Store }) {
             void store.teleported.value;
             void store.carried.value;
             void store.askedCell.value;
+            void store.editing.tool.value;
+            void store.editing.sketch.value;
+            void store.editing.corner.value;
+            void store.faults.value;
             void store.touch.value;
             void inks.value;
           },
@@ -118,6 +125,7 @@ function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boo
   const beam = inspected && beamAt(frame, inspected.index); // where it really went, however the map takes it
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
   paintWhy(store, brush);
+  paintEditing(store, brush);
   const map = store.map.peek();
   const cell = store.cell.peek();
   if (cell && map) {

@@ -1,30 +1,26 @@
 import "../style/index.css";
 import "./lab.css";
-import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
-import type { ComponentChildren } from "preact";
+import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { type Connection, connect } from "../connect";
+import { connect } from "../connect";
 import { exposeHook } from "../debug";
-import { Belief } from "../figures/belief";
+import { Faults } from "../figures/faults/Faults";
 import type { Picture } from "../figures/picture/Picture";
 import { Profile } from "../figures/profile/Profile";
-import { Readout } from "../figures/readout";
+import { MovingTable } from "../figures/table/MovingTable";
 import { Why } from "../figures/why/Why";
-import { TrueWorld } from "../figures/world";
 import type { Store } from "../state";
 import { Button } from "../ui/Button";
+import { Disclosure } from "../ui/Panel";
 import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Connected, Controls } from "./lab/Controls";
+import { type Live, Pictures } from "./lab/Pictures";
 import { useReading } from "./lab/reading";
-import { openSession } from "./lab/session";
+import { keepAddress, openSession, restore } from "./lab/session";
 import { share, Takeaway } from "./lab/Takeaway";
-
-interface Live extends Connection {
-  readonly id: string;
-}
 
 /** The session on show; null until the server has given one. */
 const live = signal<Live | null>(null);
@@ -33,8 +29,9 @@ const RETRY_MS = 3000;
 
 async function begin(): Promise<void> {
   try {
-    const { id, notice } = await openSession();
+    const { id, notice, shown } = await openSession();
     live.peek()?.stop();
+    unfollow();
     const connection = connect(id);
     let picture: Picture | null = null;
     onPicture = (made) => {
@@ -42,6 +39,8 @@ async function begin(): Promise<void> {
     };
     exposeHook(connection, () => picture);
     connection.start();
+    if (shown) restore(connection.store, shown);
+    unfollow = keepAddress(id, connection.store);
     trouble.value = null;
     live.value = { ...connection, id };
     if (notice) toast(notice);
@@ -52,103 +51,8 @@ async function begin(): Promise<void> {
   }
 }
 
+let unfollow: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
-
-interface PlateProps {
-  readonly title: string;
-  readonly note: string;
-  readonly actions?: ComponentChildren;
-  readonly caption: ComponentChildren;
-  readonly children: ComponentChildren;
-}
-
-/** A picture with its title above and one line under it. */
-function Plate({ title, note, actions, caption, children }: PlateProps) {
-  return (
-    <section class="plate" aria-label={title}>
-      <header class="plate-head">
-        <h2>{title}</h2>
-        <span class="plate-note">{note}</span>
-        {actions}
-      </header>
-      <div class="plate-picture">{children}</div>
-      <div class="plate-caption">{caption}</div>
-    </section>
-  );
-}
-
-function Pictures({ session }: { readonly session: Live | null }) {
-  const store = session?.store ?? null;
-  const solid = useSignal(false);
-  const fit = (): void => {
-    if (store) store.viewHeld.value = false;
-  };
-  return (
-    <div class={`plates${solid.value ? " three" : ""}`}>
-      <Plate
-        title="The world"
-        note="as it is"
-        actions={<Button kind="quiet" icon="fit" label="Show everything" onClick={fit} />}
-        caption={
-          <p class="hint">
-            Click: the robot goes there. Or drag it
-            <span class="hint-keys">
-              , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
-            </span>
-            .
-          </p>
-        }
-      >
-        {store && <TrueWorld store={store} />}
-      </Plate>
-      <Plate
-        title="The belief"
-        note="as the robot has it"
-        actions={
-          <Button
-            kind="quiet"
-            icon="cube"
-            pressed={solid.value}
-            disabled={!session}
-            onClick={() => {
-              solid.value = !solid.value;
-            }}
-          >
-            3D
-          </Button>
-        }
-        caption={store ? <Readout store={store} /> : null}
-      >
-        {store && <Belief store={store} onPicture={(picture) => onPicture(picture)} />}
-      </Plate>
-      {solid.value && session && (
-        <Plate
-          title="In 3D"
-          note="map, robot and world"
-          actions={
-            <Button
-              kind="quiet"
-              icon="close"
-              label="Close 3D"
-              onClick={() => {
-                solid.value = false;
-              }}
-            />
-          }
-          caption={
-            <p class="hint">
-              <a href={`/3d?session=${encodeURIComponent(session.id)}`} target="_blank" rel="noopener">
-                Open in a tab of its own
-              </a>
-            </p>
-          }
-        >
-          <iframe class="scene" title="3D view" src={`/scenes/${encodeURIComponent(session.id)}/`} />
-        </Plate>
-      )}
-    </div>
-  );
-}
 
 function ProfileBox({ store }: { readonly store: Store }) {
   const place = useRef<HTMLDivElement>(null);
@@ -171,11 +75,16 @@ function Model({ store }: { readonly store: Store }) {
   const hello = store.hello.value;
   return (
     hello && (
-      <ParameterPanel
-        table={hello.parameters.table}
-        values={store.mapping.values}
-        set={(name, value) => store.setParameter(name, value)}
-      />
+      <>
+        <ParameterPanel
+          table={hello.parameters.table}
+          values={store.mapping.values}
+          set={(name, value) => store.setParameter(name, value)}
+        />
+        <Button kind="quiet" icon="restart" onClick={() => store.reset()}>
+          Everything as at first
+        </Button>
+      </>
     )
   );
 }
@@ -214,7 +123,7 @@ function Lab() {
         <Controls store={store} />
         <div class="lab-side">
           <Connected status={session?.status ?? null} />
-          <Button icon="link" disabled={!session} onClick={() => session && void share(session.id)}>
+          <Button icon="link" disabled={!session} onClick={() => session && void share(session.id, session.store)}>
             Share
           </Button>
         </div>
@@ -224,8 +133,18 @@ function Lab() {
           {trouble.value}
         </p>
       )}
-      <Pictures session={session} />
+      <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <Why store={store} side="left" />}
+      {store && (
+        <div class="lab-experiments">
+          <Disclosure title="What goes wrong" note="seven faults, one switch each">
+            <Faults store={store} />
+          </Disclosure>
+          <Disclosure title="The moving table" note="how long does a map remember?">
+            <MovingTable store={store} />
+          </Disclosure>
+        </div>
+      )}
       <div class="lab-below">
         <div class="lab-column">
           <section class="lab-profile" aria-label="Inverse sensor model">

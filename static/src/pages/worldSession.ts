@@ -1,11 +1,12 @@
 const KEY = "gridbloom.world";
 
-/** Ask the server for a new live world; the id of its session. */
-export async function createWorld(): Promise<string> {
+/** Ask the server for a new live world, or for one in which a story has happened; the id of its session. */
+export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
+  const wanted = story ? { kind: "world", world: story.world, seed: story.seed, story } : { kind: "world" };
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "world" }),
+    body: JSON.stringify(wanted),
   });
   const body = (await answer.json()) as { id?: string; message?: string };
   if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);

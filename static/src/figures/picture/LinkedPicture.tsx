@@ -3,6 +3,7 @@
 import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { stroke } from "../../editing/strokes";
 import type { Store } from "../../state";
 import { fitted, panned, type Size, toScreen, toWorld, zoomedAt } from "../../view";
 import { robotPx } from "./brush";
@@ -23,10 +24,12 @@ interface LinkedPictureProps {
   /** A tap or click on a place of the world. */
   readonly onTap: (point: readonly [number, number]) => void;
   readonly onPicture?: (picture: Picture) => void;
+  /** Whether the tools that change the world work here. */
+  readonly draws?: boolean;
   readonly children?: ComponentChildren;
 }
 
-export function LinkedPicture({ store, label, setUp, onTap, onPicture, children }: LinkedPictureProps) {
+export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = false, children }: LinkedPictureProps) {
   const frame = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -61,6 +64,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, children 
         grabs: (x, y, reach) => {
           const view = store.view.peek();
           const pose = store.frame.peek()?.pose;
+          if (draws && store.editing.tool.peek() !== "robot") return false;
           if (!view || !pose || store.hello.peek()?.kind !== "world") return false;
           const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
           return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;
@@ -77,9 +81,13 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, children 
           store.viewHeld.value = false;
         },
         carry: (at) => {
-          const point = at && inWorld(at[0], at[1]);
-          store.carried.value = point;
-          if (point) store.sendSoon({ type: "teleport", x: point[0], y: point[1] });
+          store.carry(at && inWorld(at[0], at[1]));
+        },
+        draws: () => draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box"),
+        stroke: (from, to, isDone) => {
+          const start = inWorld(from[0], from[1]);
+          const end = to && inWorld(to[0], to[1]);
+          stroke(store, start, end, isDone);
         },
         pan: (dx, dy) => {
           const view = store.view.peek();

@@ -3,11 +3,13 @@ import { type Gestures, listen } from "./gestures";
 
 let element: HTMLElement;
 let told: unknown[][];
+let drawing: boolean;
 
 beforeEach(() => {
   element = document.createElement("div");
   element.setPointerCapture = () => undefined;
   told = [];
+  drawing = false;
   const tell =
     (name: string) =>
     (...words: unknown[]): void =>
@@ -18,6 +20,8 @@ beforeEach(() => {
     ask: tell("ask"),
     doubleTap: tell("doubleTap"),
     carry: tell("carry"),
+    draws: () => drawing,
+    stroke: tell("stroke"),
     pan: tell("pan"),
     zoom: tell("zoom"),
     hover: () => undefined,
@@ -135,4 +139,26 @@ test("a finger that rests asks once; one that moves on or lifts does not", () =>
   vi.advanceTimersByTime(1000);
   expect(told.map(([name]) => name)).toEqual(["pan", "tap"]);
   vi.useRealTimers();
+});
+
+test("with a tool in the hand a drag is a stroke, wherever it begins", () => {
+  drawing = true;
+  point("pointerdown", 100, 100);
+  point("pointermove", 130, 140);
+  point("pointerup", 150, 160);
+  expect(told).toEqual([
+    ["stroke", [100, 100], [130, 140], false],
+    ["stroke", [100, 100], [150, 160], true],
+  ]);
+});
+
+test("a stroke that the browser takes away is broken off, and so is one that a second finger joins", () => {
+  drawing = true;
+  point("pointerdown", 20, 20);
+  point("pointercancel", 20, 20);
+  expect(told).toEqual([["stroke", [20, 20], null, false]]);
+  told = [];
+  point("pointerdown", 20, 20, { pointerType: "touch" });
+  point("pointerdown", 60, 20, { pointerType: "touch", pointerId: 2 });
+  expect(told).toEqual([["stroke", [20, 20], null, false]]);
 });

@@ -9,6 +9,10 @@ export interface Gestures {
   doubleTap(): void;
   /** The robot is dragged; null when it is let go. */
   carry(at: readonly [x: number, y: number] | null): void;
+  /** Whether a drag that begins here is a stroke of a tool. */
+  draws(): boolean;
+  /** A stroke so far, and whether it is done; without an end it was broken off. */
+  stroke(from: readonly [x: number, y: number], to: readonly [x: number, y: number] | null, isDone: boolean): void;
   pan(dx: number, dy: number): void;
   zoom(x: number, y: number, factor: number): void;
   /** Where a mouse rests or a finger touches; null when it has left. */
@@ -26,7 +30,7 @@ interface Contact {
   y: number;
 }
 
-type Mode = "idle" | "pressed" | "robot" | "pan" | "pinch" | "asked";
+type Mode = "idle" | "pressed" | "robot" | "stroke" | "pan" | "pinch" | "asked";
 
 /**
  * Listen to a picture; the result stops it. The element has `touch-action: pan-y`: one finger that moves up or down
@@ -53,8 +57,11 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (contacts.size === 1) {
       start = at;
       const asks = event.shiftKey || event.altKey;
-      mode =
-        event.button === 0 && !asks && gestures.grabs(at.x, at.y, reachOf(event.pointerType)) ? "robot" : "pressed";
+      mode = "pressed";
+      if (event.button === 0 && !asks) {
+        if (gestures.draws()) mode = "stroke";
+        else if (gestures.grabs(at.x, at.y, reachOf(event.pointerType))) mode = "robot";
+      }
       element.dataset.mode = mode;
       gestures.hover([at.x, at.y]);
       if (event.pointerType === "touch" && mode === "pressed") {
@@ -67,6 +74,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     } else {
       clearTimeout(resting);
       if (mode === "robot") gestures.carry(null);
+      if (mode === "stroke") gestures.stroke([start.x, start.y], null, false);
       mode = "pinch";
     }
   };
@@ -95,10 +103,9 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       return;
     }
     if (mode === "pan") gestures.pan(at.x - before.x, at.y - before.y);
-    if (mode === "robot") {
-      gestures.carry([at.x, at.y]);
-      gestures.hover([at.x, at.y]);
-    }
+    if (mode === "robot") gestures.carry([at.x, at.y]);
+    if (mode === "stroke") gestures.stroke([start.x, start.y], [at.x, at.y], false);
+    if (mode === "robot" || mode === "stroke") gestures.hover([at.x, at.y]);
   };
 
   const pinch = (id: number, before: Contact, at: Contact): void => {
@@ -114,6 +121,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (!contacts.delete(event.pointerId)) return;
     const at = where(event);
     if (mode === "robot") gestures.carry(null);
+    if (mode === "stroke") gestures.stroke([start.x, start.y], [at.x, at.y], true);
     if (mode === "pressed" || (mode === "robot" && Math.hypot(at.x - start.x, at.y - start.y) < SLOP_MOUSE)) {
       const isDouble =
         event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
@@ -134,6 +142,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
   const cancel = (event: PointerEvent): void => {
     contacts.delete(event.pointerId);
     if (mode === "robot") gestures.carry(null);
+    if (mode === "stroke") gestures.stroke([start.x, start.y], null, false);
     if (contacts.size === 0) settle();
   };
 
@@ -158,7 +167,12 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     const first = event.touches[0];
     if (!first) return;
     const at = where(first);
-    if (event.touches.length > 1 || mode === "robot" || gestures.grabs(at.x, at.y, reachOf("touch"))) {
+    if (
+      event.touches.length > 1 ||
+      mode === "robot" ||
+      gestures.draws() ||
+      gestures.grabs(at.x, at.y, reachOf("touch"))
+    ) {
       event.preventDefault();
     }
   };

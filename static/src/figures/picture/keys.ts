@@ -1,5 +1,6 @@
 /** The keyboard on a picture: drive, look at cells one by one, zoom, fit. */
 
+import { act } from "../../editing/strokes";
 import { centreOf } from "../../lattice";
 import type { Store } from "../../state";
 import { type Size, toScreen, zoomedAt } from "../../view";
@@ -98,8 +99,10 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
       store.look(zoomedAt(view, size(), width / 2, height / 2, zoom));
     } else if (event.key === "0" || event.key === "Home") store.viewHeld.value = false;
     else if (event.key === "?") store.ask(store.probe.peek());
-    else if (event.key === "Escape" && pinned && !store.asked.peek()) store.pinned.value = null;
-    else if (event.key === "Enter" && isWorld && pinned) store.teleport(pinned);
+    else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === "robot")
+      store.pinned.value = null;
+    else if (event.key === "Enter" && isWorld && pinned) act(store, pinned, true);
+    else if (event.key === "Escape" && store.editing.tool.peek() !== "robot") store.editing.take("robot");
     else if (event.key === " ") store.togglePlaying();
     else return;
     event.preventDefault();

@@ -19,6 +19,13 @@ export function Controls({ store }: { readonly store: Store | null }) {
   const off = !store?.isReady.value;
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
+      const isUndo = (event.ctrlKey || event.metaKey) && !event.altKey && event.key.toLowerCase() === "z";
+      if (isUndo && !(event.target as Element).closest?.("input:not([type=range]), textarea")) {
+        event.preventDefault();
+        if (event.shiftKey) store?.history.redo();
+        else store?.history.undo();
+        return;
+      }
       if (event.key !== " " || isTyping(event.target)) return;
       event.preventDefault();
       store?.togglePlaying();
@@ -48,6 +55,18 @@ export function Controls({ store }: { readonly store: Store | null }) {
           disabled={off}
           onClick={() => store?.send({ type: "restart" })}
         />
+        <Button
+          icon="undo"
+          label="Undo (Ctrl+Z)"
+          disabled={!store?.history.canUndo.value}
+          onClick={() => store?.history.undo()}
+        />
+        <Button
+          icon="redo"
+          label="Redo (Ctrl+Shift+Z)"
+          disabled={!store?.history.canRedo.value}
+          onClick={() => store?.history.redo()}
+        />
         <Button icon="robot" pressed={auto} disabled={off} onClick={() => store?.send({ type: "auto", value: !auto })}>
           Auto-walk
         </Button>
@@ -73,7 +92,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           class="select"
           disabled={!world}
           value={world?.name ?? ""}
-          onChange={(event) => store?.send({ type: "world", name: event.currentTarget.value })}
+          onChange={(event) => store?.chooseWorld(event.currentTarget.value)}
         >
           {(world?.names ?? [""]).map((name) => (
             <option key={name} value={name} selected={name === world?.name}>

@@ -1,31 +1,55 @@
+import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
 import { toast } from "../../ui/Toast";
-import { shareAddress } from "./session";
+import { liveAddress, momentAddress } from "./session";
 
-/** Copy the session's address. */
-export async function share(id: string): Promise<void> {
+async function copy(text: string, done: string): Promise<void> {
   try {
-    await navigator.clipboard.writeText(shareAddress(id));
-    toast("The link is copied. Whoever opens it sees this very world, and can steer the robot too.");
+    await navigator.clipboard.writeText(text);
+    toast(done);
   } catch {
-    toast("Copy the address of this page: it opens this very world.");
+    toast("This browser does not let the page copy: copy the address above, it says the same.");
   }
 }
 
-/** The map as files. */
+/** Copy a link to this moment. */
+export async function share(id: string, store: Store): Promise<void> {
+  try {
+    const link = await momentAddress(id, store);
+    await copy(link, "The link is copied. It opens exactly this, world, map and settings, as a world of its own.");
+  } catch {
+    toast("The server does not answer, so there is no link yet.", "error");
+  }
+}
+
+/** The map as files, and the world as a link to it while it lives. */
 export function Takeaway({ id }: { readonly id: string }) {
   const file = (kind: string): string => `/api/sessions/${encodeURIComponent(id)}/map.${kind}`;
   return (
-    <Panel title="Take the map away">
+    <Panel title="Take it away">
       <div class="lab-downloads">
         {["pgm", "yaml", "png"].map((kind) => (
           <Button key={kind} icon="download" href={file(kind)} download>
             {kind}
           </Button>
         ))}
+        <Button
+          icon="link"
+          onClick={() =>
+            void copy(
+              liveAddress(id),
+              "The link is copied. Whoever opens it sees this very world, live, and can steer the robot too.",
+            )
+          }
+        >
+          Live link
+        </Button>
       </div>
-      <p class="panel-note">pgm and yaml together open in map_server and Nav2; png is for people.</p>
+      <p class="panel-note">
+        pgm and yaml together open in map_server and Nav2; png is for people. Share copies this moment; the live link
+        lets others watch and steer this very world.
+      </p>
     </Panel>
   );
 }

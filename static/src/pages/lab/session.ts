@@ -1,31 +1,95 @@
+import { effect } from "@preact/signals";
+import type { Store } from "../../state";
 import { createWorld } from "../worldSession";
+import { carried, fragmentOf, type Shown, shownNow } from "./link";
 
 /** Which session the lab shows, and what a person should know of how it came about. */
 export interface Opened {
   readonly id: string;
   readonly notice: string | null;
+  /** What the address carried, where the session was made of it. */
+  readonly shown: Shown | null;
 }
+
+/** How long after a change the address follows. */
+const SETTLE_MS = 800;
 
 const address = (id: string): string => `/lab.html?session=${encodeURIComponent(id)}`;
 
-/** The session that the address names, or a new world, which the address then names. Throws where neither can be had. */
+/**
+ * The session that the address names while it lives; else the world that the address tells of, made again; else a new
+ * one. Throws where none can be had.
+ */
 export async function openSession(): Promise<Opened> {
   const wanted = new URLSearchParams(location.search).get("session");
+  const shown = await carried();
   let notice: string | null = null;
   if (wanted) {
     const answer = await fetch(`/api/sessions/${encodeURIComponent(wanted)}`);
     if (answer.ok) {
       const { kind } = (await answer.json()) as { kind?: string };
       if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(wanted)}`);
-      return { id: wanted, notice: null };
+      return { id: wanted, notice: null, shown: null };
     }
     if (answer.status !== 404) throw new Error(`The server answered ${answer.status}; this page goes on trying.`);
-    notice = "That world has ended: sessions close when nobody watches them. Here is a new one.";
+    notice = shown
+      ? "That world had ended: sessions close when nobody watches them. Here it is again."
+      : "That world has ended: sessions close when nobody watches them. Here is a new one.";
+  }
+  if (shown) {
+    try {
+      const id = await createWorld(shown.story);
+      history.replaceState(null, "", address(id) + location.hash);
+      return { id, notice, shown };
+    } catch (error) {
+      if (error instanceof TypeError) throw error;
+      notice = `The link tells of a world that cannot be made: ${(error as Error).message} Here is a new one.`;
+    }
+  } else if (location.hash.startsWith("#s=")) {
+    notice = "The link has lost a piece on its way, so here is a new world.";
   }
   const id = await createWorld();
   history.replaceState(null, "", address(id));
-  return { id, notice };
+  return { id, notice, shown: null };
 }
 
-/** The address that shows this very session to somebody else. */
-export const shareAddress = (id: string): string => new URL(address(id), location.href).href;
+/** Show what the link showed. */
+export function restore(store: Store, shown: Shown): void {
+  store.wrong.value = shown.wrong;
+  if (shown.view) store.look(shown.view);
+}
+
+/** Let the address follow what a person does; the result stops it. */
+export function keepAddress(id: string, store: Store): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let stopped = false;
+  const write = async (): Promise<void> => {
+    try {
+      const fragment = await fragmentOf(await shownNow(id, store));
+      if (!stopped) history.replaceState(null, "", address(id) + fragment);
+    } catch {
+      // The server is away: the page says so elsewhere, and the address follows with the next change.
+    }
+  };
+  const stop = effect(() => {
+    void store.history.version.value;
+    void store.viewHeld.value;
+    if (store.viewHeld.value) void store.view.value;
+    if (!store.isReady.value) return;
+    clearTimeout(timer);
+    timer = setTimeout(() => void write(), SETTLE_MS);
+  });
+  return () => {
+    stopped = true;
+    clearTimeout(timer);
+    stop();
+  };
+}
+
+/** The address that shows this very session to somebody else, while it lives. */
+export const liveAddress = (id: string): string => new URL(address(id), location.href).href;
+
+/** The address that opens what is on show now in a session of its own, whenever. */
+export async function momentAddress(id: string, store: Store): Promise<string> {
+  return new URL(`/lab.html${await fragmentOf(await shownNow(id, store))}`, location.href).href;
+}

@@ -1,0 +1,146 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import type { Connection } from "../../connect";
+import { Toolbar, ToolHint } from "../../editing/Toolbar";
+import { Belief } from "../../figures/belief";
+import { Beside } from "../../figures/beside";
+import type { Picture } from "../../figures/picture/Picture";
+import { Readout } from "../../figures/readout";
+import { TrueWorld } from "../../figures/world";
+import type { Values } from "../../protocol";
+import { Button } from "../../ui/Button";
+import { readable } from "../../ui/parameters";
+
+/** A session on show. */
+export interface Live extends Connection {
+  readonly id: string;
+}
+
+interface PicturesProps {
+  readonly session: Live | null;
+  /** Hears of the belief's picture. */
+  readonly onPicture: (picture: Picture) => void;
+}
+
+const clampTitle = (values: Values): string => (values.clamp === true ? "With the clamp" : "Without the clamp");
+
+/** In what the second map differs, in words. */
+function difference(values: Values): string {
+  const parts = Object.entries(values).map(([name, value]) => {
+    const told = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
+    return `${readable(name)} ${told}`;
+  });
+  return parts.length > 0 ? `True poses, every return; ${parts.join(", ")}.` : "True poses, every return.";
+}
+
+interface PlateProps {
+  readonly title: string;
+  readonly note: string;
+  readonly actions?: ComponentChildren;
+  readonly caption: ComponentChildren;
+  readonly children: ComponentChildren;
+}
+
+/** A picture with its title above and one line under it. */
+function Plate({ title, note, actions, caption, children }: PlateProps) {
+  return (
+    <section class="plate" aria-label={title}>
+      <header class="plate-head">
+        <h2>{title}</h2>
+        <span class="plate-note">{note}</span>
+        {actions}
+      </header>
+      <div class="plate-picture">{children}</div>
+      <div class="plate-caption">{caption}</div>
+    </section>
+  );
+}
+
+export function Pictures({ session, onPicture }: PicturesProps) {
+  const store = session?.store ?? null;
+  const solid = useSignal(false);
+  const compared = store?.compared.value ?? null;
+  const fit = (): void => {
+    if (store) store.viewHeld.value = false;
+  };
+  return (
+    <div class={`plates${solid.value || compared ? " three" : ""}`}>
+      <Plate
+        title="The world"
+        note="as it is"
+        actions={
+          <>
+            {store && <Toolbar store={store} />}
+            <Button kind="quiet" icon="fit" label="Show everything" onClick={fit} />
+          </>
+        }
+        caption={store && <ToolHint store={store} />}
+      >
+        {store && <TrueWorld store={store} />}
+      </Plate>
+      <Plate
+        title="The belief"
+        note="as the robot has it"
+        actions={
+          <Button
+            kind="quiet"
+            icon="cube"
+            pressed={solid.value}
+            disabled={!session}
+            onClick={() => {
+              solid.value = !solid.value;
+              if (solid.value && compared) store?.send({ type: "compare", values: null });
+            }}
+          >
+            3D
+          </Button>
+        }
+        caption={store ? <Readout store={store} /> : null}
+      >
+        {store && <Belief store={store} onPicture={(picture) => onPicture(picture)} />}
+      </Plate>
+      {compared && session && store && (
+        <Plate
+          title={compared.with_faults ? clampTitle(compared.values) : "Made right"}
+          note="of the same readings"
+          actions={
+            <Button
+              kind="quiet"
+              icon="close"
+              label="Close the second map"
+              onClick={() => store.send({ type: "compare", values: null })}
+            />
+          }
+          caption={<p class="hint">{compared.with_faults ? "Only the clamp differs." : difference(compared.values)}</p>}
+        >
+          <Beside store={store} session={session.id} />
+        </Plate>
+      )}
+      {solid.value && !compared && session && (
+        <Plate
+          title="In 3D"
+          note="map, robot and world"
+          actions={
+            <Button
+              kind="quiet"
+              icon="close"
+              label="Close 3D"
+              onClick={() => {
+                solid.value = false;
+              }}
+            />
+          }
+          caption={
+            <p class="hint">
+              <a href={`/3d?session=${encodeURIComponent(session.id)}`} target="_blank" rel="noopener">
+                Open in a tab of its own
+              </a>
+            </p>
+          }
+        >
+          <iframe class="scene" title="3D view" src={`/scenes/${encodeURIComponent(session.id)}/`} />
+        </Plate>
+      )}
+    </div>
+  );
+}

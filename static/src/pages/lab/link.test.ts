@@ -1,0 +1,30 @@
+import { expect, test } from "vitest";
+import { carried, fragmentOf, packed, type Shown, unpacked } from "./link";
+
+const SHOWN: Shown = {
+  story: { world: "büro", seed: 123, steps: 700, journal: [[12, { type: "teleport", x: 1.25, y: -3 }]] },
+  wrong: { on: ["no_clamp"], before: { clamp: true } },
+  view: { x: 1.5, y: 2, scale: 0.01 },
+};
+
+test("what is packed comes out again, in letters that an address may hold", async () => {
+  const letters = await packed(SHOWN);
+  expect(letters).toMatch(/^[A-Za-z0-9_-]+$/);
+  expect(await unpacked(letters)).toEqual(SHOWN);
+  expect(await carried(await fragmentOf(SHOWN))).toEqual(SHOWN);
+  expect(await carried("")).toBeNull();
+});
+
+test("a long story stays short", async () => {
+  const journal = Array.from({ length: 300 }, (_, i) => [i * 4, { type: "teleport", x: 3 + 0.01 * i, y: 4 }]);
+  expect((await packed({ ...SHOWN, story: { ...SHOWN.story, journal } })).length).toBeLessThan(6000);
+});
+
+test("a link that lost a piece opens nothing, and one with a strange view shows everything", async () => {
+  const letters = await packed(SHOWN);
+  expect(await unpacked(letters.slice(0, letters.length / 2))).toBeNull();
+  expect(await unpacked("%%%")).toBeNull();
+  expect(await unpacked(await packed({ ...SHOWN, story: { world: "x" } } as unknown as Shown))).toBeNull();
+  const odd = await unpacked(await packed({ ...SHOWN, view: { x: 1, y: 2, scale: -1 } }));
+  expect(odd?.view).toBeNull();
+});

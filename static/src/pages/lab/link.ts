@@ -1,0 +1,61 @@
+/** A link that opens what is on show: the world's story and the view, packed into the part of an address after `#`. */
+
+import { NOTHING_WRONG, type Wrong } from "../../figures/faults/model";
+import type { Store } from "../../state";
+import type { View } from "../../view";
+
+/** What happened in a live world, as `/api/sessions/{id}/story` tells it. The server reads it; the page only carries it. */
+export type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
+
+export interface Shown {
+  readonly story: Story;
+  readonly wrong: Wrong;
+  /** Where a person has moved the view; null while it shows everything. */
+  readonly view: View | null;
+}
+
+async function through(bytes: Uint8Array, transform: GenericTransformStream): Promise<Uint8Array> {
+  const stream = new Blob([bytes as Uint8Array<ArrayBuffer>]).stream().pipeThrough(transform as ReadableWritablePair);
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Pack into letters that an address may hold. */
+export async function packed(shown: Shown): Promise<string> {
+  const bytes = await through(new TextEncoder().encode(JSON.stringify(shown)), new CompressionStream("deflate-raw"));
+  let letters = "";
+  for (const byte of bytes) letters += String.fromCharCode(byte);
+  return btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+}
+
+const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
+
+/** Unpack; null for what was never packed, or lost a piece on its way. */
+export async function unpacked(letters: string): Promise<Shown | null> {
+  try {
+    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    const text = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
+    const { story, wrong, view } = JSON.parse(text) as Partial<Shown>;
+    if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
+    const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
+    return { story, wrong: Array.isArray(wrong?.on) ? wrong : NOTHING_WRONG, view: seen };
+  } catch {
+    return null;
+  }
+}
+
+/** What the page shows now. Throws where the server does not answer. */
+export async function shownNow(id: string, store: Store): Promise<Shown> {
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
+  if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
+  const story = (await answer.json()) as Story;
+  return { story, wrong: store.wrong.peek(), view: store.viewHeld.peek() ? store.view.peek() : null };
+}
+
+/** The part after `#` of an address. */
+export const fragmentOf = async (shown: Shown): Promise<string> => `#s=${await packed(shown)}`;
+
+/** What the address of this page carries; null for nothing. */
+export async function carried(fragment: string = location.hash): Promise<Shown | null> {
+  const letters = new URLSearchParams(fragment.replace(/^#/, "")).get("s");
+  return letters ? unpacked(letters) : null;
+}

@@ -1,0 +1,42 @@
+/** A second map of the same session, beside the first: its picture, and nothing else. */
+
+import type { ServerMessage, TilesFrame } from "./protocol";
+import { ShownMap } from "./shownMap";
+import type { Progress, Receiver, Stream } from "./stream";
+
+export class SecondMap implements Receiver {
+  readonly shown = new ShownMap();
+  readonly #stream: Stream;
+  #epochId: string | undefined;
+
+  constructor(streamInto: (receiver: Receiver) => Stream) {
+    this.#stream = streamInto(this);
+  }
+
+  start(): void {
+    this.#stream.start();
+  }
+
+  stop(): void {
+    this.#stream.stop();
+  }
+
+  receive(message: ServerMessage): void {
+    if (message.type === "geometry") this.shown.begin(message);
+    if (message.type !== "hello") return;
+    if (this.#epochId !== undefined && this.#epochId !== message.epoch_id) this.forget();
+    this.#epochId = message.epoch_id;
+  }
+
+  takeTiles(frame: TilesFrame): void {
+    this.shown.takeTiles(frame);
+  }
+
+  progress(): Progress | null {
+    return this.shown.progress(this.#epochId);
+  }
+
+  forget(): void {
+    this.shown.forget();
+  }
+}

@@ -1,0 +1,116 @@
+"""What goes wrong, in real Chromium: each switch changes the map, says what to look for, gives back what was there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import SECONDS, await_map, frame, map_digest, settled_digest, until
+
+FAULTS: dict[str, dict[str, Any]] = {
+    "Laser mounted askew": {"mount_yaw": 0.15},
+    "Laser upside down": {"mount_upside_down": True},
+    "Wheels that drift": {},
+    "Polished walls": {"no_return": "free"},
+    "Each beam counts": {"clamp": False},
+    "No clamp": {"clamp": False},
+}
+
+
+def store(page: Page, name: str) -> Any:
+    """Return a signal of the page's store."""
+    return page.evaluate("(name) => gridbloom.connection.store[name].peek()", name)
+
+
+def values(page: Page) -> dict[str, Any]:
+    """Return the mapping parameters as the page has them."""
+    result: dict[str, Any] = page.evaluate("() => gridbloom.connection.store.mapping.values.peek()")
+    return result
+
+
+@pytest.fixture
+def lab(page: Page, server: str) -> Iterator[Page]:
+    """The lab, paused with a map on show, and what goes wrong unfolded."""
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    until("some scans", lambda: frame(page)["index"] > 30)
+    page.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    page.get_by_text("What goes wrong").click()
+    yield page
+    page.evaluate(
+        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+    )
+
+
+@pytest.mark.parametrize("label", FAULTS)
+def test_a_switch_changes_the_map_and_gives_back_what_was_there(lab: Page, label: str) -> None:
+    lab.evaluate("() => gridbloom.connection.store.setParameter('mount_yaw', 0.02)")
+    before_values = until("the parameter", lambda: (v := values(lab))["mount_yaw"] == 0.02 and v)
+    before = settled_digest(lab)
+    switch = lab.get_by_role("switch", name=label)
+    expect(switch).to_have_attribute("aria-checked", "false")
+    switch.click()
+    expect(switch).to_have_attribute("aria-checked", "true")
+    until("another map", lambda: map_digest(lab) != before)
+    assert FAULTS[label].items() <= values(lab).items()
+    expect(lab.locator(".faults-told")).to_contain_text("Look for:")
+    settled_digest(lab)
+    switch.click()
+    expect(switch).to_have_attribute("aria-checked", "false")
+    until("the map as it was", lambda: map_digest(lab) == before)
+    assert values(lab) == before_values
+
+
+def test_a_slider_ends_a_fault_and_undo_brings_it_back(lab: Page) -> None:
+    switch = lab.get_by_role("switch", name="Laser mounted askew")
+    switch.click()
+    expect(switch).to_have_attribute("aria-checked", "true")
+    lab.wait_for_timeout(800)  # a later change of the same parameter is one of its own
+    lab.evaluate("() => gridbloom.connection.store.setParameter('mount_yaw', 0.05)")
+    expect(switch).to_have_attribute("aria-checked", "false")
+    lab.keyboard.press("Control+z")
+    expect(switch).to_have_attribute("aria-checked", "true")
+    lab.keyboard.press("Control+z")
+    expect(switch).to_have_attribute("aria-checked", "false")
+    assert values(lab)["mount_yaw"] == 0
+    lab.keyboard.press("Control+Shift+Z")
+    expect(switch).to_have_attribute("aria-checked", "true")
+
+
+def test_right_stands_beside_wrong(lab: Page) -> None:
+    right = settled_digest(lab)
+    lab.get_by_role("switch", name="Laser upside down").click()
+    until("the wrong map", lambda: map_digest(lab) != right)
+    lab.get_by_role("switch", name="Right beside wrong").click()
+    plate = lab.get_by_role("region", name="Made right")
+    expect(plate).to_be_visible(timeout=SECONDS * 1000)
+    assert store(lab, "compared") == {"values": {"mount_upside_down": False}, "with_faults": False}
+    # Another fault with it: the second map is right of both.
+    lab.get_by_role("switch", name="Wheels that drift").click()
+    until("the drift", lambda: store(lab, "faults") == {"drift": True, "specular": False})
+    lab.get_by_role("switch", name="No clamp").click()
+    until("both set right", lambda: store(lab, "compared")["values"] == {"mount_upside_down": False, "clamp": True})
+    # What the canvas shows: a wall of the world is a wall in the map made right.
+    plate.get_by_role("button", name="Close").click()
+    expect(plate).to_have_count(0)
+    until("no second map", lambda: store(lab, "compared") is None)
+
+
+def test_a_drifting_robot_is_drawn_where_the_map_has_it(lab: Page) -> None:
+    lab.get_by_role("switch", name="Wheels that drift").click()
+    lab.get_by_role("button", name="Play").click()
+    lab.evaluate("() => gridbloom.connection.store.send({ type: 'speed', value: 8 })")
+    until(
+        "some drift", lambda: (f := frame(lab)).get("believed_pose") and abs(f["believed_pose"][1] - f["pose"][1]) > 0.2
+    )
+    shown = lab.evaluate(
+        "() => { const s = gridbloom.connection.store;"
+        " return [s.beliefFrame.peek().pose, s.frame.peek().believed_pose, s.beliefPose.peek(),"
+        " s.frame.peek().believed_scan_pose]; }"
+    )
+    assert shown[0] == shown[1]
+    assert shown[2] == pytest.approx(shown[3])
