@@ -62,7 +62,7 @@ def test_the_address_opens_what_was_there_after_the_session_has_ended(lab: Page,
         assert view == {"x": 5.5, "y": 5, "scale": 0.011}
         assert (window, beams) == (0.4, 180)
         assert frame(other)["index"] == index
-        assert frame(other)["pose"] == pytest.approx(pose, abs=0.02)  # a fiftieth of a second between two steps is not told
+        assert frame(other)["pose"] == pytest.approx(pose, abs=0.02)  # what comes after a whole step is not told
         assert not frame(other)["playing"]
         assert settled_digest(other) == kept
     finally:

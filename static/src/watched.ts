@@ -1,0 +1,317 @@
+/** What the stream brings, and where a person looks: the part of the store that changes nothing on the server. */
+
+import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
+import { type Beam, beamAhead, beamToward, turnedOver } from "./beams";
+import { Editing } from "./editing/editing";
+import type { OnBloom } from "./gl/cells";
+import { type Cell, cellAt, compose, contains, extent } from "./lattice";
+import { Optimistic } from "./optimistic";
+import { Outbox } from "./outbox";
+import type {
+  CellMessage,
+  Command,
+  Compared,
+  Forgetting,
+  Frame,
+  FrameMessage,
+  Hello,
+  Point,
+  Pose,
+  ServerMessage,
+  TilesFrame,
+  Touch,
+  Trajectory,
+  Values,
+  WhyMessage,
+  WorldMessage,
+} from "./protocol";
+import { type MapPicture, ShownMap } from "./shownMap";
+import type { Progress, Receiver } from "./stream";
+import type { Bounds, View } from "./view";
+
+export interface Notice {
+  readonly kind: "note" | "error";
+  readonly code: string;
+  readonly message: string;
+}
+
+/** What a page knows of the session that it watches, and where it looks. */
+export class Watched implements Receiver {
+  readonly hello = signal<Hello | null>(null);
+  readonly frame = signal<Frame | null>(null);
+  readonly world = signal<WorldMessage | null>(null);
+  readonly trajectory = signal<Trajectory | null>(null);
+  readonly mapping: Optimistic;
+  readonly sensor: Optimistic;
+
+  /** What of the frame changes seldom: whoever shows only that is not rendered anew 30 times a second. */
+  readonly isReady = computed(() => this.frame.value !== null);
+  readonly playing = computed(() => this.frame.value?.playing ?? true);
+  readonly speed = computed(() => this.frame.value?.speed ?? 1);
+  readonly auto = computed(() => this.frame.value?.auto ?? true);
+
+  /** The map on show. */
+  readonly map: ReadonlySignal<MapPicture | null>;
+  /** Grows whenever cells of the map on show change. */
+  readonly mapVersion: ReadonlySignal<number>;
+  /** The newest thing that a person should know. */
+  readonly notice = signal<Notice | null>(null);
+
+  /** What both pictures show; null until their size and the world are known. */
+  readonly view = signal<View | null>(null);
+  /** Whether the view was moved by hand: it then no longer follows the map's growth. */
+  readonly viewHeld = signal(false);
+  /** Where the pointer is in the world, in whichever picture. */
+  readonly pointer = signal<Point | null>(null);
+  /** A place that is looked at although the pointer is elsewhere: chosen by click or by the keyboard's cursor. */
+  readonly pinned = signal<Point | null>(null);
+  readonly inspected = signal<CellMessage | null>(null);
+  /** Where the robot was last sent by hand, and when (performance.now). */
+  readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
+
+  /** Where the hand has the robot while it drags it. */
+  readonly carried = signal<Point | null>(null);
+  /** Counts the moves of the keyboard's cursor: what it looks at is then spoken. */
+  readonly cursorMoved = signal(0);
+
+  /** The place whose cell is explained; null while nobody asks why. */
+  readonly asked = signal<Point | null>(null);
+  /** The answer about that cell, the newest there is. */
+  readonly why = signal<WhyMessage | null>(null);
+  /** Number of the touch that is looked at; null for the newest. */
+  readonly touched = signal<number | null>(null);
+
+  /** The place that is looked at. */
+  readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
+  /** The cell that is looked at; null outside the grid. */
+  readonly cell: ReadonlySignal<Cell | null>;
+  /** The cell that is explained; null outside the grid. */
+  readonly askedCell: ReadonlySignal<Cell | null>;
+  /** The touch that is looked at; null where the answer does not tell of it. */
+  readonly touch: ReadonlySignal<Touch | null>;
+  /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
+  readonly beliefPose: ReadonlySignal<Pose | null>;
+  /** The newest scan as the map takes it: mirrored where the mount is said to be upside down. */
+  readonly beliefFrame: ReadonlySignal<Frame | null>;
+  /** The beam towards the place that is looked at, straight ahead where there is none. */
+  readonly inspectedBeam: ReadonlySignal<Beam | null>;
+  /** All that is worth seeing, in world metres. */
+  readonly bounds: ReadonlySignal<Bounds | null>;
+
+  /** Which faults of the robot enter the map; null where there is no robot. */
+  readonly faults = signal<Values | null>(null);
+  /** What the second map has otherwise; null where there is none. */
+  readonly compared = signal<Compared | null>(null);
+  /** How far the maps have forgotten what was taken away; null while nobody watches that. */
+  readonly forgetting = signal<Forgetting | null>(null);
+
+  /** What is in the hand. */
+  readonly editing = new Editing();
+
+  readonly #shown = new ShownMap();
+  readonly #transmit: (command: Command) => boolean;
+  protected readonly outbox: Outbox;
+
+  /** `transmit` sends a command and says whether there was a connection. */
+  constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
+    this.#transmit = transmit;
+    this.outbox = outbox ?? new Outbox((command) => void transmit(command));
+    this.map = this.#shown.map;
+    this.mapVersion = this.#shown.version;
+    this.mapping = new Optimistic();
+    this.sensor = new Optimistic();
+    this.beliefPose = computed(() => {
+      const frame = this.frame.value;
+      if (!frame) return null;
+      const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
+      const stated = frame.believed_scan_pose ?? frame.scan_pose;
+      return compose(stated, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
+    });
+    this.beliefFrame = computed(() => {
+      const frame = this.frame.value;
+      if (!frame) return frame;
+      const believed = frame.believed_pose ? { ...frame, pose: frame.believed_pose } : frame;
+      if (this.mapping.values.value.mount_upside_down !== true) return believed;
+      return turnedOver(believed);
+    });
+    this.cell = computed(() => {
+      const probe = this.probe.value;
+      void this.map.value;
+      return probe && this.cellOf(probe);
+    });
+    this.askedCell = computed(() => {
+      const asked = this.asked.value;
+      void this.map.value;
+      return asked && this.cellOf(asked);
+    });
+    this.touch = computed(() => {
+      const why = this.why.value;
+      const first = why?.touches[0];
+      if (!why || !first) return null;
+      const wanted = Math.min(this.touched.value ?? why.total, why.total);
+      return why.touches[wanted - first.n] ?? null;
+    });
+    this.inspectedBeam = computed(() => {
+      const frame = this.beliefFrame.value;
+      const pose = this.beliefPose.value;
+      if (!frame || !pose || frame.ranges.length === 0) return null;
+      const probe = this.probe.value;
+      return (probe && beamToward(frame, pose, probe)) ?? beamAhead(frame);
+    });
+    this.bounds = computed(() => {
+      const world = this.world.value;
+      const map = this.map.value;
+      return world ? world.bounds : map && extent(map.geometry);
+    });
+  }
+
+  /** The cell of the map on show that holds a place; null outside the grid. */
+  cellOf(point: Point): Cell | null {
+    const map = this.map.peek();
+    if (!map) return null;
+    const cell = cellAt(map.geometry, point[0], point[1]);
+    return contains(map.geometry, cell) ? cell : null;
+  }
+
+  /** Show a part of the world that a person chose. */
+  look(view: View): void {
+    batch(() => {
+      this.viewHeld.value = true;
+      this.view.value = view;
+    });
+  }
+
+  togglePlaying(): void {
+    this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
+  }
+
+  /** Send a command at once. */
+  send(command: Command): void {
+    this.#transmit(command);
+  }
+
+  /** Send a command of which only the newest counts, with the next animation frame. */
+  sendSoon(command: Command): void {
+    this.outbox.put(command);
+  }
+
+  inspect({ row, col }: Cell): void {
+    const map = this.map.peek();
+    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch });
+  }
+
+  /** Ask why the cell at a place is what it is; null for no more questions. */
+  ask(place: Point | null): void {
+    batch(() => {
+      const before = this.askedCell.peek();
+      this.asked.value = place;
+      const now = this.askedCell.peek();
+      if (now && before && now.row === before.row && now.col === before.col) return;
+      this.why.value = null;
+      this.touched.value = null;
+    });
+  }
+
+  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
+  set onBloom(hear: OnBloom | null) {
+    this.#shown.onBloom = hear;
+  }
+
+  // -- what the stream brings ------------------------------------------------------------------------------------
+
+  receive(message: ServerMessage): void {
+    batch(() => this.#receive(message));
+  }
+
+  #receive(message: ServerMessage): void {
+    switch (message.type) {
+      case "hello":
+        this.#greet(message);
+        return;
+      case "geometry":
+        this.#shown.begin(message);
+        return;
+      case "frame":
+        this.#look(message);
+        return;
+      case "world":
+        if ((this.world.peek() ?? message).name !== message.name) this.viewHeld.value = false;
+        this.world.value = message;
+        this.editing.sketch.value = null;
+        return;
+      case "trajectory":
+        this.trajectory.value = message;
+        return;
+      case "parameters":
+        this.mapping.hear(message.values);
+        if (message.sensor) this.sensor.hear(message.sensor);
+        this.faults.value = message.faults ?? null;
+        this.compared.value = message.compare ?? null;
+        return;
+      case "forgetting":
+        this.forgetting.value = message.cells > 0 ? message : null;
+        return;
+      case "cell":
+        this.inspected.value = message;
+        return;
+      case "why": {
+        const cell = this.askedCell.peek();
+        if (cell?.row === message.row && cell.col === message.col) this.why.value = message;
+        return;
+      }
+      case "notice":
+        this.notice.value = { kind: "note", code: message.code, message: message.message };
+        return;
+      case "error":
+        // A question about a map that was replaced meanwhile: no fault of the person's, and asked again of the new one.
+        if (message.code === "command.epoch") return;
+        this.mapping.refuse();
+        this.sensor.refuse();
+        this.notice.value = { kind: "error", code: message.code, message: message.message };
+        return;
+      case "pong":
+        return;
+    }
+  }
+
+  #look(message: FrameMessage): void {
+    const before = this.frame.peek();
+    const { ranges } = message;
+    if (ranges !== undefined) this.frame.value = message as Frame;
+    else if (before) {
+      const { scan_pose, believed_scan_pose, angle_min, angle_increment, bearings, range_max } = before;
+      const seen = { scan_pose, ranges: before.ranges, angle_min, angle_increment, range_max };
+      this.frame.value = {
+        ...message,
+        ...seen,
+        ...(bearings && { bearings }),
+        ...(believed_scan_pose && { believed_scan_pose }),
+      };
+    }
+  }
+
+  #greet(hello: Hello): void {
+    const before = this.hello.peek();
+    if (before && before.epoch_id !== hello.epoch_id) this.forget();
+    this.hello.value = hello;
+    // What the hand set while the server was away still stands.
+    const pending = { parameters: this.mapping.pending(), sensor: this.sensor.pending() };
+    this.mapping.hear(hello.parameters.values);
+    if (hello.sensor) this.sensor.hear(hello.sensor.values);
+    for (const type of ["parameters", "sensor"] as const) {
+      for (const [name, value] of Object.entries(pending[type])) this.outbox.putValue(type, name, value);
+    }
+  }
+
+  takeTiles(frame: TilesFrame): void {
+    this.#shown.takeTiles(frame);
+  }
+
+  progress(): Progress | null {
+    return this.#shown.progress(this.hello.peek()?.epoch_id);
+  }
+
+  forget(): void {
+    this.#shown.forget();
+  }
+}
