@@ -287,7 +287,7 @@ def map_log(
     if mode not in ("trinary", "scale", "raw"):
         fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
     scans = read_log(log, topic)
-    config = configured(suited_parameters(scans, given))
+    config = configured(suited_parameters(scans.beam_width, given))
     with refusing(log):
         grid = grid_for(scans, config, trajectory, prior=prior_map)
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.

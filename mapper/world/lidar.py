@@ -1,4 +1,4 @@
-"""A rotating lidar: its parameters, and what it reads in a world."""
+"""The simulated range finder, a rotating lidar or a ring of sonars: its parameters, and what it reads in a world."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from mapper.errors import ConfigError
 from mapper.kernels.raycast import cast_rays
 from mapper.parameters import Parameter
 from mapper.scan import LaserScan
+from mapper.world.sonar import nearest_in_cones
 from mapper.world.worlds import Float64Array, World
 
 TURN = 2.0 * np.pi
@@ -20,9 +21,24 @@ RANGE_MIN = 0.02  #: metres: no reading is shorter, whatever the noise
 
 SENSOR_PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
+        "kind", "Sensor", "sensor", "choice", "lidar",
+        "A lidar has many thin beams; a sonar hears the nearest thing in a wide cone, and not where in it.",
+        choices=("lidar", "sonar_ring"),
+    ),
+    Parameter(
         "n_beams", "Beams", "sensor", "number", 360,
         "Beams in each scan, spread evenly over the field of view.",
-        low=30, high=1080, step=30,
+        low=30, high=1080, step=30, only_for=("lidar",),
+    ),
+    Parameter(
+        "n_sonars", "Sonars", "sensor", "number", 16,
+        "Sonars of the ring, spread evenly over the field of view.",
+        low=4, high=48, step=1, only_for=("sonar_ring",),
+    ),
+    Parameter(
+        "beam_width", "Cone of a sonar", "sensor", "number", 0.35,
+        "The angle, from edge to edge, in which a sonar hears an echo.",
+        unit="rad", low=0.05, high=1.0, step=0.01, only_for=("sonar_ring",),
     ),
     Parameter(
         "field_of_view", "Field of view", "sensor", "number", TURN,
@@ -56,7 +72,10 @@ class SensorConfig:
     Raises :class:`ConfigError` naming the field that is refused.
     """
 
+    kind: str = "lidar"
     n_beams: int = 360
+    n_sonars: int = 16
+    beam_width: float = 0.35
     field_of_view: float = TURN
     range_max: float = 10.0
     range_noise: float = 0.01
@@ -65,14 +84,26 @@ class SensorConfig:
     def __post_init__(self) -> None:
         for row in SENSOR_PARAMETERS:
             object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
-        if self.n_beams != int(self.n_beams):
-            raise ConfigError("parameter.n_beams", f"Beams (n_beams) must be a whole number, not {self.n_beams!r}.")
-        object.__setattr__(self, "n_beams", int(self.n_beams))
+        for name, label in (("n_beams", "Beams"), ("n_sonars", "Sonars")):
+            value = getattr(self, name)
+            if value != int(value):
+                raise ConfigError(f"parameter.{name}", f"{label} ({name}) must be a whole number, not {value!r}.")
+            object.__setattr__(self, name, int(value))
+
+    @property
+    def n_readings(self) -> int:
+        """Readings in a scan: one for each beam of the lidar, or for each sonar."""
+        return self.n_beams if self.kind == "lidar" else self.n_sonars
+
+    @property
+    def cone(self) -> float:
+        """The angle in which one reading may have arisen, radians: 0 for the lidar's thin beams."""
+        return 0.0 if self.kind == "lidar" else self.beam_width
 
     @property
     def angle_increment(self) -> float:
         """Radians from one beam to the next. A full turn has no beam twice; a narrower fan has one at each edge."""
-        return self.field_of_view / (self.n_beams if self.field_of_view >= TURN else self.n_beams - 1)
+        return self.field_of_view / (self.n_readings if self.field_of_view >= TURN else self.n_readings - 1)
 
     @property
     def angle_min(self) -> float:
@@ -92,12 +123,15 @@ if {f.name: f.default for f in fields(SensorConfig)} != {row.name: row.initial f
 
 
 def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:
-    """Return the exact distance (n_beams,), metres, from ``sensor_pose`` (3,), ``T_map_laser``, to the first solid.
+    """Return the exact distance (n_readings,), metres, from ``sensor_pose`` (3,), ``T_map_laser``, to the first solid.
 
-    +inf where a beam meets nothing within ``sensor.range_max``.
+    +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``.
     """
     x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
-    out = np.empty(sensor.n_beams)
+    if sensor.kind == "sonar_ring":
+        bearings = np.asarray(sensor.angle_min + sensor.angle_increment * np.arange(sensor.n_readings), np.float64)
+        return nearest_in_cones(world, (x, y, yaw), bearings, sensor.beam_width, sensor.range_max)
+    out = np.empty(sensor.n_readings)
     cast_rays(world.segments, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
     return out
 
@@ -105,15 +139,14 @@ def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> F
 def measure(
     world: World, sensor: SensorConfig, sensor_pose: ArrayLike, rng: np.random.Generator, stamp_ns: int = 0
 ) -> LaserScan:
-    """Return the scan that the lidar at ``sensor_pose`` (3,), ``T_map_laser``, reports, all beams at one instant.
+    """Return the scan that the sensor at ``sensor_pose`` (3,), ``T_map_laser``, reports, all beams at one instant.
 
     Each true range gets Gaussian noise of σ = ``range_noise``, cut off so that no reading falls below
     :data:`RANGE_MIN`; one beyond ``range_max``, before or after the noise, is +inf, "no return" (REP 117). This is
     p_hit of the beam model (Probabilistic Robotics, table 6.1) without its other three terms.
     """
-    noise = rng.standard_normal(
-        sensor.n_beams
-    )  # drawn even where σ = 0: the noise of later scans does not depend on it
+    # Drawn even where σ = 0: the noise of later scans does not depend on it.
+    noise = rng.standard_normal(sensor.n_readings)
     ranges = np.maximum(true_ranges(world, sensor, sensor_pose) + sensor.range_noise * noise, RANGE_MIN).astype(
         np.float32
     )

@@ -46,8 +46,8 @@ class Recording:
     def _start_empty(self) -> None:
         rows = min(self.capacity, FIRST_ROWS)
         self._n = 0
-        self._ranges = np.empty((rows, self.sensor.n_beams), dtype=np.float32)
-        self._swallowed = np.zeros((rows, self.sensor.n_beams), dtype=np.bool_)
+        self._ranges = np.empty((rows, self.sensor.n_readings), dtype=np.float32)
+        self._swallowed = np.zeros((rows, self.sensor.n_readings), dtype=np.bool_)
         self._poses = np.empty((rows, 3))
         self._odometry = np.empty((rows, 3))
         self._stamps = np.empty(rows, dtype=np.int64)
@@ -61,8 +61,9 @@ class Recording:
         Noise and scan rate may differ. Where it returns false a new recording has to begin.
         """
         mine = self.sensor
-        return (sensor.n_beams, sensor.field_of_view, sensor.range_max) == (
-            mine.n_beams,
+        return (sensor.n_readings, sensor.cone, sensor.field_of_view, sensor.range_max) == (
+            mine.n_readings,
+            mine.cone,
             mine.field_of_view,
             mine.range_max,
         )
@@ -79,7 +80,7 @@ class Recording:
         ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``swallowed`` (n_beams,) are
         the beams that a polished wall swallows, None for no beam.
         """
-        wanted = (self.sensor.n_beams, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
+        wanted = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
         given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
         if given != wanted:
             raise ConfigError(
@@ -120,6 +121,7 @@ class Recording:
                 "odometry": Trajectory(self._odometry[: self._n], "What its wheels report: the truth with a drift."),
             },
             self.mount,
+            beam_width=self.sensor.cone,
             name="live world",
             format="simulation",
         )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal
 
 import structlog
@@ -172,7 +172,10 @@ class Content(ABC):
                 if order.command["type"] == "parameters":
                     config, asked_by = config.with_values(values(order.command)), order.client
                 else:
+                    before = self.config
                     self._obey(order, outcome)
+                    # A sensor of another kind brings the model that suits it.
+                    config = config.with_values(_changed(before, self.config))
             except (ProtocolError, MapperError) as error:
                 self._refuse(outcome, order.client, error)
                 if order.command["type"] in ("parameters", "sensor"):
@@ -273,3 +276,8 @@ class Content(ABC):
         except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
             _log.exception("a command failed", command="why")
             outcome.answers.append((client, error_message("internal", "The cell could not be explained.")))
+
+
+def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:
+    """Return the values of ``after`` that are not those of ``before``."""
+    return {name: value for name, value in asdict(after).items() if value != getattr(before, name)}

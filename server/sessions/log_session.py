@@ -49,7 +49,7 @@ def first_replay(log: ScanLog, trajectory: str | None, limits: Limits) -> Replay
     """Return the replay that a session begins with: the default parameters, coarser where the map is too large."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
-    config = MappingConfig().with_values(suited_parameters(log, {"range_max": range_max}))
+    config = MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
     for resolution in COARSER:
         try:
             return Replay(log, config, trajectory, limits)

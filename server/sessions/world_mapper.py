@@ -16,6 +16,7 @@ from mapper.integrate import Change, geometry_for, integrate_log, integrate_scan
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan, ScanLog
+from mapper.suited import suited_parameters
 from mapper.world import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
 from mapper.world.faults import swallowed, without_swallowed
 from mapper.world.lidar import measure, true_ranges
@@ -56,7 +57,8 @@ class WorldMapper:
     @staticmethod
     def first_config(sensor: SensorConfig) -> MappingConfig:
         """Return the parameters that a live world begins with."""
-        return MappingConfig(range_max=sensor.range_max, window=0.2, resolution=0.05)
+        first = {"range_max": sensor.range_max, "window": 0.2, "resolution": 0.05}
+        return MappingConfig().with_values(suited_parameters(sensor.cone, first))
 
     def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
         """Start anew in ``world``, altered by ``edits``, the robot having walked for a moment.
@@ -207,8 +209,20 @@ class WorldMapper:
         return self.look(), landed.message if landed.moved else None
 
     def set_sensor(self, sensor: SensorConfig) -> bool:
-        """Exchange the sensor; return whether the map had to be made anew, because a recording was given up."""
+        """Exchange the sensor; return whether the map had to be made anew, because a recording was given up.
+
+        No model suits thin and wide beams alike: where a sensor of another kind comes, the map begins anew, with the
+        model that suits it.
+        """
+        other_kind = sensor.kind != self.simulation.sensor.kind
         self.simulation.set_sensor(sensor)
+        if other_kind:
+            suited = suited_parameters(sensor.cone)
+            model = {"model": suited.pop("model", "fixed_increments")}
+            self.recordings = [Recording(sensor)]
+            self.remake(self.config.with_values(model | suited))
+            self.look()
+            return True
         if self.recordings[-1].fits(sensor):
             return False
         if not len(self.recordings[-1]):

@@ -198,6 +198,7 @@ class WorldSession(Session):
             case kind if kind in ACTIONS:
                 second = mapper.second
                 act(mapper, command, outcome)
+                self.config = mapper.config
                 if kind == "drive":
                     self.playing = True  # who takes the wheel wants to move
                 if kind == "edit":

@@ -3,10 +3,10 @@
 import type { Parameter, Values } from "../protocol";
 import type { Range } from "./numbers";
 
-/** A row shows when it concerns the model of the moment and there is something to choose. */
+/** A row shows when it concerns the model, or the kind of sensor, of the moment and there is something to choose. */
 export function isShown(row: Parameter, values: Values): boolean {
   if (row.kind === "choice" && row.choices.length < 2) return false;
-  const model = values.model;
+  const model = values.model ?? values.kind;
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }
 

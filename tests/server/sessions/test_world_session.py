@@ -280,3 +280,16 @@ async def test_closing_calls_what_hangs_on_it(registry: SessionRegistry) -> None
     assert closed == [1, 2]
     await session.close()
     assert closed == [1, 2]
+
+
+async def test_a_sensor_of_another_kind_begins_the_map_anew_with_the_model_that_suits_it(
+    registry: SessionRegistry, obey: Callable[..., Any]
+) -> None:
+    session = await registry.create_world("me", "room")
+    await obey(session, type="sensor", values={"kind": "sonar_ring", "beam_width": 0.5})
+    view = session.view()
+    assert (view.config.model, view.config.opening) == ("sonar_cone", 0.5)
+    assert len(view.ranges) == 16
+    assert view.observed.any()
+    await obey(session, type="sensor", values={"kind": "lidar"})
+    assert session.view().config.model == "fixed_increments"
