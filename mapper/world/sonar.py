@@ -18,8 +18,8 @@ def nearest_in_cones(
     """Return the distance (n,), metres, from ``pose`` to the nearest solid in each cone, +inf where there is none.
 
     ``pose`` (x, y, yaw) is ``T_map_sensor``; ``bearings`` (n,) and ``beam_width``, from edge to edge, are radians. A
-    cone is felt for with rays at most :data:`RAY_STEP` apart, its edges and its axis among them. Source: the wide beam of a time of
-    flight sonar, Moravec & Elfes 1985, section 2.
+    cone is felt for with rays at most :data:`RAY_STEP` apart, its edges and its axis among them. Source: the wide beam
+    of a time of flight sonar, Moravec & Elfes 1985, section 2.
     """
     x, y, yaw = pose
     n_rays = 2 * math.ceil(beam_width / 2.0 / RAY_STEP) + 1
