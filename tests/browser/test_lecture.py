@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
@@ -184,6 +185,46 @@ def test_a_finger_moves_the_end_of_the_beam(page: Page, server: str) -> None:
         points = [] if dx is None else [{"x": x + dx, "y": y}]
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     expect(end).not_to_have_attribute("aria-valuetext", "column 22, row 10")
+
+
+# --- 6: the whole algorithm ------------------------------------------------------------------------------------------
+
+
+def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
+    section = open_section(page, server, "algorithm")
+    lit, output = section.locator(".program-text .lit"), section.locator("output")
+    expect(lit).to_have_count(1)
+    expect(lit).to_contain_text("low, high = config.clamp_limits")
+    start = output.inner_text()
+    section.get_by_role("button", name="On").click()
+    expect(lit).to_contain_text("return min(max(log_odds + evidence")
+    section.get_by_role("button", name="On").click()
+    expect(lit).to_contain_text("grid.observed[cell] = True")
+    expect(section.locator(".program-values")).to_contain_text("→")
+    for _ in range(2):
+        section.get_by_role("button", name="Back").click()
+    expect(output).to_have_text(start)
+    section.get_by_text("a beam", exact=True).click()
+    section.get_by_role("button", name="On").click()
+    expect(lit).to_contain_text("evidence = evidence_of_beam")
+    section.get_by_text("the scan", exact=True).click()
+    section.get_by_role("button", name="On").click()
+    expect(lit).to_contain_text("return updates")
+    assert numbers(output)[0] == numbers(output)[1]
+    section.get_by_role("button", name="To the beginning").click()
+    expect(output).to_contain_text("line 1 of")
+    section.get_by_text("a line", exact=True).click()
+    section.get_by_role("button", name="Play").click()
+    expect(lit).to_contain_text("evidence = evidence_of_beam")
+    section.get_by_role("button", name="Pause").click()
+
+
+def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
+    section = open_section(page, server, "algorithm")
+    file = (Path(__file__).parents[2] / "mapper" / "textbook.py").read_text().splitlines()
+    shown = [line for line in section.locator(".program-text").inner_text().splitlines() if line.strip()]
+    assert len(shown) > 40
+    assert set(shown) <= set(file)
 
 
 # --- no return -------------------------------------------------------------------------------------------------------

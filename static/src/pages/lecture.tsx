@@ -5,6 +5,7 @@ import { type ComponentType, render } from "preact";
 import { useEffect } from "preact/hooks";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
+import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
@@ -28,6 +29,7 @@ const PARTS: readonly Part[] = [
   { id: "log-odds", title: "Why log-odds", body: DigitsSection },
   { id: "model", title: "What one reading says", body: ModelSection },
   { id: "rays", title: "Rays on a grid", body: RaysSection },
+  { id: "algorithm", title: "The whole algorithm", body: AlgorithmSection },
   { id: "no-return", title: "When nothing comes back", body: NoReturnSection },
   { id: "mount", title: "Frames and mounts", body: MountSection },
   { id: "forgetting", title: "Clamping and forgetting", body: ForgettingSection },

@@ -1,6 +1,6 @@
 import type { ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import type { Point, Pose } from "../../protocol";
+import type { Pose } from "../../protocol";
 import type { LessonGeometry, LessonGrid, LessonScan } from "./grid";
 import { type Place, Stage } from "./Stage";
 import { bearingOf } from "./textbook";
@@ -40,14 +40,15 @@ interface SceneProps {
   readonly label: string;
   readonly grid: ReadonlySignal<LessonGrid>;
   readonly walls: readonly Wall[];
-  readonly onPoint?: (point: Point | null) => void;
+  /** Draw the borders of the cells. */
+  readonly lines?: boolean;
   readonly children?: (place: Place) => ComponentChildren;
 }
 
 /** A belief with the true walls drawn over it. */
-export function Scene({ geometry, label, grid, walls, onPoint, children }: SceneProps) {
+export function Scene({ geometry, label, grid, walls, lines = false, children }: SceneProps) {
   return (
-    <Stage geometry={geometry} label={label} grid={grid} {...(onPoint ? { onPoint } : {})}>
+    <Stage geometry={geometry} label={label} grid={grid} lines={lines}>
       {(place) => (
         <>
           {children?.(place)}

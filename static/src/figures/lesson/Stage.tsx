@@ -1,6 +1,6 @@
-import { computed, type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
+import { type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { byteAt } from "../../belief";
 import { mapColours, palette } from "../../gl/palette";
 import { fromLattice, toLattice } from "../../lattice";
@@ -38,16 +38,16 @@ const placeOf = (geometry: LessonGeometry, width: number): Place => {
 /** Where the colours of the log-odds end. */
 const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
 
-function paint(canvas: HTMLCanvasElement, grid: LessonGrid, range: typeof RANGE): void {
+function paint(canvas: HTMLCanvasElement, grid: LessonGrid): void {
   const { rows, cols } = grid.geometry;
   const context = canvas.getContext("2d");
   if (!context) return;
-  const colours = palette(range, mapColours());
+  const colours = palette(RANGE, mapColours());
   const image = context.createImageData(cols, rows);
   for (let row = 0; row < rows; row++)
     for (let col = 0; col < cols; col++) {
       const index = row * cols + col;
-      const byte = Math.min(255, Math.max(1, Math.round(byteAt(grid.logOdds[index] ?? 0, range))));
+      const byte = Math.min(255, Math.max(1, Math.round(byteAt(grid.logOdds[index] ?? 0, RANGE))));
       const from = 4 * (grid.observed[index] === 1 ? byte : 0);
       image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
     }
@@ -70,24 +70,18 @@ interface StageProps {
   readonly label: string;
   /** The belief on the floor; without it the floor is plain. */
   readonly grid?: ReadonlySignal<LessonGrid>;
-  readonly range?: typeof RANGE;
   /** Instead of a belief, an image: greys, top row first. */
   readonly greys?: ReadonlySignal<Uint8Array>;
   /** Draw the borders of the cells. */
   readonly lines?: boolean;
-  readonly onPoint?: (point: Point | null) => void;
-  readonly onPress?: (point: Point) => void;
   readonly children?: (place: Place) => ComponentChildren;
 }
 
 /** A piece of the world: its cells as a canvas, and over them a drawing in pixels. It keeps its place while it loads. */
-export function Stage({ geometry, label, grid, greys, range = RANGE, lines, onPoint, onPress, children }: StageProps) {
+export function Stage({ geometry, label, grid, greys, lines, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useSignal(0);
-  const shape = useSignal(geometry);
-  shape.value = geometry;
-  const place = useMemo(() => computed(() => placeOf(shape.value, width.value || 480)), [shape, width]);
   useEffect(() => {
     const element = box.current;
     if (!element) return;
@@ -99,29 +93,17 @@ export function Stage({ geometry, label, grid, greys, range = RANGE, lines, onPo
   }, [width]);
   useSignalEffect(() => {
     void isDark.value;
-    if (canvas.current && grid) paint(canvas.current, grid.value, range);
+    if (canvas.current && grid) paint(canvas.current, grid.value);
     if (canvas.current && greys) paintGreys(canvas.current, greys.value);
   });
-  const now = place.value;
-  const at = (event: PointerEvent): Point => {
-    const bounds = (event.currentTarget as Element).getBoundingClientRect();
-    return now.world(event.clientX - bounds.left, event.clientY - bounds.top);
-  };
+  const now = placeOf(geometry, width.value || 480);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
       {(grid || greys) && (
         <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />
       )}
       {!(grid || greys) && <p class="visually-hidden">{label}</p>}
-      <svg
-        width={now.width}
-        height={now.height}
-        viewBox={`0 0 ${now.width} ${now.height}`}
-        role="presentation"
-        {...(onPoint ? { onPointerMove: (event: PointerEvent) => onPoint(at(event)) } : {})}
-        {...(onPoint ? { onPointerLeave: () => onPoint(null) } : {})}
-        {...(onPress ? { onClick: (event: MouseEvent) => onPress(at(event as PointerEvent)) } : {})}
-      >
+      <svg width={now.width} height={now.height} viewBox={`0 0 ${now.width} ${now.height}`} role="presentation">
         {lines && <Lines geometry={geometry} place={now} />}
         {children?.(now)}
       </svg>
