@@ -171,10 +171,11 @@ class OccupancyGrid:
     ℓ₀ is the number ``log_odds_prior``, and with ``prior_map`` (rows, cols) float32 what that says of each cell, NaN
     being a cell of which it says nothing: mapping goes on from there, and what the map knew counts as observed.
     ``tallies`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: what speaks for occupied, and
-    what for empty. ``log_odds`` is computed from them then. Raises :class:`ConfigError` for a prior that is not finite.
+    what for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at ``tally_prior``. Raises
+    :class:`ConfigError` for a prior that is not finite.
     """
 
-    __slots__ = ("geometry", "log_odds", "log_odds_prior", "observed", "prior_map", "tallies")
+    __slots__ = ("geometry", "log_odds", "log_odds_prior", "observed", "prior_map", "tallies", "tally_prior")
 
     def __init__(
         self, geometry: GridGeometry, log_odds_prior: float = 0.0, prior_map: NDArray[np.float32] | None = None
@@ -189,6 +190,7 @@ class OccupancyGrid:
         self.log_odds_prior = float(log_odds_prior)
         self.prior_map = prior_map
         self.tallies: NDArray[np.float32] | None = None
+        self.tally_prior = (0.0, 0.0)
         self.observed: NDArray[np.bool_] = (
             np.zeros(geometry.shape, dtype=np.bool_) if prior_map is None else ~np.isnan(prior_map)
         )
@@ -216,6 +218,7 @@ class OccupancyGrid:
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry, self.log_odds_prior, None
         shared.log_odds, shared.observed, shared.tallies = self.tallies[index], self.observed, None
+        shared.tally_prior = self.tally_prior
         return shared
 
     @property
@@ -241,7 +244,8 @@ class OccupancyGrid:
             prior_map[old] = self.prior_map
             self.prior_map = prior_map
         if self.tallies is not None:
-            tallies = np.zeros((2, *grown.shape), dtype=np.float32)
+            tallies = np.empty((2, *grown.shape), dtype=np.float32)
+            tallies[0], tallies[1] = self.tally_prior
             tallies[old] = self.tallies
             self.tallies = tallies
         self.geometry, self.log_odds, self.observed = grown, log_odds, observed

@@ -32,6 +32,8 @@ def begin(grid: OccupancyGrid, config: MappingConfig) -> None:
         if config.model == "moravec_elfes":
             value = 2.0 * probability(grid.prior()) - 1.0
             grid.tallies[0], grid.tallies[1] = np.maximum(value, 0.0), np.maximum(-value, 0.0)
+            sure = 2.0 * float(probability(grid.log_odds_prior)) - 1.0
+            grid.tally_prior = (max(sure, 0.0), max(-sure, 0.0))
     elif not tallied and grid.tallies is not None:
         raise _mixed(config)
 

@@ -53,6 +53,27 @@ def test_per_scan(log: ScanLog, window: float) -> None:
         np.testing.assert_array_equal(ours.log_odds, theirs.log_odds)
 
 
+@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+@pytest.mark.parametrize("model", ["smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting"])
+def test_the_other_models(log: ScanLog, model: str, update: str) -> None:
+    config = MappingConfig(
+        model=model, update=update, window=0.3, range_max=5.0, opening=0.1, cone_profile="gaussian", no_return="hit"
+    )
+    few = thinned(log, 2)
+    few = replace(few, ranges=few.ranges[:, ::6].copy(), angle_increment=6 * few.angle_increment)
+    poses = few.sensor_poses()
+    for t in range(few.n_scans):
+        x, y, _ = poses[t]
+        geometry = GridGeometry(0.05, 140, 120, (x - 3.0, y - 3.5, 0.0))
+        ours, theirs = OccupancyGrid(geometry), OccupancyGrid(geometry)
+        count = integrate_log(ours, few, config, start=t, stop=t + 1)
+        assert count == textbook.occupancy_grid_mapping(theirs, few.scan(t), poses[t], config) > 300
+        np.testing.assert_array_equal(ours.observed, theirs.observed)
+        np.testing.assert_allclose(ours.log_odds, theirs.log_odds, atol=1e-6 if model != "moravec_elfes" else 1e-5)
+        if ours.tallies is not None and theirs.tallies is not None:
+            np.testing.assert_allclose(ours.tallies, theirs.tallies, atol=1e-6)
+
+
 def hits_minus_misses(log: ScanLog, geometry: GridGeometry, range_max: float) -> np.ndarray:
     """How often a beam ended in each cell less how often one passed it, by Bresenham's rule in closed form."""
     rows, cols = geometry.shape

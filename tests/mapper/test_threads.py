@@ -10,17 +10,18 @@ from hypothesis import strategies as st
 import mapper.sweep
 from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_log
-from mapper.parameters import MappingConfig
+from mapper.parameters import MODELS, MappingConfig
 from mapper.scan import ScanLog
 from mapper.threads import bands, in_parallel
 
 
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
 @pytest.mark.parametrize("window", [0.0, 0.3])
+@pytest.mark.parametrize("model", [model for model in MODELS if model != "step_window"])
 def test_the_number_of_threads_does_not_show(
-    office_log: ScanLog, update: str, window: float, monkeypatch: pytest.MonkeyPatch
+    office_log: ScanLog, model: str, update: str, window: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = MappingConfig(update=update, window=window, no_return="free")
+    config = MappingConfig(model=model, update=update, window=window, no_return="free", resolution=0.1, opening=0.1)
     geometry = geometry_for(office_log, config)
     maps = []
     for threads in (1, 2, 3, 7):

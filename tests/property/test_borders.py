@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.integrate import integrate_log, integrate_scan
-from mapper.parameters import MappingConfig
+from mapper.parameters import MODELS, MappingConfig
 from mapper.scan import LaserScan, ScanLog, Trajectory
 
 SIDE = 40
@@ -20,7 +20,9 @@ def log_of(ranges: list[float], bearing: float, pose: tuple[float, float, float]
     )
 
 
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+@settings(max_examples=40)
 @given(
     quarter=st.sampled_from([0, 1, 2, 3]),
     place=st.tuples(st.floats(0.5, 3.5), st.floats(0.5, 3.5)),
@@ -28,8 +30,10 @@ def log_of(ranges: list[float], bearing: float, pose: tuple[float, float, float]
     ranges=st.lists(st.floats(4.5, 30) | st.just(np.inf), min_size=1, max_size=6),
     window=st.sampled_from([0.0, 0.5]),
 )
-def test_a_ray_that_leaves_keeps_the_opposite_edge_bit_identical(update, quarter, place, tilt, ranges, window) -> None:
-    config = MappingConfig(update=update, no_return="free", window=window)
+def test_a_ray_that_leaves_keeps_the_opposite_edge_bit_identical(
+    model, update, quarter, place, tilt, ranges, window
+) -> None:
+    config = MappingConfig(model=model, update=update, no_return="free", window=window, opening=0.3)
     grid = OccupancyGrid(GridGeometry(0.1, SIDE, SIDE))
     grid.log_odds[:] = np.random.default_rng(quarter).normal(size=grid.log_odds.shape)
     before = grid.log_odds.copy()
@@ -42,11 +46,12 @@ def test_a_ray_that_leaves_keeps_the_opposite_edge_bit_identical(update, quarter
     assert not grid.observed[behind].any()
 
 
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
 @given(yaw=st.sampled_from([0.0, 0.4, -2.0]), seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=30)
-def test_growth_leaves_every_old_cell_where_it_was(update: str, yaw: float, seed: int) -> None:
-    config = MappingConfig(update=update, log_odds_prior=0.25)
+@settings(max_examples=10)
+def test_growth_leaves_every_old_cell_where_it_was(model: str, update: str, yaw: float, seed: int) -> None:
+    config = MappingConfig(model=model, update=update, log_odds_prior=0.25, opening=0.3)
     # Numbers that no cell's border coincides with: an origin computed anew by growth differs in its last bits.
     random = np.random.default_rng(seed)
     grid = OccupancyGrid(GridGeometry(0.1, 30, 50, (-1.0, -2.0, yaw)), config.log_odds_prior)
@@ -68,5 +73,7 @@ def test_growth_leaves_every_old_cell_where_it_was(update: str, yaw: float, seed
     row, col = large.geometry.world_to_cell(grid.geometry.cell_to_world((0, 0)))
     rows, cols = grid.geometry.shape
     part = np.s_[row : row + rows, col : col + cols]
-    np.testing.assert_array_equal(large.log_odds[part], grid.log_odds)
+    # Evidence that changes smoothly over the cells changes a little where the origin's last bits do.
+    smooth = model in ("smooth_ramp", "sonar_cone", "moravec_elfes")
+    np.testing.assert_allclose(large.log_odds[part], grid.log_odds, rtol=0, atol=1e-6 if smooth else 0)
     assert large.observed.sum() == grid.observed.sum()

@@ -1,14 +1,16 @@
 """What is told of a cell adds up to what the map holds, with every kind of update."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mapper.errors import ConfigError
-from mapper.parameters import MappingConfig
+from mapper.parameters import MODELS, MappingConfig
+from mapper.provenance import provenance
 from mapper.replay import Replay
-from mapper.scan import ScanLog
+from mapper.scan import ScanLog, Trajectory
 
 KINDS = list(
     itertools.product(["per_beam", "per_scan"], ["bresenham", "amanatides_woo"], [0.0, 0.3], ["ignore", "free"])
@@ -37,6 +39,44 @@ def test_the_last_entry_is_the_map(
     unseen = np.argwhere(~grid.observed)
     for row, col in random.choice(unseen, 25):
         assert len(replay.provenance(row, col).scans) == 0
+
+
+@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+@pytest.mark.parametrize("no_return", ["free", "hit"])
+@pytest.mark.parametrize("model", MODELS)
+def test_the_last_entry_is_the_map_of_every_model(office_log: ScanLog, model: str, update: str, no_return: str) -> None:
+    config = MappingConfig(model=model, update=update, no_return=no_return, resolution=0.1, range_max=4.0, opening=0.1)
+    replay = Replay(office_log, config)
+    replay.advance_to(10)
+    grid, random = replay.grid, np.random.default_rng(5)
+    seen = np.argwhere(grid.observed)
+    for row, col in random.choice(seen, 8):
+        told = replay.provenance(row, col)
+        assert told.log_odds[-1] == pytest.approx(float(grid.log_odds[row, col]), abs=1e-5)
+        np.testing.assert_allclose(told.before + np.cumsum(told.increments)[:1], told.log_odds[:1], atol=1e-5)
+    for row, col in random.choice(np.argwhere(~grid.observed), 8):
+        assert len(replay.provenance(row, col).scans) == 0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_map_of_several_logs_is_told_log_by_log(office_log: ScanLog, model: str) -> None:
+    config = MappingConfig(model=model, resolution=0.1, range_max=4.0, opening=0.1)
+    whole = Replay(office_log, config)
+    whole.advance_to(12)
+    row, col = np.random.default_rng(1).choice(np.argwhere(whole.grid.observed), 1)[0]
+    at_once = whole.provenance(row, col)
+    parts = [_part(office_log, 0, 5), _part(office_log, 5, 12)]
+    first = provenance(whole.grid.geometry, parts[0], config, (row, col))
+    second = provenance(whole.grid.geometry, parts[1], config, (row, col), before=first)
+    assert second.before == first.after
+    np.testing.assert_allclose(np.concatenate([first.log_odds, second.log_odds]), at_once.log_odds, atol=1e-5)
+
+
+def _part(log: ScanLog, start: int, stop: int) -> ScanLog:
+    poses = Trajectory(log.trajectory().poses[start:stop])
+    return replace(
+        log, ranges=log.ranges[start:stop], stamps_ns=log.stamps_ns[start:stop], trajectories={"part": poses}
+    )
 
 
 def test_a_cell_that_is_not_there(office_log: ScanLog) -> None:
