@@ -52,6 +52,7 @@ class LibraryLimits:
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds without a byte after which an upload is given up
     read_timeout_s: float = 120.0
+    read_cpu_s: float = 100.0  #: seconds of processor time
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
 
@@ -85,7 +86,9 @@ class Library:
         self._uploads = 0
         self._own_reader = reader is None
         self._reader = reader or Reader(
-            timeout_s=self._limits.read_timeout_s, memory_bytes=self._limits.read_memory_bytes
+            timeout_s=self._limits.read_timeout_s,
+            memory_bytes=self._limits.read_memory_bytes,
+            cpu_s=self._limits.read_cpu_s,
         )
         self._cache = LogCache(self._limits.cache_bytes)
         self._unpacking = asyncio.Lock()
@@ -100,7 +103,7 @@ class Library:
                 self._store.delete(record.id)
                 continue
             if record.source == "upload" and record.state in ("queued", "reading"):
-                failure = Failure("log.interrupted", "Reading was interrupted; upload the log again to retry.")
+                failure = Failure("log.interrupted", "Reading was interrupted by a restart of the server.")
                 kept = replace(record, state="failed", progress=0.0, error=failure)
                 self._store.put(kept)
             self._records[kept.id] = kept
@@ -212,6 +215,30 @@ class Library:
             job.cancel()
             await asyncio.gather(job, return_exceptions=True)
             self._pack(record.id).unlink(missing_ok=True)
+
+    async def cancel(self, owner: str, log_id: str) -> Record:
+        """Stop reading an upload of ``owner``; its bytes stay, and it can be read again. Return its record."""
+        record = self._own_upload(owner, log_id)
+        job = self._jobs.pop(record.id, None)  # one that has not begun yet does not do it itself
+        if job is None:
+            return record
+        job.cancel()
+        await asyncio.gather(job, return_exceptions=True)
+        if self._records.get(log_id) is not None and self._records[log_id].state in ("queued", "reading"):
+            failure = Failure("log.cancelled", "Reading was stopped.")
+            self._save(replace(self._records[log_id], state="failed", progress=0.0, error=failure))
+        return self.get(owner, log_id)
+
+    def read_again(self, owner: str, log_id: str) -> Record:
+        """Queue an upload of ``owner`` that failed for another reading; return its record."""
+        record = self._own_upload(owner, log_id)
+        return self._queue(record) if record.state == "failed" else record
+
+    def _own_upload(self, owner: str, log_id: str) -> Record:
+        record = self.get(owner, log_id)
+        if record.source != "upload":
+            raise LogReadOnlyError("log.read_only", "This log belongs to the server and is read as it needs to be.")
+        return record
 
     def _forget(self, log_id: str) -> None:
         self._records.pop(log_id, None)
@@ -349,7 +376,7 @@ class Library:
         """The job: wait for the reader, read, and say how it went."""
         started = time.monotonic()
         try:
-            async with self._reader.turn():
+            async with self._reader.turn(record.owner):
                 if self._room() < 0:
                     raise _full()
                 self._save(replace(record, state="reading"))

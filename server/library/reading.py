@@ -1,7 +1,7 @@
 """Reading a log in a process of its own: what a file can do there, it can do to nobody else.
 
-The worker has a limit of memory and of time; one that dies fails its own job and no other, because only one job is
-in its hands at a time and the others wait here.
+The worker has a limit of memory, of processor time and of time on the clock; one that dies fails its own job and no
+other, because only one job is in its hands at a time and the others wait here.
 """
 
 from __future__ import annotations
@@ -9,12 +9,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ctypes
+import math
 import multiprocessing
 import os
 import resource
 import signal
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractAsyncContextManager
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
@@ -22,6 +25,7 @@ from mapper.errors import LimitError, ReadError
 from mapper.logs import open_log
 from mapper.logs.summary import LogSummary, summarise
 from server.library.packed import write_pack
+from server.library.turns import Turns
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
 
@@ -48,42 +52,69 @@ class _OutOfTime(BaseException):
     """The job's time is over: no ``Exception``, so that no reader catches it."""
 
 
-def _out_of_time(*_: object) -> None:
-    raise _OutOfTime
+def _out_of_time(number: int, _: object) -> None:
+    raise _OutOfTime(number)
 
 
-def read_job(source: str, pack: str | None, timeout_s: float) -> LogSummary:
+@contextlib.contextmanager
+def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
+    """Interrupt what runs in it after so many seconds on the clock, or of processor time.
+
+    What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again.
+    """
+    alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    with contextlib.suppress(ValueError, OSError):
+        last = int(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (last, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    try:
+        for number, timer, seconds in alarms:
+            signal.signal(number, _out_of_time)
+            signal.setitimer(timer, seconds)
+        yield
+    except _OutOfTime as over:
+        raise _time_error(timeout_s) if over.args[0] == signal.SIGALRM else _cpu_error(cpu_s) from None
+    finally:
+        for _, timer, _ in alarms:
+            signal.setitimer(timer, 0.0)
+
+
+def read_job(source: str, pack: str | None, timeout_s: float, cpu_s: float) -> LogSummary:
     """Read the log file ``source``, pack it into ``pack`` if there is one and return what it holds. Runs in the worker.
 
     Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
     """
     _note_progress(0.0)
-    signal.signal(signal.SIGALRM, _out_of_time)
-    signal.setitimer(signal.ITIMER_REAL, timeout_s)
     try:
-        log = open_log(Path(source), progress=_note_progress)
-        if pack is not None:
-            write_pack(log, Path(pack))
-        return summarise(log)
-    except _OutOfTime:
-        raise _time_error(timeout_s) from None
+        with _timed(timeout_s, cpu_s):
+            return _read(source, pack)
     except MemoryError:
         raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _read(source: str, pack: str | None) -> LogSummary:
+    log = open_log(Path(source), progress=_note_progress)
+    if pack is not None:
+        write_pack(log, Path(pack))
+    return summarise(log)
 
 
 def _time_error(timeout_s: float) -> LimitError:
     return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:g} s that the server allows.")
 
 
+def _cpu_error(cpu_s: float) -> LimitError:
+    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:g} s of processor time it may have.")
+
+
 class Reader:
     """One worker process, made when the first log is to be read. Used from the event loop only."""
 
-    def __init__(self, *, timeout_s: float, memory_bytes: int) -> None:
+    def __init__(self, *, timeout_s: float, memory_bytes: int, cpu_s: float = math.inf) -> None:
         self._timeout_s = timeout_s
+        self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
-        self._turn = asyncio.Lock()
+        self._turns = Turns()
         self._pool: ProcessPoolExecutor | None = None
         context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the server's sockets
         self._context = context
@@ -100,9 +131,9 @@ class Reader:
         """The worker's process, 0 before there is one."""
         return int(self._pid.value)
 
-    def turn(self) -> asyncio.Lock:
-        """Return the lock whose holder may call :meth:`read`."""
-        return self._turn
+    def turn(self, owner: str) -> AbstractAsyncContextManager[None]:
+        """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
+        return self._turns.of(owner)
 
     async def read(self, source: Path, pack: Path | None) -> LogSummary:
         """Have ``source`` read, and packed into ``pack`` if there is one; the caller holds :meth:`turn`.
@@ -124,7 +155,7 @@ class Reader:
             self._end_worker()
             raise ReadError(
                 "log.reader_died",
-                "The process that read this log was ended, most likely because the log needs too much memory.",
+                "The process that read this log was ended, most likely because the log needs too much memory or time.",
             ) from None
         except asyncio.CancelledError:
             self._end_worker()
@@ -139,7 +170,7 @@ class Reader:
                 initargs=(self._progress, self._pid, self._memory_bytes),
             )
         return asyncio.get_running_loop().run_in_executor(
-            self._pool, read_job, str(source), None if pack is None else str(pack), self._timeout_s
+            self._pool, read_job, str(source), None if pack is None else str(pack), self._timeout_s, self._cpu_s
         )
 
     def _end_worker(self) -> ProcessPoolExecutor | None:

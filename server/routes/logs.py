@@ -40,6 +40,20 @@ async def one(request: Request, log_id: str) -> dict[str, Any]:
     return library.get(request.state.visitor, log_id).public()
 
 
+@router.post("/{log_id}/cancel")
+async def cancel(request: Request, log_id: str) -> dict[str, Any]:
+    """Stop reading an upload of this visitor's; it stays, and can be read again."""
+    library: Library = request.app.state.library
+    return (await library.cancel(request.state.visitor, log_id)).public()
+
+
+@router.post("/{log_id}/read", status_code=202)
+async def read_again(request: Request, log_id: str) -> dict[str, Any]:
+    """Read an upload of this visitor's again, if that failed."""
+    library: Library = request.app.state.library
+    return library.read_again(request.state.visitor, log_id).public()
+
+
 @router.delete("/{log_id}", status_code=204)
 async def delete(request: Request, log_id: str) -> None:
     """Delete an upload of this visitor's. Sessions that have it open go on."""

@@ -208,3 +208,19 @@ def test_odd_requests(visitor: Callable[[], httpx.Client]) -> None:
         assert client.get(f"/api/logs/{log_id}").status_code == 404
     other = client.put("/api/logs?name=x", content=b"x", headers={"Origin": "http://evil.example"})
     assert refused(other, 403) == "security.origin"
+
+
+def test_a_reading_is_stopped_and_run_again(visitor: Callable[[], httpx.Client]) -> None:
+    ann, ben = visitor(), visitor()
+    log = put(ann, carmen(20_000), "long.log")
+    address = f"/api/logs/{log['id']}"
+    stopped = ann.post(f"{address}/cancel").json()
+    if stopped["state"] == "failed":  # not read already
+        assert stopped["error"]["code"] == "log.cancelled"
+    for what in ("cancel", "read"):
+        assert refused(ben.post(f"{address}/{what}"), 404) == "log.not_found"
+        assert refused(ann.post(f"/api/logs/sample-office/{what}"), 403) == "log.read_only"
+    answer = ann.post(f"{address}/read")
+    assert answer.status_code == 202
+    assert settled(ann, log["id"])["state"] == "ready"
+    ann.delete(address)

@@ -346,7 +346,8 @@ async def test_a_job_cut_by_a_crash_is_failed_at_the_next_start(
     assert failed.state == "failed"
     assert failed.error is not None
     assert failed.error.code == "log.interrupted"
-    assert "upload" in failed.error.message
+    assert "restart" in failed.error.message
+    assert second.read_again("ann", record.id).state == "queued"
     left = files(settings)
     assert "library/incoming/half.part" not in left
     assert "library/blobs/orphan" not in left

@@ -2,8 +2,11 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import { isMoving, type LogRecord, remove } from "./library";
+import { ask, isMoving, type LogRecord, remove } from "./library";
 import { file, inside, remedy, run, topic, witness } from "./words";
+
+/** Failures that are no fault of the log, or may be none. */
+const AGAIN = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
 
 /** One log: what it holds, or what is wrong with it, and what can be done with it. */
 export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogRecord) => void }) {
@@ -15,11 +18,26 @@ export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogReco
     <li class={`card log-card ${log.state}`}>
       <div class="log-head">
         <h3>{log.name}</h3>
+        {isOwn && moving && (
+          <Button
+            kind="quiet"
+            icon="close"
+            label={`Stop reading ${log.name}`}
+            onClick={() => void tell(log, "cancel")}
+          />
+        )}
         {isOwn && !moving && (
           <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void erase(log)} />
         )}
       </div>
       {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} />}
+      {log.state === "failed" && isOwn && AGAIN.test(log.error?.code ?? "") && (
+        <div class="log-open">
+          <Button icon="restart" onClick={() => void tell(log, "read")}>
+            Read it again
+          </Button>
+        </div>
+      )}
       {moving && isOwn && (
         <div
           class={`progress${log.progress > 0 ? "" : " waiting"}`}
@@ -99,6 +117,11 @@ function Failure({ log }: { log: LogRecord }) {
       {todo && <p class="log-remedy">{todo}</p>}
     </>
   );
+}
+
+async function tell(log: LogRecord, what: "cancel" | "read"): Promise<void> {
+  const wrong = await ask(log.id, what);
+  if (wrong) toast(wrong, "error");
 }
 
 async function erase(log: LogRecord): Promise<void> {

@@ -165,6 +165,20 @@ export async function remove(id: string): Promise<string | null> {
   }
 }
 
+/** Ask the server to stop reading one's own log, or to read it again; resolves to the sentence of what went wrong. */
+export async function ask(id: string, what: "cancel" | "read"): Promise<string | null> {
+  try {
+    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/${what}`, { method: "POST" });
+    if (!answer.ok) return await sentence(answer);
+    const fresh = (await answer.json()) as LogRecord;
+    logs.value = (logs.value ?? []).map((log) => (log.id === id ? fresh : log));
+    void refresh();
+    return null;
+  } catch {
+    return AWAY;
+  }
+}
+
 /** Make a session on a log; resolves to its id, rejects with a sentence. */
 export async function openSession(log: string): Promise<string> {
   const answer = await fetch("/api/sessions", {

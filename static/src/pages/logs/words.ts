@@ -101,7 +101,10 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   ],
   [/\.no_scans$/, "A map needs the range readings. Is there another file of the same run?"],
   [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
-  [/\.(interrupted|reader_died|reader_failed|storage|stalled)$/, "Try it again; the log itself may be sound."],
+  [
+    /\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/,
+    "Try it again; the log itself may be sound.",
+  ],
 ];
 
 /** What one can do about a log that failed. */

@@ -1,0 +1,47 @@
+"""Whose turn it is: one at a time, and those who wait take turns, so that nobody's queue starves another's."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+
+class Turns:
+    """A lock with a queue for each owner. Used from one event loop only."""
+
+    def __init__(self) -> None:
+        self._busy = False
+        self._waiting: dict[str, deque[asyncio.Future[None]]] = {}  #: who is next stands first
+
+    @asynccontextmanager
+    async def of(self, owner: str) -> AsyncIterator[None]:
+        """Wait for the turn of ``owner``, and hold it."""
+        if self._busy:
+            place: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self._waiting.setdefault(owner, deque()).append(place)
+            try:
+                await place
+            except asyncio.CancelledError:
+                if place.done() and not place.cancelled():
+                    self._pass_on()  # the turn came while this one left
+                raise
+        self._busy = True
+        try:
+            yield
+        finally:
+            self._pass_on()
+
+    def _pass_on(self) -> None:
+        """Give the turn to the first owner's oldest request, and put that owner last."""
+        while self._waiting:
+            owner = next(iter(self._waiting))
+            queue = self._waiting.pop(owner)
+            place = queue.popleft()
+            if queue:
+                self._waiting[owner] = queue
+            if not place.done():
+                place.set_result(None)
+                return
+        self._busy = False

@@ -1,0 +1,73 @@
+"""Jobs for the reading process in which the reader does what a reader must not: each is run by its name there."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+from mapper.logs.summary import LogSummary
+from mapper.scan import ScanLog
+from server.library import reading
+
+
+def _with(reader: Callable[..., Any], job: tuple[str, str | None, float, float]) -> LogSummary:
+    good = reading.open_log
+
+    def read(path: Any, **options: Any) -> ScanLog:
+        if b"FLASER 3 6.0" in path.read_bytes():  # the bad log
+            reader()
+        return good(path, **options)
+
+    reading.open_log = read
+    try:
+        return reading.read_job(*job)
+    finally:
+        reading.open_log = good
+
+
+def crash(*job: Any) -> LogSummary:
+    return _with(lambda: os.kill(os.getpid(), signal.SIGSEGV), job)
+
+
+def leave(*job: Any) -> LogSummary:
+    return _with(lambda: os._exit(0), job)
+
+
+def _spin() -> None:
+    while True:
+        pass
+
+
+def loop(*job: Any) -> LogSummary:
+    return _with(_spin, job)
+
+
+def loop_in_c(*job: Any) -> LogSummary:
+    """No signal is heard in there."""
+    return _with(lambda: sum(itertools.repeat(1)), job)
+
+
+def sleep(*job: Any) -> LogSummary:
+    return _with(lambda: time.sleep(1000), job)
+
+
+def _eat() -> None:
+    held = []
+    while True:
+        held.append(bytearray(64 << 20))
+
+
+def eat(*job: Any) -> LogSummary:
+    return _with(_eat, job)
+
+
+def _raise() -> None:
+    raise RuntimeError("a defect")
+
+
+def defect(*job: Any) -> LogSummary:
+    return _with(_raise, job)
