@@ -13,20 +13,23 @@ from mapper.logs.summary import LogSummary
 from mapper.scan import ScanLog
 from server.library import reading
 
+OPEN = "open_log"  #: what the job calls
+
 
 def _with(reader: Callable[..., Any], job: tuple[str, str | None, float, float]) -> LogSummary:
-    good = reading.open_log
+    good = getattr(reading, OPEN)
 
     def read(path: Any, **options: Any) -> ScanLog:
         if b"FLASER 3 6.0" in path.read_bytes():  # the bad log
             reader()
-        return good(path, **options)
+        log: ScanLog = good(path, **options)
+        return log
 
-    reading.open_log = read
+    setattr(reading, OPEN, read)
     try:
         return reading.read_job(*job)
     finally:
-        reading.open_log = good
+        setattr(reading, OPEN, good)
 
 
 def crash(*job: Any) -> LogSummary:
