@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import pairwise
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -20,22 +22,33 @@ from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.kernels.certainties import add_certainties
 from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
-from mapper.kernels.field import RUN_FIELDS, draw_runs, plan_runs
+from mapper.kernels.field import SCANS, note_fields, plan_fields, settle_fields
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
 from mapper.kernels.provenance import touches_of_fields, touches_of_lines, touches_of_rays
 from mapper.kernels.ramps import draw_ramps
 from mapper.kernels.types import Rule, Sight
+from mapper.kernels.unseen import unveil, veil
 from mapper.parameters import CONES, MappingConfig
-from mapper.threads import bands, cores, in_parallel
+from mapper.threads import bands, cores, in_parallel, scratch
 from mapper.wide import drawer_of_cones, evidence_of, ramp_increments, touches_in_cones
 
 _CHUNK_READINGS = 1 << 16  # planned at once: what they become stays in the caches
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
+_WORTH_VEILING = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 
 Scans = tuple[
     NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
 ]  # ranges, sensors, beams, fields, headings
 Draw = Callable[[int, int, NDArray[np.int64]], int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """What beams will draw: the lines or rays, how many cells in each row, and the box of the grid that holds all."""
+
+    planned: NDArray[Any]
+    work: NDArray[np.float64]
+    box: NDArray[np.int64]
 
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
@@ -119,7 +132,7 @@ class Sweep:
         """Add all scans by ``rule``; return the number of cell updates and widen ``box``."""
         if _is_wide(config):
             evenly = np.ones(grid.geometry.rows)
-            return _in_bands(drawer_of_cones(self, grid, config, rule), evenly, threads, box)
+            return _in_bands(drawer_of_cones(self, grid, config, rule), evenly, (0, len(evenly)), threads, box)
         draw_sweep = self._draw_fields if config.update == "per_scan" else self._draw_beams
         return draw_sweep(grid, config, rule, threads, box)
 
@@ -177,7 +190,7 @@ class Sweep:
                 scans = (self.ranges[part], self.sensors[part], self.beams, self.fields, headings[part])
                 n = touches_of_fields(*scans, geometry.frame, sight, row, col, out)
             else:
-                planned, _ = self._plan_beams(part, geometry, config, cores())
+                planned = self._plan_beams(part, geometry, config, cores()).planned
                 if config.traversal == "amanatides_woo":
                     n = touches_of_rays(planned, geometry.resolution, row, col, out)
                 else:
@@ -190,22 +203,22 @@ class Sweep:
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
         return [slice(first, min(first + step, len(self.ranges))) for first in range(0, len(self.ranges), step)]
 
-    def _plan_beams(
-        self, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
-    ) -> tuple[NDArray[Any], NDArray[np.float64]]:
-        """Plan the beams of some scans; return the lines or rays and the number of cells to draw in each row."""
+    def _plan_beams(self, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int) -> _Plan:
+        """Plan the beams of some scans."""
         ranges, sensors, n_beams = self.ranges[part], self.sensors[part], self.ranges.shape[1]
         work = np.zeros((threads, geometry.rows + 1))
+        boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
         plan, planned = _plan_space(config, ranges.size)
         view = (self.beams, geometry.frame, self.sight(config))
-        cuts = np.linspace(0, len(ranges), threads + 1).astype(int)
         in_parallel(
             [
-                partial(plan, ranges[a:b], sensors[a:b], *view, planned[a * n_beams : b * n_beams], own)
-                for a, b, own in zip(cuts[:-1], cuts[1:], work, strict=True)
+                partial(plan, ranges[a:b], sensors[a:b], *view, a * n_beams, planned, own_work, own_box)
+                for (a, b), own_work, own_box in zip(_shares(len(ranges), threads), work, boxes, strict=True)
             ]
         )
-        return planned, np.cumsum(work.sum(axis=0))[:-1]
+        boxes += [-1, 1, -1, 1]  # an endpoint may be rounded out of the line through it
+        box = np.array(_joined(boxes, geometry)).reshape(4)
+        return _Plan(planned, np.cumsum(work.sum(axis=0))[:-1], box)
 
     def _draw_beams(
         self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
@@ -214,51 +227,84 @@ class Sweep:
         flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
         count = 0
         for part in self._chunks():
-            planned, work = self._plan_beams(part, grid.geometry, config, threads)
+            plan = self._plan_beams(part, grid.geometry, config, threads)
             if config.traversal == "amanatides_woo":
-                draw = partial(draw_rays, *flat, planned, frame[4], smooth, evidence, rule)
+                draw = partial(draw_rays, *flat, plan.planned, frame[4], smooth, evidence, rule)
             elif smooth:
                 ranges, sensors, sight = self.ranges[part], self.sensors[part], self.sight(config)
-                draw = partial(draw_ramps, *flat, planned, ranges, sensors, frame, sight, evidence, rule)
+                draw = partial(draw_ramps, *flat, plan.planned, ranges, sensors, frame, sight, evidence, rule)
             else:
-                draw = partial(draw_lines, *flat, planned, rule)
-            count += _in_bands(draw, work, threads, box)
+                draw = partial(draw_lines, *flat, plan.planned, rule)
+            count += _in_bands(partial(_veiled, grid, plan, draw), plan.work, (0, len(plan.work)), threads, box)
         return count
 
     def _draw_fields(
         self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
     ) -> int:
-        rows, cols = grid.geometry.shape
-        shape = (3, rows, -(-cols // 32))
-        sensors, beams, sight = self.sensors, self.beams, self.sight(config)
-        headings, frame = self.headings(grid.geometry), grid.geometry.frame
-        scratch = [np.zeros(shape, dtype=np.uint32) for _ in range(threads)]
-        step = max(threads, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
-
-        def plan(bits: NDArray[np.uint32], first: int, stop: int) -> list[NDArray[np.int64]]:
-            done: list[NDArray[np.int64]] = []
-            room = 1 << 12
-            while first < stop:
-                part = slice(first, stop)
-                runs, counts = np.empty((room, RUN_FIELDS), np.int64), np.zeros(stop - first, np.int64)
-                scans = (self.ranges[part], sensors[part], beams, self.fields, headings[part])
-                first += plan_runs(*scans, frame, sight, cols, bits, runs, counts)
-                done.append(runs[: counts.sum()])
-                room *= 2
-            return done
-
+        headings, frame, sight = self.headings(grid.geometry), grid.geometry.frame, self.sight(config)
         count = 0
-        for first in range(0, len(self.ranges), step):
-            stop = min(first + step, len(self.ranges))
-            cuts = np.linspace(first, stop, threads + 1).astype(int)
-            plans = in_parallel(
-                [partial(plan, bits, a, b) for bits, a, b in zip(scratch, cuts[:-1], cuts[1:], strict=True)]
-            )
-            for runs in (runs for planned in plans for runs in planned if len(runs)):
-                work = np.bincount(runs[:, 0], weights=runs[:, 2] - runs[:, 1], minlength=rows).astype(np.float64)
-                draw = partial(draw_runs, grid.log_odds.reshape(-1), grid.observed.reshape(-1), cols, runs, rule)
-                count += _in_bands(draw, work, threads, box)
+        for part in self._chunks():
+            ranges, sensors = self.ranges[part], self.sensors[part]
+            ends, work, (rows, cols) = self._plan_fields(part, grid.geometry, sight, threads)
+            if rows[0] >= rows[1] or cols[0] >= cols[1]:
+                continue
+            place = (rows[0], cols[0])
+            shape = (threads, 3, rows[1] - rows[0], cols[1] - cols[0])
+            with scratch(prod(shape)) as words:
+                sheets = words[: prod(shape)].reshape(shape)
+                for first in range(0, len(ranges), threads * SCANS):
+                    cuts = _shares(min(threads * SCANS, len(ranges) - first), threads)
+                    notes = []
+                    for sheet, (a, b) in zip(sheets, cuts, strict=True):
+                        some = slice(first + a, first + b)
+                        poses = (sensors[some], self.fields, headings[part][some])
+                        notes.append(partial(note_fields, sheet, place, ranges[some], *poses, frame, sight, ends[some]))
+                    in_parallel(notes)
+                    count += _in_bands(partial(_settle, grid, sheets, place, rule), work, rows, threads, box)
         return count
+
+    def _plan_fields(
+        self, part: slice, geometry: GridGeometry, sight: Sight, threads: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.float64], list[tuple[int, int]]]:
+        """Return where the beams of some scans end, how many do in each row, and the rows and columns they see."""
+        ranges, sensors = self.ranges[part], self.sensors[part]
+        ends = np.empty((*ranges.shape, 2), dtype=np.int32)
+        work = np.zeros((threads, geometry.rows))
+        boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
+        view = (self.beams, geometry.frame, sight, geometry.cols)
+        in_parallel(
+            [
+                partial(plan_fields, ranges[a:b], sensors[a:b], *view, ends[a:b], own_work, own_box)
+                for (a, b), own_work, own_box in zip(_shares(len(ranges), threads), work, boxes, strict=True)
+            ]
+        )
+        return ends, work.sum(axis=0), _joined(boxes, geometry)
+
+
+def _settle(
+    grid: OccupancyGrid,
+    sheets: NDArray[np.int64],
+    place: tuple[int, int],
+    rule: Rule,
+    row_low: int,
+    row_high: int,
+    box: NDArray[np.int64],
+) -> int:
+    """Add what the sheets say, one after another, to a band of rows."""
+    return sum(
+        int(settle_fields(grid.log_odds, grid.observed, sheet, place, rule, row_low, row_high, box)) for sheet in sheets
+    )
+
+
+def _shares(n: int, parts: int) -> list[tuple[int, int]]:
+    """Split [0, n) into ranges of about equal length."""
+    return list(pairwise(round(i * n / parts) for i in range(parts + 1)))
+
+
+def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> list[tuple[int, int]]:
+    """Return the rows and the columns [first, stop) that hold all boxes, as far as they lie in the grid."""
+    sides = zip(boxes[:, ::2].min(axis=0), boxes[:, 1::2].max(axis=0), geometry.shape, strict=True)
+    return [(max(int(first), 0), min(int(stop), side)) for first, stop, side in sides]
 
 
 def _is_wide(config: MappingConfig) -> bool:
@@ -270,7 +316,21 @@ def _plan_space(config: MappingConfig, readings: int) -> tuple[Callable[..., Non
     """Return the kernel that plans the beams, and room for what it writes."""
     if config.traversal == "amanatides_woo":
         return plan_rays, np.empty((readings, RAY_FIELDS))
-    return plan_lines, np.empty((readings, LINE_FIELDS), dtype=np.int64)
+    return plan_lines, np.empty((LINE_FIELDS, readings), dtype=np.int32)
+
+
+def _veiled(
+    grid: OccupancyGrid, plan: _Plan, draw: Callable[..., int], row_low: int, row_high: int, box: NDArray[np.int64]
+) -> int:
+    """Draw a band, noting what was observed in the way that costs less for so many cells."""
+    touched = plan.box.copy()
+    touched[:2] = touched[:2].clip(row_low, row_high)
+    cells = int((touched[1] - touched[0]) * (touched[3] - touched[2]))
+    if plan.work[row_low:row_high].sum() < _WORTH_VEILING * cells or not veil(grid.log_odds, grid.observed, touched):
+        return draw(row_low, row_high, box, True)
+    count = draw(row_low, row_high, box, False)
+    unveil(grid.log_odds, grid.observed, touched)
+    return count
 
 
 def rule_of(config: MappingConfig) -> Rule:
@@ -280,11 +340,17 @@ def rule_of(config: MappingConfig) -> Rule:
     return (np.float32(model.log_odds_miss), np.float32(model.log_odds_hit), low, high)
 
 
-def _in_bands(draw: Draw, work: NDArray[np.float64], threads: int, box: NDArray[np.int64]) -> int:
-    """Let ``draw(row_low, row_high, box)`` work on all rows, one band for each thread; return the sum of the counts."""
-    shares = [(band, box.copy()) for band in bands(work, threads)]
-    counts = in_parallel([partial(draw, low, high, own) for (low, high), own in shares])
-    for _, own in shares:
+def _in_bands(
+    draw: Draw, work: NDArray[np.float64], rows: tuple[int, int], threads: int, box: NDArray[np.int64]
+) -> int:
+    """Let ``draw(row_low, row_high, box)`` work on some rows, a band for each thread; return the sum of the counts.
+
+    ``work`` (rows of the grid,) says what each row costs.
+    """
+    first, stop = rows
+    shares = [(first + low, first + high, box.copy()) for low, high in bands(work[first:stop], threads)]
+    counts = in_parallel([partial(draw, *share) for share in shares])
+    for _, _, own in shares:
         box[::2] = np.minimum(box[::2], own[::2])
         box[1::2] = np.maximum(box[1::2], own[1::2])
     return sum(int(count) for count in counts)

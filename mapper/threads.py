@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise
-from threading import Lock
+from threading import Lock, local
 from typing import TypeVar
 
 import numpy as np
@@ -52,6 +53,23 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
             if not helper.cancel():
                 helper.result()
     return [results[place] for place in range(len(tasks))]
+
+
+_kept = local()
+_KEEP_WORDS = 1 << 23  # 64 MB: as much of what a thread has used is kept for its next turn
+
+
+@contextmanager
+def scratch(words: int) -> Iterator[NDArray[np.int64]]:
+    """Lend at least so many words (n,) int64, all 0, which must be all 0 again at the end.
+
+    Memory that is used again has its pages already; to fetch them from the system costs more than many a kernel.
+    """
+    kept: NDArray[np.int64] | None = getattr(_kept, "words", None)
+    lent = kept if kept is not None and len(kept) >= words else np.zeros(words, dtype=np.int64)
+    _kept.words = None  # after an error it may not be all 0
+    yield lent
+    _kept.words = lent if len(lent) <= _KEEP_WORDS else None
 
 
 def bands(work: NDArray[np.float64], parts: int) -> list[tuple[int, int]]:

@@ -14,6 +14,7 @@ from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.ramps import _ramp
 from mapper.kernels.types import BoolArray, Evidence, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
+from mapper.kernels.unseen import _without_minus_zero
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -26,18 +27,20 @@ RAY_FIELDS = 8
 
 @jit
 def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-              rays: Float64Array, work: Float64Array) -> None:  # fmt: skip
+              first: int, rays: Float64Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
     """Write the ray of each beam, scan after scan.
 
-    As :func:`mapper.kernels.lines.plan_lines`, but ``rays`` (n_scans · n_beams, 8) float64 is written.
+    As :func:`mapper.kernels.lines.plan_lines`, but the rows from ``first`` of ``rays`` (n, 8) float64 are
+    written.
     """
     range_min, range_max, window, growth, no_return_free = sight
     rows = len(work) - 1
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         u, v = _to_lattice(x, y, *frame)
         for k in range(ranges.shape[1]):
-            ray = rays[t * ranges.shape[1] + k]
+            ray = rays[first + t * ranges.shape[1] + k]
             ray[Z] = nan
             z = float(ranges[t, k])
             no_return = z > range_max
@@ -62,18 +65,22 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
                 cells = (abs(end_u - u) + abs(end_v - v) + 1.0) / (abs(end_row - row) + 1.0)
                 work[low] += cells
                 work[high + 1] -= cells
+            col, end_col = int(_cell_of(u)), int(_cell_of(end_u))
+            top, bottom = min(top, row, end_row), max(bottom, row + 1, end_row + 1)
+            left, right = min(left, col, end_col), max(right, col + 1, end_col + 1)
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
 
 
 @jit
 def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float,
               smooth: bool, evidence: Evidence, rule: Rule, row_low: int, row_high: int, box: Int64Array,
-              ) -> int:  # fmt: skip
+              mark: bool) -> int:  # fmt: skip
     """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     The other arguments are those of :func:`mapper.kernels.lines.draw_lines`; ``resolution`` is metres a cell. With
     ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
     """
-    miss, hit, low, high = rule
+    miss, hit, low, high = _without_minus_zero(rule)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
@@ -98,12 +105,13 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
                     c_u, c_v = col + 0.5 - u, row + 0.5 - v
                     s = sqrt(c_u * c_u + c_v * c_v) * resolution
                     if s >= z - half:
-                        increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1])) if smooth else hit
+                        increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]) + 0.0) if smooth else hit
                         counts = s <= z + half
                 if counts:
                     cell = row * cols + col
                     log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
-                    observed[cell] = True
+                    if mark:
+                        observed[cell] = True
                     top, bottom = min(top, row), max(bottom, row + 1)
                     left, right = min(left, col), max(right, col + 1)
                     count += 1
@@ -118,7 +126,8 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
         if z < inf and row_low <= hit_row < row_high and 0 <= hit_col < cols:
             cell = hit_row * cols + hit_col
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
-            observed[cell] = True
+            if mark:
+                observed[cell] = True
             top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
             left, right = min(left, hit_col), max(right, hit_col + 1)
             count += 1

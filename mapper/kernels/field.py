@@ -1,226 +1,244 @@
 """The per-scan update: each cell of the perceptual field once, by the beam whose field it lies in.
 
-Numba twin of :func:`mapper.textbook.update_per_scan`, in two passes. :func:`plan_runs` turns scans into runs of cells
-along rows; :func:`draw_runs` adds the evidence to a band of the grid's rows, so that threads never meet.
+Numba twin of :func:`mapper.textbook.update_per_scan`, in three passes. :func:`plan_fields` finds the cells that are hit
+and the part of the grid that is concerned; :func:`note_fields` writes what some scans say to a sheet, one sheet for
+each thread; :func:`settle_fields` adds it to a band of the grid's rows, so that threads never meet.
 
-What a scan frees is a star-shaped region, one sector for each beam. Its rows are found from their ends: a toggle, one
-bit in a bitmap, stands wherever a row enters or leaves a sector, and a running exclusive or along the row fills it.
-Where two neighbours both reach beyond a place on the edge between them their toggles cancel and are not even computed,
-so the work goes with the region's outline and not with its area.
+What a scan frees is a star-shaped region, one sector for each beam, and a row of the grid enters and leaves it a few
+times. Each such place is a *toggle*: one bit for the scan, in a sheet with a word for each cell, so that a sheet takes
+as many scans as a word has bits. A running exclusive or along a row then says for each cell which of these scans see it
+as free; the number of ones, how often its miss is to be added; and where it was hit, the order of the bits, what came
+before and what after. Between toggles all cells of a row get the same, many at a time. Where two neighbours both reach
+beyond a place on the edge between them their toggles cancel and are not even computed, so the work goes with the
+regions' outlines and not with their areas.
 """
 
 from __future__ import annotations
 
+from math import ceil, floor
+
 import numpy as np
-from numpy import uint64
 
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
-from mapper.kernels.sectors import HITS, MARGIN, TOGGLES, USED, _mark, _outline, _ring
-from mapper.kernels.types import (
-    BoolArray,
-    Float32Array,
-    Float64Array,
-    Frame,
-    Int64Array,
-    Rule,
-    Sight,
-    UInt32Array,
-)
+from mapper.kernels.sectors import BLOCK, BLOCK_BITS, HITS, TOGGLES, USED, Place, _margin, _mark, _outline, _ring
+from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int32Array, Int64Array, Rule, Sight
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
-ROW, COL, STOP, KIND = range(4)  #: a run: its row, its first column, the column after its last, miss or hit
-MISS, HIT = 0, 1
-RUN_FIELDS = 4
-
-_WORD = 0xFFFFFFFF
+SCANS = 62  #: that a sheet takes: the bits of a word that stay clear of its sign
 
 
 @jit
-def _lowest_bit(word: int) -> int:
-    """Return the place of the lowest bit set in a word of 32 that is not 0."""
-    place = 0
-    if not word & 0xFFFF:
-        place, word = place + 16, word >> 16
-    if not word & 0xFF:
-        place, word = place + 8, word >> 8
-    if not word & 0xF:
-        place, word = place + 4, word >> 4
-    if not word & 0x3:
-        place, word = place + 2, word >> 2
-    return place if word & 1 else place + 1
+def plan_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, cols: int,
+                ends: Int32Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
+    """Write the cells in which beams end.
 
-
-@jit
-def _empty(
-    bits: UInt32Array,
-    here: Int64Array,
-    cols: int,
-    runs: Int64Array,
-    count: int,
-) -> int:
-    """Turn the two bitmaps into runs, hits taken out of the misses, and clear them; return the number of runs."""
-    for r in range(here[0], here[1]):
-        miss_start, hit_start = -1, -1
-        inside = 0  # all ones while the last word looked at ended within the region
-        for q in range((bits.shape[2] + 31) // 32):
-            words = int(bits[USED, r, q])
-            bits[USED, r, q] = 0
-            while words:
-                w = (q << 5) + _lowest_bit(words)
-                words &= words - 1
-                value, hit = int(bits[TOGGLES, r, w]), int(bits[HITS, r, w])
-                bits[TOGGLES, r, w], bits[HITS, r, w] = 0, 0
-                value ^= value << 1
-                value ^= value << 2
-                value ^= value << 4
-                value ^= value << 8
-                value ^= value << 16
-                value = (value ^ inside) & _WORD
-                inside = _WORD if value >> 31 else 0
-                value &= ~hit
-                changes = (value ^ ((value << 1) | (1 if miss_start >= 0 else 0))) & _WORD
-                while changes:
-                    column = (w << 5) + _lowest_bit(changes)
-                    changes &= changes - 1
-                    if miss_start < 0:
-                        miss_start = column
-                    else:
-                        runs[count, ROW], runs[count, COL], runs[count, STOP] = r, miss_start, column
-                        runs[count, KIND] = MISS
-                        count += 1
-                        miss_start = -1
-                changes = (hit ^ ((hit << 1) | (1 if hit_start >= 0 else 0))) & _WORD
-                while changes:
-                    column = (w << 5) + _lowest_bit(changes)
-                    changes &= changes - 1
-                    if hit_start < 0:
-                        hit_start = column
-                    else:
-                        runs[count, ROW], runs[count, COL], runs[count, STOP] = r, hit_start, column
-                        runs[count, KIND] = HIT
-                        count += 1
-                        hit_start = -1
-        if miss_start >= 0:
-            runs[count, ROW], runs[count, COL], runs[count, STOP], runs[count, KIND] = r, miss_start, cols, MISS
-            count += 1
-        if hit_start >= 0:
-            runs[count, ROW], runs[count, COL], runs[count, STOP], runs[count, KIND] = r, hit_start, cols, HIT
-            count += 1
-    return count
-
-
-@jit
-def plan_runs(
-    ranges: Float32Array,
-    sensors: Float64Array,
-    beams: Float64Array,
-    fields: Float64Array,
-    headings: Float64Array,
-    frame: Frame,
-    sight: Sight,
-    cols: int,
-    bits: UInt32Array,
-    runs: Int64Array,
-    counts: Int64Array,
-) -> int:
-    """Write the runs of as many scans as ``runs`` has room for; return the number of those scans.
-
-    Arguments as those of :func:`mapper.kernels.lines.plan_lines`; besides, ``fields`` (n_beams, 4) float64 holds each
-    beam's right and left edge (cosine, sine, cosine, sine), ``headings`` (n_scans, 2) the cosine and sine of the
-    sensor's heading along the lattice. ``bits`` (3, rows, ⌈cols / 32⌉) uint32 is scratch, zero
-    before and after. ``runs`` (n, 4) int64 and ``counts`` (n_scans,) int64, the number of runs of each scan, are
-    written.
+    Arguments as those of :func:`mapper.kernels.lines.plan_lines`. ``ends`` (n_scans, n_beams, 2) int32 (row, col) is
+    written, −1 where a beam ends in no cell of the grid; to ``work`` (rows,) float64 the number of ends in each row is
+    added; ``box`` (4,) int64 (row0, row1, col0, col1) is widened to hold all that is seen, also outside the grid.
     """
-    range_min, range_max, window, _, no_return_free = sight
-    resolution, half = frame[4], 0.5 * window
-    rows, n_beams = bits.shape[1], ranges.shape[1]
-    here = np.empty(4, dtype=np.int64)
-    edges, limits = np.empty((n_beams, 4)), np.zeros(n_beams)
-    # Sectors are taken counter-clockwise, so that each one's left edge is its successor's right.
-    clockwise = n_beams > 1 and fields[0, 0] == fields[1, 2] and fields[0, 1] == fields[1, 3]
-    written = 0
+    range_min, range_max, window, growth, no_return_free = sight
+    resolution, rows = frame[4], len(work)
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
-        here[0], here[1], here[2], here[3] = rows, 0, cols, 0
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         u, v = _to_lattice(x, y, *frame)
-        turn_u, turn_v = headings[t, 0], headings[t, 1]
-        for j in range(n_beams):
-            k = n_beams - 1 - j if clockwise else j
+        farthest = -1.0
+        for k in range(ranges.shape[1]):
             z = float(ranges[t, k])
-            limits[j] = 0.0
+            ends[t, k, 0] = -1
             if range_min <= z <= range_max:
-                limits[j] = max(z - half, 0.0)
-            elif z > range_max and no_return_free:
-                limits[j] = range_max
-            edges[j, 0] = turn_u * fields[k, 0] - turn_v * fields[k, 1]
-            edges[j, 1] = turn_v * fields[k, 0] + turn_u * fields[k, 1]
-            edges[j, 2] = turn_u * fields[k, 2] - turn_v * fields[k, 3]
-            edges[j, 3] = turn_v * fields[k, 2] + turn_u * fields[k, 3]
-            if edges[j, 0] == edges[j, 2] and edges[j, 1] == edges[j, 3]:  # it sees nothing
-                limits[j] = 0.0
-        bound = 0
-        left_inner = 0.0
-        for j in range(n_beams):
-            right_u, right_v, left_u, left_v = edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3]
-            right_inner, left_inner = left_inner, 0.0
-            if j + 1 < n_beams and edges[j + 1, 0] == left_u and edges[j + 1, 1] == left_v:
-                left_inner = max(min(limits[j], limits[j + 1]) / resolution - MARGIN, 0.0)
-            if right_u == left_u and right_v == left_v:
-                continue
-            if limits[j] > 0.0:
-                bound += _outline(bits, here, cols, u, v, right_u, right_v, left_u, left_v, limits[j], right_inner,
-                                  left_inner, resolution)  # fmt: skip
-            z = float(ranges[t, n_beams - 1 - j if clockwise else j])
-            if window > 0.0 and range_min <= z <= range_max:
-                bound += _ring(bits, here, cols, u, v, right_u, right_v, left_u, left_v, z - half,
-                               min(z + half, range_max), resolution)  # fmt: skip
-        for k in range(n_beams):
-            z = float(ranges[t, k])
-            if range_min <= z <= range_max:
+                farthest = max(farthest, z)
                 px, py = z * beams[k, 0], z * beams[k, 1]
                 eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
                 r, c = int(_cell_of(ev)), int(_cell_of(eu))
                 if 0 <= r < rows and 0 <= c < cols:
-                    _mark(bits, r, c, c + 1, cols)
-                    here[0], here[1] = min(here[0], r), max(here[1], r + 1)
-                    here[2], here[3] = min(here[2], c), max(here[3], c + 1)
-                    bound += 2
-        room = runs.shape[0] - written
-        if bound + 2 * (here[1] - here[0]) > room:
-            for r in range(here[0], here[1]):
-                bits[:, r] = 0
-            return t
-        before = written
-        written = _empty(bits, here, cols, runs, written)
-        counts[t] = written - before
-    return len(ranges)
+                    ends[t, k, 0], ends[t, k, 1] = r, c
+                    work[r] += 1.0
+            elif z > range_max and no_return_free:
+                farthest = max(farthest, range_max)
+        if farthest >= 0.0:
+            reach = min(farthest + 0.5 * (window + growth * farthest), range_max) / resolution + 2.0
+            top, bottom = min(top, floor(v - reach)), max(bottom, ceil(v + reach))
+            left, right = min(left, floor(u - reach)), max(right, ceil(u + reach))
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
 
 
 @jit
-def draw_runs(log_odds: Float32Array, observed: BoolArray, cols: int, runs: Int64Array, rule: Rule, row_low: int,
-              row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``runs`` (n, 4) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+def note_fields(
+    sheet: Int64Array, place: Place, ranges: Float32Array, sensors: Float64Array, fields: Float64Array,
+    headings: Float64Array, frame: Frame, sight: Sight, ends: Int32Array,
+) -> None:  # fmt: skip
+    """Write the toggles and hits of up to SCANS scans to a sheet.
 
-    ``log_odds``, ``observed``, ``cols`` and ``box`` as in :func:`mapper.kernels.lines.draw_lines`.
+    ``fields`` (n_beams, 4) float64 is each beam's right and left edge (cosine, sine, cosine, sine), ``headings``
+    (n_scans, 2) the cosine and sine of the sensor's heading along the lattice; ``ends`` comes from :func:`plan_fields`.
+    ``sheet`` (see :mod:`mapper.kernels.sectors`), all 0 before, begins at ``place`` and holds all that the scans
+    see, as far as it lies in the grid.
     """
-    miss, hit, low, high = rule
-    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
-    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    edges, limits = np.empty((ranges.shape[1], 4)), np.zeros(ranges.shape[1])
+    for t in range(ranges.shape[0]):
+        bit = 1 << t
+        _note(sheet, place, bit, ranges[t], sensors[t], fields, headings[t], frame, sight, edges, limits)
+        for k in range(ranges.shape[1]):
+            if ends[t, k, 0] >= 0:
+                _mark(sheet, place, bit, int(ends[t, k, 0]), int(ends[t, k, 1]))
+
+
+@jit
+def settle_fields(log_odds: Float32Array, observed: BoolArray, sheet: Int64Array, place: Place, rule: Rule,
+                  row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
+    """Add what a sheet says to the rows [row_low, row_high) of the grid and clear it; return the number of updates.
+
+    ``log_odds`` and ``observed`` (rows, cols) are the grid. ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is
+    widened to hold what was touched.
+    """
     count = 0
-    for j in range(runs.shape[0]):
-        r = runs[j, ROW]
-        if not row_low <= r < row_high:
-            continue
-        first, stop = runs[j, COL], runs[j, STOP]
-        increment = hit if runs[j, KIND] == HIT else miss
-        for cell in range(uint64(r * cols + first), uint64(r * cols + stop)):
-            log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
-            observed[cell] = True
-        top, bottom = min(top, r), max(bottom, r + 1)
-        left, right = min(left, first), max(right, stop)
-        count += stop - first
-    box[0], box[1], box[2], box[3] = top, bottom, left, right
+    for r in range(max(row_low, place[0]), min(row_high, place[0] + sheet.shape[1])):
+        count += _settle_row(log_odds[r], observed[r], sheet[:, r - place[0]], place[1], r, rule, box)
+    return count
+
+
+@jit
+def _note(
+    sheet: Int64Array, place: Place, bit: int, ranges: Float32Array, sensor: Float64Array, fields: Float64Array,
+    heading: Float64Array, frame: Frame, sight: Sight, edges: Float64Array, limits: Float64Array,
+) -> None:  # fmt: skip
+    """Write one scan's toggles, and its hits within a window; ``edges`` (n, 4) and ``limits`` (n,) are scratch."""
+    range_min, range_max, window, growth, no_return_free = sight
+    resolution, n_beams = frame[4], len(ranges)
+    u, v = _to_lattice(sensor[0], sensor[1], *frame)
+    turn_u, turn_v = heading[0], heading[1]
+    # Sectors are taken counter-clockwise, so that each one's left edge is its successor's right.
+    clockwise = n_beams > 1 and fields[0, 0] == fields[1, 2] and fields[0, 1] == fields[1, 3]
+    for j in range(n_beams):
+        k = n_beams - 1 - j if clockwise else j
+        z = float(ranges[k])
+        limit = 0.0
+        if range_min <= z <= range_max:
+            limit = max(z - 0.5 * (window + growth * z), 0.0)
+        elif z > range_max and no_return_free:
+            limit = range_max
+        right_u, right_v = turn_u * fields[k, 0] - turn_v * fields[k, 1], turn_v * fields[k, 0] + turn_u * fields[k, 1]
+        left_u, left_v = turn_u * fields[k, 2] - turn_v * fields[k, 3], turn_v * fields[k, 2] + turn_u * fields[k, 3]
+        if right_u == left_u and right_v == left_v:  # it sees nothing
+            limit = 0.0
+        edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3] = right_u, right_v, left_u, left_v
+        limits[j] = limit
+    left_inner = 0.0
+    for j in range(n_beams):
+        right_u, right_v, left_u, left_v = edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3]
+        right_inner, left_inner = left_inner, 0.0
+        if j + 1 < n_beams and edges[j + 1, 0] == left_u and edges[j + 1, 1] == left_v:
+            shared = min(limits[j], limits[j + 1]) / resolution
+            left_inner = max(shared - _margin(left_u, left_v, shared), 0.0)
+        if limits[j] > 0.0:
+            _outline(sheet, place, bit, u, v, right_u, right_v, left_u, left_v, limits[j], right_inner, left_inner,
+                    resolution)  # fmt: skip
+        if window > 0.0 and (right_u != left_u or right_v != left_v):
+            z = float(ranges[n_beams - 1 - j if clockwise else j])
+            half = 0.5 * (window + growth * z)
+            if range_min <= z <= range_max:
+                _ring(sheet, place, bit, u, v, right_u, right_v, left_u, left_v, z - half, min(z + half, range_max),
+                     resolution)  # fmt: skip
+
+
+@jit
+def _ones(word: int) -> int:
+    """Return how many bits of a word are set, in the form that compilers know as one instruction."""
+    count = 0
+    while word:
+        word &= word - 1
+        count += 1
+    return count
+
+
+@jit
+def _lowest_bit(word: int) -> int:
+    """Return the place of the lowest bit set in a word that is not 0."""
+    return _ones((word & -word) - 1)
+
+
+@jit
+def _miss_run(cells: Float32Array, observed: BoolArray, first: int, stop: int, times: int, rule: Rule) -> None:
+    """Add a miss ``times`` times to the columns [first, stop) of a row."""
+    miss, _, low, high = rule
+    for _ in range(times):
+        changed = 0
+        for c in range(first, stop):
+            value = min(max(cells[c] + miss, low), high)
+            changed |= value != cells[c]
+            cells[c] = value
+        if not changed:  # nor will they change in the next turn
+            break
+    for c in range(first, stop):
+        observed[c] = True
+
+
+@jit
+def _missed(value: np.float32, times: int, miss: np.float32, low: np.float32, high: np.float32) -> np.float32:
+    """Return a cell's value after so many misses."""
+    for _ in range(times):
+        before = value
+        value = min(max(value + miss, low), high)
+        if value == before:
+            break
+    return value
+
+
+@jit
+def _settle_row(
+    cells: Float32Array, observed: BoolArray, sheet: Int64Array, col0: int, row: int, rule: Rule, box: Int64Array
+) -> int:  # fmt: skip
+    """Add what a row of the sheet (3, cols) says to a row of the grid and clear it; return the number of updates."""
+    miss, hit, low, high = rule
+    width = min(sheet.shape[1], len(cells) - col0)
+    left, right = len(cells), 0
+    count = 0
+    seeing = 0  # a bit for each scan that sees the present cell as free
+    done = 0  # columns of the sheet
+    for q in range(-(-sheet.shape[1] // (32 * BLOCK))):
+        blocks = sheet[USED, q]
+        sheet[USED, q] = 0
+        while blocks:
+            first = ((q << 5) + _lowest_bit(blocks)) << BLOCK_BITS
+            blocks &= blocks - 1
+            if seeing and done < first:
+                times = _ones(seeing)
+                _miss_run(cells, observed, col0 + done, col0 + first, times, rule)
+                left, right = min(left, col0 + done), max(right, col0 + first)
+                count += times * (first - done)
+            done = min(first + BLOCK, width)
+            for c in range(first, done):
+                seeing ^= sheet[TOGGLES, c]
+                here = sheet[HITS, c]
+                sheet[TOGGLES, c], sheet[HITS, c] = 0, 0
+                misses = seeing & ~here
+                if misses | here == 0:
+                    continue
+                left, right = min(left, col0 + c), max(right, col0 + c + 1)
+                value = cells[col0 + c]
+                while here:
+                    now = here & -here
+                    earlier = misses & (now - 1)
+                    times = _ones(earlier)
+                    count += times + 1
+                    value = _missed(value, times, miss, low, high)
+                    value = min(max(value + hit, low), high)
+                    misses ^= earlier
+                    here ^= now
+                times = _ones(misses)
+                count += times
+                cells[col0 + c] = _missed(value, times, miss, low, high)
+                observed[col0 + c] = True
+    if seeing and done < width:
+        times = _ones(seeing)
+        _miss_run(cells, observed, col0 + done, col0 + width, times, rule)
+        left, right = min(left, col0 + done), max(right, col0 + width)
+        count += times * (width - done)
+    if left < right:
+        box[0], box[1] = min(box[0], row), max(box[1], row + 1)
+        box[2], box[3] = min(box[2], left), max(box[3], right)
     return count

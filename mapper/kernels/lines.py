@@ -18,7 +18,8 @@ from numpy import uint64
 
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
-from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
+from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int32Array, Int64Array, Rule, Sight
+from mapper.kernels.unseen import _without_minus_zero
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -32,7 +33,9 @@ LINE_FIELDS = 9
 # Steps along the minor axis in fixed point: with 40 bits of fraction the rounding error of the slope, multiplied by the
 # number of steps, stays below half of 1 / major, the least that tells two of Bresenham's decisions apart.
 _BITS = 40
+_HALF = 1 << (_BITS - 1)
 MAX_STEPS = 1 << 19  #: the longest line, in cells, for which that holds
+_FAR_OUT = 1 << 30  # cells: no line from beyond comes near a grid, and all others fit int32
 
 
 @jit
@@ -84,24 +87,28 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 @jit
 def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-               lines: Int64Array, work: Float64Array) -> None:  # fmt: skip
+               first: int, lines: Int32Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
     """Write the line of each beam, scan after scan.
 
     ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
     ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``sight``: see
-    :mod:`mapper.kernels.types`. ``lines`` (n_scans · n_beams, 9) int64 is written; to ``work`` (rows + 1,) float64
-    the differences, from row to row, of the number of cells to draw are added.
+    :mod:`mapper.kernels.types`. The columns [first, first + n_scans · n_beams) of ``lines`` (9, n) int32 are written;
+    to ``work`` (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added; ``box`` (4,)
+    int64 (row0, row1, col0, col1), half-open, is widened to hold the lines, also where they leave the grid.
     """
     range_min, range_max, window, growth, no_return_free = sight
     resolution = frame[4]
     rows = len(work) - 1
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         u, v = _to_lattice(x, y, *frame)
         row, col = int(_cell_of(v)), int(_cell_of(u))
+        too_far = max(abs(row), abs(col)) > _FAR_OUT
         for k in range(ranges.shape[1]):
-            line = lines[t * ranges.shape[1] + k]
-            line[FAR], line[HIT_ROW], line[HIT_COL] = 0, -1, -1
+            j = first + t * ranges.shape[1] + k
+            lines[FAR, j], lines[HIT_ROW, j], lines[HIT_COL, j] = 0, -1, -1
+            lines[ROW, j], lines[END_ROW, j] = -1, -1
             z = float(ranges[t, k])
             no_return = z > range_max
             if no_return:
@@ -109,6 +116,8 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
                     continue
                 z = range_max
             elif not z >= range_min:  # too near, NaN or −Inf
+                continue
+            if too_far:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
             eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
@@ -126,13 +135,17 @@ def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array,
                 near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
                 far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)
                 at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
-            line[ROW], line[COL], line[END_ROW], line[END_COL] = row, col, end_row, end_col
-            line[NEAR], line[FAR], line[AT], line[HIT_ROW], line[HIT_COL] = near, far, at, hit_row, hit_col
+            lines[ROW, j], lines[COL, j], lines[END_ROW, j], lines[END_COL, j] = row, col, end_row, end_col
+            lines[NEAR, j], lines[FAR, j], lines[AT, j] = near, far, at
+            lines[HIT_ROW, j], lines[HIT_COL, j] = hit_row, hit_col
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
                 cells = (steps + 1.0) / (abs(end_row - row) + 1.0)
                 work[low] += cells
                 work[high + 1] -= cells
+            top, bottom = min(top, row, end_row), max(bottom, row + 1, end_row + 1)
+            left, right = min(left, col, end_col), max(right, col + 1, end_col + 1)
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
 
 
 @jit
@@ -152,70 +165,88 @@ def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, al
 
 
 @jit
-def _add(log_odds: Float32Array, observed: BoolArray, first: int, stop: int, base: int, along: int, across: int,
-         slope: int, increment: np.float32, low: np.float32, high: np.float32) -> int:  # fmt: skip
-    """Add ``increment`` at the steps [first, stop) of a line in the flat arrays; return how many those are."""
-    position = (1 << (_BITS - 1)) + first * slope
-    for i in range(first, stop):
-        cell = uint64(base + i * along + (position >> _BITS) * across)
-        position += slope
-        log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
-        observed[cell] = True
-    return max(stop - first, 0)
+def _part(part: int, first: int, stop: int, near: int, at: int) -> tuple[int, int]:
+    """Return the steps of a part of a line: two that are passed, before and after the endpoint's cell, and two hit."""
+    if part == 0:
+        return first, min(near, at, stop)
+    if part == 1:
+        return max(first, min(at + 1, stop)), min(near, stop)
+    if part == 2:
+        return max(first, near), min(at, stop)
+    return max(first, near, at + 1), stop
 
 
 @jit
-def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int64Array, rule: Rule, row_low: int,
-               row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``lines`` (n, 9) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
+    """Return which of the lines have a cell in the rows [row_low, row_high), without a branch that is hard to guess."""
+    chosen = np.empty(lines.shape[1], dtype=np.int64)
+    count = 0
+    for j in range(lines.shape[1]):
+        row, end_row, hit_row = lines[ROW, j], lines[END_ROW, j], lines[HIT_ROW, j]
+        chosen[count] = j
+        passes = (max(row, end_row) >= row_low) & (min(row, end_row) < row_high)
+        hits = (hit_row >= row_low) & (hit_row < row_high)
+        count += 1 if passes | hits else 0
+    return chosen[:count]
 
-    ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``box`` (4,) int64
-    (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.kernels.types`.
+
+@jit
+def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, rule: Rule, row_low: int,
+               row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+    """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``observed`` is
+    written only with ``mark`` (see :mod:`mapper.kernels.unseen`). ``box`` (4,) int64 (row0, row1, col0, col1),
+    half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.kernels.types`.
     """
-    miss, hit, low, high = rule
+    miss, hit, low, high = _without_minus_zero(rule)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
-    for j in range(lines.shape[0]):
-        line = lines[j]
-        if line[FAR] == 0 and line[HIT_ROW] == -1 and line[HIT_COL] == -1:
-            continue
-        row, col, end_row, end_col = line[ROW], line[COL], line[END_ROW], line[END_COL]
+    chosen = _crossing(lines, row_low, row_high)
+    for number in range(len(chosen)):
+        j = chosen[number]
+        row, col = int(lines[ROW, j]), int(lines[COL, j])
+        end_row, end_col = int(lines[END_ROW, j]), int(lines[END_COL, j])
         d_row, d_col = abs(end_row - row), abs(end_col - col)
         s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
         steep = d_row > d_col
         major, minor = (d_row, d_col) if steep else (d_col, d_row)
-        first, stop = 0, min(line[FAR], major + 1)
+        first, stop = 0, min(int(lines[FAR, j]), major + 1)
         low_row, high_row = min(row, end_row), max(row, end_row)
-        if high_row < row_low or low_row >= row_high:
-            stop = 0
-        elif low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
+        if low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
             first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, first, stop)
             first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
         if first < stop:
             base = row * cols + col
             along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
-            slope = -((-minor << _BITS) // major) if major > 0 else 0
-            near, at = line[NEAR], line[AT]
+            slope = ((minor << _BITS) + major - 1) // max(major, 1)  # rounded up
+            near, at = int(lines[NEAR, j]), int(lines[AT, j])
             if at < first or at >= stop:  # the endpoint's cell, which comes last, is left out
                 at = stop
-            count += _add(log_odds, observed, first, min(near, at, stop), base, along, across, slope, miss, low, high)
-            if at < stop or near < stop:
-                begin = max(first, min(at + 1, stop))
-                count += _add(log_odds, observed, begin, min(near, stop), base, along, across, slope, miss, low, high)
-                begin = max(first, near)
-                count += _add(log_odds, observed, begin, min(at, stop), base, along, across, slope, hit, low, high)
-                begin = max(first, near, at + 1)
-                count += _add(log_odds, observed, begin, stop, base, along, across, slope, hit, low, high)
-            for i in (first, stop - 1):
-                n = (2 * i * minor + major) // max(2 * major, 1)
-                r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
-                top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
-        r, c = line[HIT_ROW], line[HIT_COL]
+            # One loop for all parts, and of those mostly the first alone, is what keeps a short line cheap.
+            for part in range(1 if min(near, at) >= stop else 4):
+                begin, end = _part(part, first, stop, near, at)
+                increment = miss if part < 2 else hit
+                position = _HALF + begin * slope
+                for i in range(begin, end):
+                    cell = uint64(base + i * along + (position >> _BITS) * across)
+                    position += slope
+                    log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
+                    if mark:
+                        observed[cell] = True
+                count += max(end - begin, 0)
+            n0, n1 = (_HALF + first * slope) >> _BITS, (_HALF + (stop - 1) * slope) >> _BITS
+            r0, r1 = row + s_row * (first if steep else n0), row + s_row * (stop - 1 if steep else n1)
+            c0, c1 = col + s_col * (n0 if steep else first), col + s_col * (n1 if steep else stop - 1)
+            top, bottom = min(top, r0, r1), max(bottom, r0 + 1, r1 + 1)
+            left, right = min(left, c0, c1), max(right, c0 + 1, c1 + 1)
+        r, c = int(lines[HIT_ROW, j]), int(lines[HIT_COL, j])
         if row_low <= r < row_high and 0 <= c < cols:
-            cell = r * cols + c
+            cell = uint64(r * cols + c)
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
-            observed[cell] = True
+            if mark:
+                observed[cell] = True
             top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
             count += 1
     box[0], box[1], box[2], box[3] = top, bottom, left, right

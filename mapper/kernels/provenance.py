@@ -16,7 +16,7 @@ from mapper.kernels.compiled import jit
 from mapper.kernels.crossings import _crosses
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.lines import _step_at
-from mapper.kernels.types import Float32Array, Float64Array, Frame, Int64Array, Sight
+from mapper.kernels.types import Float32Array, Float64Array, Frame, Int32Array, Int64Array, Sight
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -25,18 +25,19 @@ MISS, HIT = 0, 1
 
 
 @jit
-def touches_of_lines(planned: Int64Array, row: int, col: int, out: Int64Array) -> int:
-    """Test a cell against planned lines (n, 9); ``out`` (≥ n, 2) int64 is written."""
+def touches_of_lines(planned: Int32Array, row: int, col: int, out: Int64Array) -> int:
+    """Test a cell against planned lines (9, n); ``out`` (≥ n, 2) int64 is written."""
     count = 0
-    for j in range(planned.shape[0]):
-        line = planned[j]
+    for j in range(planned.shape[1]):
         kind = -1
-        if row == line[lines.HIT_ROW] and col == line[lines.HIT_COL]:
+        if row == planned[lines.HIT_ROW, j] and col == planned[lines.HIT_COL, j]:
             kind = HIT
-        elif line[lines.FAR] > 0:  # a beam that says nothing has no line at all
-            i = _step_at(line[lines.ROW], line[lines.COL], line[lines.END_ROW], line[lines.END_COL], row, col)
-            if 0 <= i < line[lines.FAR]:
-                kind = MISS if i < line[lines.NEAR] else HIT
+        elif planned[lines.FAR, j] > 0:  # a beam that says nothing has no line at all
+            start_row, start_col = int(planned[lines.ROW, j]), int(planned[lines.COL, j])
+            end_row, end_col = int(planned[lines.END_ROW, j]), int(planned[lines.END_COL, j])
+            i = _step_at(start_row, start_col, end_row, end_col, row, col)
+            if 0 <= i < planned[lines.FAR, j]:
+                kind = MISS if i < planned[lines.NEAR, j] else HIT
         if kind >= 0:
             out[count, 0], out[count, 1] = j, kind
             count += 1

@@ -11,8 +11,19 @@ import numpy as np
 
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import to_lattice
-from mapper.kernels.lines import AT, COL, END_COL, END_ROW, FAR, HIT_COL, HIT_ROW, NEAR, ROW, _add, _clip
-from mapper.kernels.types import BoolArray, Evidence, Float32Array, Float64Array, Frame, Int64Array, Rule, Sight
+from mapper.kernels.lines import AT, COL, END_COL, END_ROW, FAR, HIT_COL, HIT_ROW, NEAR, ROW, _clip, _crossing
+from mapper.kernels.types import (
+    BoolArray,
+    Evidence,
+    Float32Array,
+    Float64Array,
+    Frame,
+    Int32Array,
+    Int64Array,
+    Rule,
+    Sight,
+)
+from mapper.kernels.unseen import _without_minus_zero
 
 _to_lattice = jit(to_lattice)
 
@@ -31,66 +42,62 @@ def _ramp(s: float, z: float, half: float, miss: float, hit: float) -> float:
 
 
 @jit
-def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int64Array, ranges: Float32Array,
+def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, ranges: Float32Array,
                sensors: Float64Array, frame: Frame, sight: Sight, evidence: Evidence, rule: Rule, row_low: int,
-               row_high: int, box: Int64Array) -> int:  # fmt: skip
-    """Add what ``lines`` (n_scans · n_beams, 9) say to the rows [row_low, row_high); return the number of updates.
+               row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+    """Add what ``lines`` (9, n_scans · n_beams) say to the rows [row_low, row_high); return the number of updates.
 
     ``ranges`` (n_scans, n_beams) and ``sensors`` (n_scans, 4) are those the lines were planned from; ``evidence`` is
     what the ramp leads from and to; the other arguments are those of :func:`mapper.kernels.lines.draw_lines`.
     """
-    miss, hit, low, high = rule
+    miss, hit, low, high = _without_minus_zero(rule)
     _, _, window, growth, _ = sight
     resolution, n_beams = frame[4], ranges.shape[1]
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
-    for j in range(lines.shape[0]):
-        line = lines[j]
-        if line[FAR] == 0 and line[HIT_ROW] == -1 and line[HIT_COL] == -1:
-            continue
-        row, col, end_row, end_col = line[ROW], line[COL], line[END_ROW], line[END_COL]
+    chosen = _crossing(lines, row_low, row_high)
+    for number in range(len(chosen)):
+        j = chosen[number]
+        row, col = int(lines[ROW, j]), int(lines[COL, j])
+        end_row, end_col = int(lines[END_ROW, j]), int(lines[END_COL, j])
         d_row, d_col = abs(end_row - row), abs(end_col - col)
         s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
         steep = d_row > d_col
         major, minor = (d_row, d_col) if steep else (d_col, d_row)
         twice = max(2 * major, 1)
-        first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, 0, min(line[FAR], major + 1))
+        first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, 0, min(int(lines[FAR, j]), major + 1))
         first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
         if first < stop:
-            base = row * cols + col
-            along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
-            slope = -((-minor << 40) // major) if major > 0 else 0
-            near, at = line[NEAR], line[AT]
-            if at < 0:
-                at = stop
-            count += _add(log_odds, observed, first, min(near, at, stop), base, along, across, slope, miss, low, high)
-            begin = max(first, at + 1)
-            count += _add(log_odds, observed, begin, min(near, stop), base, along, across, slope, miss, low, high)
+            near, at = int(lines[NEAR, j]), int(lines[AT, j])
             x, y = sensors[j // n_beams, 0], sensors[j // n_beams, 1]
             u, v = _to_lattice(x, y, *frame)
             z = float(ranges[j // n_beams, j % n_beams])
             half = 0.5 * (window + growth * z)
-            for i in range(max(first, near), stop):
+            for i in range(first, stop):
                 if i == at:  # the endpoint's cell, which comes last
                     continue
                 n = (2 * i * minor + major) // twice
                 r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
-                d_u, d_v = c + 0.5 - u, r + 0.5 - v
-                s = sqrt(d_u * d_u + d_v * d_v) * resolution
-                increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]))
+                increment = miss
+                if i >= near:
+                    d_u, d_v = c + 0.5 - u, r + 0.5 - v
+                    s = sqrt(d_u * d_u + d_v * d_v) * resolution
+                    increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]) + 0.0)  # never −0
                 cell = r * cols + c
                 log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
-                observed[cell] = True
+                if mark:
+                    observed[cell] = True
                 count += 1
             for i in (first, stop - 1):
                 n = (2 * i * minor + major) // twice
                 r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
                 top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
-        r, c = line[HIT_ROW], line[HIT_COL]
+        r, c = int(lines[HIT_ROW, j]), int(lines[HIT_COL, j])
         if row_low <= r < row_high and 0 <= c < cols:
             cell = r * cols + c
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
-            observed[cell] = True
+            if mark:
+                observed[cell] = True
             top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
             count += 1
     box[0], box[1], box[2], box[3] = top, bottom, left, right

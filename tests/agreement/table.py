@@ -62,10 +62,10 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     drawn, observed = np.zeros(case.shape, dtype=np.float32), np.zeros(case.shape, dtype=np.bool_)
     (rows, cols), steps = case.shape, max(abs(case.end[0] - case.start[0]), abs(case.end[1] - case.start[1]))
     box = np.array([rows, 0, cols, 0])
-    line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]])
+    line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
     flat = drawn.reshape(-1), observed.reshape(-1)
-    draw_lines(*flat, cols, line, (one, nothing, low, high), 0, rows, box)
+    draw_lines(*flat, cols, line, (one, nothing, low, high), 0, rows, box, True)
     return drawn, observed, box if drawn.any() else None
 
 
