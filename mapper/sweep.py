@@ -24,7 +24,7 @@ from mapper.kernels.certainties import add_certainties
 from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
 from mapper.kernels.field import SCANS, note_fields, plan_fields, settle_fields
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
-from mapper.kernels.provenance import touches_of_fields, touches_of_lines, touches_of_rays
+from mapper.kernels.provenance import sift, touches_of_fields, touches_of_lines, touches_of_rays
 from mapper.kernels.ramps import draw_ramps
 from mapper.kernels.types import Rule, Sight
 from mapper.kernels.unseen import unveil, veil
@@ -182,30 +182,39 @@ class Sweep:
         return touches, np.where(touches[:, 1] == 1, hit, miss).astype(np.float32)
 
     def _thin_touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
-        headings, sight, n_beams = self.headings(geometry), self.sight(config), self.ranges.shape[1]
-        found = [np.empty((0, 2), dtype=np.int64)]
-        for part in self._chunks():
-            out = np.empty((self.ranges[part].size, 2), dtype=np.int64)
-            if config.update == "per_scan":
-                scans = (self.ranges[part], self.sensors[part], self.beams, self.fields, headings[part])
-                n = touches_of_fields(*scans, geometry.frame, sight, row, col, out)
-            else:
-                planned = self._plan_beams(part, geometry, config, cores()).planned
-                if config.traversal == "amanatides_woo":
-                    n = touches_of_rays(planned, geometry.resolution, row, col, out)
-                else:
-                    n = touches_of_lines(planned, row, col, out)
-            found.append(out[:n] + np.array([part.start * n_beams, 0]))
-        return np.concatenate(found)
+        sight, n_beams = self.sight(config), self.ranges.shape[1]
+        if config.update == "per_scan":
+            out = np.empty((len(self.ranges), 2), dtype=np.int64)
+            n = touches_of_fields(*self.scans_on(geometry), geometry.frame, sight, row, col, out)
+            return out[:n]
+        sifted, near = np.empty_like(self.ranges), np.empty(len(self.ranges), dtype=np.bool_)
+        sift(self.ranges, self.sensors, self.beams, geometry.frame, sight, row, col, sifted, near)
+        sifted = sifted[near]
+        planned = self._plan_beams(sifted, self.sensors[near], geometry, config, 1).planned
+        out = np.empty((sifted.size, 2), dtype=np.int64)
+        if config.traversal == "amanatides_woo":
+            n = touches_of_rays(planned, geometry.resolution, row, col, out)
+        else:
+            n = touches_of_lines(planned, row, col, out)
+        scans, beams = np.divmod(out[:n, 0], n_beams)
+        out[:n, 0] = np.flatnonzero(near)[scans] * n_beams + beams
+        return out[:n]
 
     def _chunks(self) -> list[slice]:
         """The scans in parts whose plans stay in the caches."""
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
         return [slice(first, min(first + step, len(self.ranges))) for first in range(0, len(self.ranges), step)]
 
-    def _plan_beams(self, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int) -> _Plan:
+    def _plan_beams(
+        self,
+        ranges: NDArray[np.float32],
+        sensors: NDArray[np.float64],
+        geometry: GridGeometry,
+        config: MappingConfig,
+        threads: int,
+    ) -> _Plan:
         """Plan the beams of some scans."""
-        ranges, sensors, n_beams = self.ranges[part], self.sensors[part], self.ranges.shape[1]
+        n_beams = ranges.shape[1]
         work = np.zeros((threads, geometry.rows + 1))
         boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
         plan, planned = _plan_space(config, ranges.size)
@@ -227,7 +236,7 @@ class Sweep:
         flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
         count = 0
         for part in self._chunks():
-            plan = self._plan_beams(part, grid.geometry, config, threads)
+            plan = self._plan_beams(self.ranges[part], self.sensors[part], grid.geometry, config, threads)
             if config.traversal == "amanatides_woo":
                 draw = partial(draw_rays, *flat, plan.planned, frame[4], smooth, evidence, rule)
             elif smooth:

@@ -6,6 +6,8 @@ function that it calls from another. So what is kept lies in a folder that is na
 
 from __future__ import annotations
 
+import importlib
+import sys
 from hashlib import sha256
 from pathlib import Path
 
@@ -17,5 +19,23 @@ _DIGEST = sha256(b"".join(path.read_bytes() for path in sorted(_HERE.glob("*.py"
 # Where the folder cannot be written, numba falls back on one of the user's own.
 _BASE = Path(config.CACHE_DIR or _HERE / "__pycache__")  # type: ignore[attr-defined] # numba makes its settings at run time
 config.CACHE_DIR = str(_BASE / f"kernels-{_DIGEST}")  # type: ignore[attr-defined]
+
+
+def _start_without_blas() -> None:
+    """Load the part of numba that looks for SciPy's BLAS, and let it find none.
+
+    To look for it takes a fifth of all the time from the start of a process to its first kernel, and no kernel here
+    multiplies matrices. SciPy itself stays as it is.
+    """
+    if "scipy.linalg" in sys.modules:
+        return
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment] # which makes an import fail
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        del sys.modules["scipy.linalg"]
+
+
+_start_without_blas()
 
 jit = njit(nogil=True, cache=True)

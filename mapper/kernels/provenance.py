@@ -16,12 +16,39 @@ from mapper.kernels.compiled import jit
 from mapper.kernels.crossings import _crosses
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.lines import _step_at
-from mapper.kernels.types import Float32Array, Float64Array, Frame, Int32Array, Int64Array, Sight
+from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Frame, Int32Array, Int64Array, Sight
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
 MISS, HIT = 0, 1
+
+
+@jit
+def sift(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, row: int,
+         col: int, sifted: Float32Array, near: BoolArray) -> None:  # fmt: skip
+    """Write the readings whose beams may touch a cell, NaN for all others, and which scans have such a beam.
+
+    ``sifted`` (n_scans, n_beams) float32 and ``near`` (n_scans,) bool are written; the other arguments are those of
+    :func:`mapper.kernels.lines.plan_lines`.
+    """
+    _, range_max, window, growth, _ = sight
+    resolution, spare = frame[4], 3.0 * frame[4]  # no traversal strays so far from its beam
+    d_u, d_v = (col + 0.5) * resolution, (row + 0.5) * resolution
+    cell_x, cell_y = frame[0] + frame[2] * d_u - frame[3] * d_v, frame[1] + frame[3] * d_u + frame[2] * d_v
+    for t in range(ranges.shape[0]):
+        d_x, d_y = cell_x - sensors[t, 0], cell_y - sensors[t, 1]
+        cos, sin = sensors[t, 2], sensors[t, 3]
+        ahead, aside = cos * d_x + sin * d_y, cos * d_y - sin * d_x  # of the sensor
+        found = 0
+        for k in range(ranges.shape[1]):
+            z = ranges[t, k]
+            along, across = beams[k, 0] * ahead + beams[k, 1] * aside, beams[k, 0] * aside - beams[k, 1] * ahead
+            reach = min(z, range_max) * (1.0 + 0.5 * growth) + 0.5 * window + spare
+            close = (abs(across) <= spare) & (along >= -spare) & (along <= reach)
+            sifted[t, k] = z if close else np.float32(np.nan)
+            found |= close
+        near[t] = found
 
 
 @jit
