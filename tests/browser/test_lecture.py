@@ -42,7 +42,7 @@ def test_the_lecture_opens_whole(page: Page, server: str, scheme) -> None:
         section.scroll_into_view_if_needed()
         assert page.evaluate(WIDER) is False
         right = section.evaluate(
-            "e => Math.max(...[...e.querySelectorAll('*')].map(x => x.getBoundingClientRect().right))"
+            "e => Math.max(...[...e.querySelectorAll(':not(svg *)')].map(x => x.getBoundingClientRect().right))"
         )
         assert right <= page.evaluate("innerWidth") + 1, section.get_attribute("id")
 
@@ -225,6 +225,32 @@ def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
     shown = [line for line in section.locator(".program-text").inner_text().splitlines() if line.strip()]
     assert len(shown) > 40
     assert set(shown) <= set(file)
+
+
+# --- 7: sonar --------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_echoes_wall_up_the_door_for_bayes_only(page: Page, server: str) -> None:
+    section = open_section(page, server, "sonar")
+    bayes, certainties = (section.locator(".side-by-side p").nth(i) for i in range(2))
+    door = float(bayes.inner_text().split("p = ")[1])
+    occupied = float(re.findall(r"[\d.]+", certainties.inner_text())[0])
+    assert door > 0.9
+    assert occupied < 0.6
+    count = section.get_by_role("slider", name="Readings taken in", exact=True)
+    count.focus()
+    page.keyboard.press("Home")
+    expect(bayes).to_contain_text("not observed")
+    page.keyboard.press("End")
+    expect(bayes).to_contain_text("p = ")
+    section.get_by_text("weaker off the axis").click()
+    assert float(bayes.inner_text().split("p = ")[1]) < door
+    drag(page, section.get_by_role("slider", name="Cell to look at, Bayes"), -120, 0)
+    expect(certainties).to_contain_text("occupied 0.00, empty")
+    opening = section.get_by_role("slider", name="opening of the cone")
+    opening.focus()
+    page.keyboard.press("ArrowRight")
+    expect(opening).to_have_text("31° wide")
 
 
 # --- no return -------------------------------------------------------------------------------------------------------

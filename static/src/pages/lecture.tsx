@@ -18,6 +18,7 @@ import { MountSection } from "./lecture/MountSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { keyedSlide, type Lesson, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
+import { SonarSection } from "./lecture/SonarSection";
 
 interface Part extends Lesson {
   readonly body: ComponentType<{ id: string; number: number; title: string }>;
@@ -30,6 +31,7 @@ const PARTS: readonly Part[] = [
   { id: "model", title: "What one reading says", body: ModelSection },
   { id: "rays", title: "Rays on a grid", body: RaysSection },
   { id: "algorithm", title: "The whole algorithm", body: AlgorithmSection },
+  { id: "sonar", title: "Sonar and its cone", body: SonarSection },
   { id: "no-return", title: "When nothing comes back", body: NoReturnSection },
   { id: "mount", title: "Frames and mounts", body: MountSection },
   { id: "forgetting", title: "Clamping and forgetting", body: ForgettingSection },

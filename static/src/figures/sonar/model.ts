@@ -1,0 +1,165 @@
+/**
+ * Wide beams: the sonar cone as Bayes' filter takes it, and the two certainties of Moravec and Elfes, the twins of
+ * `evidence_in_cone` and `update_moravec_elfes` in mapper/textbook.py; held to them by vectors (sonar.vectors.json).
+ * Source: Moravec & Elfes 1985; Elfes 1989; Probabilistic Robotics, table 9.2.
+ */
+
+import { toLattice } from "../../lattice";
+import type { Pose } from "../../protocol";
+import { CONFIG, emptyGrid, type LessonGeometry, type LessonGrid } from "../lesson/grid";
+import { bayesFilter } from "../lesson/textbook";
+import { logOdds } from "../profile/model";
+
+export interface SonarScan {
+  readonly ranges: Float32Array;
+  /** Radians in the sensor's frame. */
+  readonly bearings: readonly number[];
+  readonly range_min: number;
+  readonly range_max: number;
+}
+
+export interface SonarSettings {
+  /** The cone from edge to edge, radians. */
+  readonly opening: number;
+  /** r, metres; at least the side of a cell. */
+  readonly window: number;
+  readonly profile: "flat" | "gaussian";
+  readonly no_return: "ignore" | "free";
+}
+
+interface ConeCell {
+  readonly index: number;
+  /** Distance of the cell's centre from the sensor, metres, and its angle from the cone's axis. */
+  readonly s: number;
+  readonly theta: number;
+}
+
+const f32 = Math.fround;
+
+/** The cells whose centre lies in a cone, the right edge included. */
+export function cellsInCone(
+  geometry: LessonGeometry,
+  pose: Pose,
+  bearing: number,
+  opening: number,
+): readonly ConeCell[] {
+  const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
+  const heading = pose[2] - geometry.origin[2] + bearing;
+  const half = opening / 2;
+  const [cr, sr] = [Math.cos(heading - half), Math.sin(heading - half)];
+  const [cl, sl] = [Math.cos(heading + half), Math.sin(heading + half)];
+  const [ca, sa] = [Math.cos(heading), Math.sin(heading)];
+  const found: ConeCell[] = [];
+  for (let row = 0; row < geometry.rows; row++) {
+    const dRow = row + 0.5 - row0;
+    for (let col = 0; col < geometry.cols; col++) {
+      const dCol = col + 0.5 - col0;
+      if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
+      const theta = Math.atan2(ca * dRow - sa * dCol, ca * dCol + sa * dRow);
+      found.push({
+        index: row * geometry.cols + col,
+        s: Math.sqrt(dCol * dCol + dRow * dRow) * geometry.resolution,
+        theta: Math.min(half, Math.max(-half, theta)),
+      });
+    }
+  }
+  return found;
+}
+
+const halfWindow = (settings: SonarSettings, geometry: LessonGeometry): number =>
+  Math.max(settings.window, geometry.resolution) / 2;
+
+/** 1 at the sensor falling to 0 at the window, and 1 at z falling to 0 at the window's edges. */
+const rangeWeight = (s: number, z: number, half: number): number =>
+  s < z - half ? 1 - (s / (z - half)) ** 2 : half > 0 ? 1 - ((s - z) / half) ** 2 : 1;
+
+/** The evidence of a reading `z` at distance s and angle θ, in log-odds. */
+export function coneIncrement(s: number, z: number, theta: number, half: number, settings: SonarSettings): number {
+  const flat = s < z - half ? CONFIG.log_odds_miss : s <= z + half ? CONFIG.log_odds_hit : 0;
+  if (settings.profile === "flat") return flat;
+  return flat * rangeWeight(s, z, half) * Math.exp(-8 * (theta / settings.opening) ** 2);
+}
+
+const isReading = (scan: SonarScan, z: number): boolean => scan.range_min <= z && z <= scan.range_max;
+const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
+  z > scan.range_max && settings.no_return === "free";
+
+/** Bayes' filter: every cell of the cone up to z + r/2 gets its evidence, reading by reading. */
+export function updateCone(grid: LessonGrid, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
+  const half = halfWindow(settings, grid.geometry);
+  scan.ranges.forEach((z, k) => {
+    const reading = isReading(scan, z);
+    const free = isFree(scan, z, settings);
+    if (!reading && !free) return;
+    for (const { index, s, theta } of cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening)) {
+      if (reading ? s > Math.min(z + half, scan.range_max) : s >= scan.range_max) continue;
+      const evidence = reading ? coneIncrement(s, z, theta, half, settings) : CONFIG.log_odds_miss;
+      grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, evidence, CONFIG);
+      grid.observed[index] = 1;
+    }
+  });
+}
+
+/** The grids of 1985: how certain it is that a cell is occupied, and how certain that it is empty. */
+export interface Certainties {
+  readonly grid: LessonGrid;
+  readonly occupied: Float32Array;
+  readonly empty: Float32Array;
+}
+
+export function noCertainties(geometry: LessonGeometry): Certainties {
+  const grid = emptyGrid(geometry);
+  const count = grid.logOdds.length;
+  return { grid, occupied: new Float32Array(count), empty: new Float32Array(count) };
+}
+
+const offAxis = (theta: number, opening: number): number => Math.max(0, 1 - (theta / (opening / 2)) ** 2);
+
+/** First what is empty, for all readings; then what is occupied, cancelled and normalised, reading by reading. */
+export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
+  const { grid, occupied, empty } = map;
+  const half = halfWindow(settings, grid.geometry);
+  const cones = Array.from(scan.ranges, (z, k) => ({
+    z,
+    cells: cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening),
+  }));
+  for (const { z, cells } of cones) {
+    if (!isReading(scan, z) && !isFree(scan, z, settings)) continue;
+    const [to, edge] = isReading(scan, z) ? [z, half] : [scan.range_max, 0];
+    for (const { index, s, theta } of cells) {
+      if (s >= to - edge) continue;
+      const certainty = rangeWeight(s, to, edge) * offAxis(theta, settings.opening);
+      const before = empty[index] ?? 0;
+      empty[index] = f32(before + certainty * (1 - before));
+      grid.observed[index] = 1;
+    }
+  }
+  for (const { z, cells } of cones) {
+    if (!isReading(scan, z)) continue;
+    const arc = cells
+      .filter(({ s }) => s >= z - half && s <= Math.min(z + half, scan.range_max))
+      .map(({ index, s, theta }) => ({
+        index,
+        share: rangeWeight(s, z, half) * offAxis(theta, settings.opening) * (1 - (empty[index] ?? 0)),
+      }));
+    const total = arc.reduce((sum, { share }) => sum + share, 0);
+    if (total <= 0) continue;
+    for (const { index, share } of arc) {
+      const before = occupied[index] ?? 0;
+      occupied[index] = f32(before + (share / total) * (1 - before));
+      grid.observed[index] = 1;
+    }
+  }
+  show(map);
+}
+
+/** What a map shows of the two certainties: ℓ of p = (1 + v)/2, v the greater of both, that of empty negative. */
+function show({ grid, occupied, empty }: Certainties): void {
+  grid.observed.forEach((seen, index) => {
+    if (seen !== 1) return;
+    const [speaks, against] = [occupied[index] ?? 0, empty[index] ?? 0];
+    const value = speaks >= against ? speaks : -against;
+    const shown = logOdds((1 + value) / 2);
+    grid.logOdds[index] = Math.min(CONFIG.log_odds_max, Math.max(CONFIG.log_odds_min, shown));
+  });
+}
