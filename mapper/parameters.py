@@ -112,9 +112,9 @@ PARAMETERS: tuple[Parameter, ...] = (
         unit="m/m", low=0.0, high=0.2, step=0.005, only_for=("smooth_ramp",),
     ),
     Parameter(
-        "opening", "Opening angle", "model", "number", 0.5236,
+        "opening", "Opening angle", "model", "number", 0.52,
         "Angle of the cone, from edge to edge, in which the echo may have arisen.",
-        unit="rad", low=0.0175, high=1.5708, step=0.0175, only_for=CONES,
+        unit="rad", low=0.01, high=1.57, step=0.01, only_for=CONES,
     ),
     Parameter(
         "cone_profile", "Cone profile", "model", "choice", "flat",
@@ -207,7 +207,7 @@ class MappingConfig:
     p_occ: float = 0.7
     sigma: float = 0.03
     sigma_growth: float = 0.01
-    opening: float = 0.5236
+    opening: float = 0.52
     cone_profile: str = "flat"
     prior_weight: float = 2.0
     update: str = "per_beam"

@@ -101,7 +101,8 @@ class LaserScan:
 
     ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in
     the laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside
-    [``range_min``, ``range_max``] metres are not measurements.
+    [``range_min``, ``range_max``] metres are not measurements. ``beam_width`` is 0 for a lidar's thin beams and for a
+    ring of sonars, evenly spread, the angle of their cones, radians.
     """
 
     ranges: NDArray[np.float32]
@@ -110,12 +111,14 @@ class LaserScan:
     range_min: float
     range_max: float
     stamp_ns: int = 0
+    beam_width: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
         if self.ranges.ndim != 1:
             raise ConfigError("scan.shape", f"A scan's ranges are one row, not an array of shape {self.ranges.shape}.")
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        _check_width(self.beam_width)
 
     @property
     def angles(self) -> NDArray[np.float64]:
@@ -333,4 +336,5 @@ class ScanLog:
         if self.bearings is not None:
             limits = (self.range_min, self.range_max, int(self.stamps_ns[index]))
             return SonarScan(self.ranges[index], self.angles, self.beam_width, *limits)
-        return LaserScan(self.ranges[index], *self.sweep, self.range_min, self.range_max, int(self.stamps_ns[index]))
+        stamp_ns = int(self.stamps_ns[index])
+        return LaserScan(self.ranges[index], *self.sweep, self.range_min, self.range_max, stamp_ns, self.beam_width)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from typing import Any
 
@@ -99,4 +99,4 @@ def without_swallowed(scan: LaserScan, lost: NDArray[np.bool_]) -> LaserScan:
     """Return the scan as the sensor reports it when the beams ``lost`` (n_beams,) come back empty: +inf (REP 117)."""
     ranges = scan.ranges.copy()
     ranges[lost] = np.inf
-    return LaserScan(ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, scan.stamp_ns)
+    return replace(scan, ranges=ranges)

@@ -151,4 +151,5 @@ def measure(
         np.float32
     )
     ranges[ranges > sensor.range_max] = np.inf
-    return LaserScan(ranges, sensor.angle_min, sensor.angle_increment, RANGE_MIN, sensor.range_max, stamp_ns)
+    limits = (RANGE_MIN, sensor.range_max)
+    return LaserScan(ranges, sensor.angle_min, sensor.angle_increment, *limits, stamp_ns, sensor.cone)

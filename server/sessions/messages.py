@@ -43,6 +43,8 @@ def scan_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
     if moment.believed_scan_pose is not None:
         fields["believed_scan_pose"] = _rounded(moment.believed_scan_pose)
     fields |= {"ranges": _ranges(scan), "range_max": min(scan.range_max, config.range_max)}
+    if scan.beam_width > 0.0:
+        fields["beam_width"] = scan.beam_width
     if isinstance(scan, SonarScan):
         return fields | {"angle_min": 0.0, "angle_increment": 0.0, "bearings": np.round(scan.bearings, 5).tolist()}
     return fields | {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}

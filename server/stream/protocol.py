@@ -30,8 +30,8 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 the server restarts or the session is made anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
 ``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
-                 scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, bearings?, range_max,
-                 remade_ms?, auto}
+                 scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, bearings?, beam_width?,
+                 range_max, remade_ms?, auto}
                 the newest state, sent right before the binary frame of the same instant; ``t`` is the server's clock in
                 seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
                 those of the newest scan, ``null`` for no return or no reading; ``scan_pose`` is where the sensor was
@@ -40,7 +40,7 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 ``scan_pose`` as the map has them, only where the robot drifts. ``scan_pose``, ``believed_scan_pose``,
                 ``ranges``, ``angle_min``, ``angle_increment``, ``bearings`` and ``range_max`` are sent only with a new
                 scan: where ``ranges`` is left out all of them are as they were; ``bearings`` [rad, ...] are those of
-                sonars, which are not even
+                sonars, which are not even, and ``beam_width`` is the angle of their cones
 ``trajectory``  {name, every, poses: [[x, y], ...], stamps: [s, ...]}   log sessions only: the base at every scan (of
                 very long logs at scans 0, ``every``, 2 · ``every``, ...), and how much of the recorded time is over
                 then; sent at the start and after a change

@@ -88,6 +88,8 @@ export interface Seen {
   readonly angle_increment: number;
   /** Bearing of each beam where they are not even: sonars. */
   readonly bearings?: readonly number[];
+  /** Angle of the sonars' cones, radians; a lidar's beams have none. */
+  readonly beam_width?: number;
   readonly range_max: number;
 }
 
@@ -388,6 +390,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     angle_min: orMissing(isNumber),
     angle_increment: orMissing(isNumber),
     bearings: orMissing(isList),
+    beam_width: orMissing(isNumber),
     range_max: orMissing(isNumber),
   },
   forgetting: {

@@ -279,12 +279,13 @@ export class Watched implements Receiver {
     const { ranges } = message;
     if (ranges !== undefined) this.frame.value = message as Frame;
     else if (before) {
-      const { scan_pose, believed_scan_pose, angle_min, angle_increment, bearings, range_max } = before;
+      const { scan_pose, believed_scan_pose, angle_min, angle_increment, bearings, beam_width, range_max } = before;
       const seen = { scan_pose, ranges: before.ranges, angle_min, angle_increment, range_max };
       this.frame.value = {
         ...message,
         ...seen,
         ...(bearings && { bearings }),
+        ...(beam_width && { beam_width }),
         ...(believed_scan_pose && { believed_scan_pose }),
       };
     }

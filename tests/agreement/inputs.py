@@ -81,7 +81,7 @@ def configs(draw: st.DrawFn, update: str, models: tuple[str, ...]) -> MappingCon
     shape = {
         "sigma": some(0.03, 0.5, low=0.005, high=0.5),
         "sigma_growth": some(0.01, 0.0, low=0.0, high=0.2),
-        "opening": some(0.5236, 1.5708, 0.0175, low=0.0175, high=1.5708),
+        "opening": some(0.52, 1.57, 0.01, low=0.01, high=1.57),
         "cone_profile": st.sampled_from(["flat", "gaussian"]),
         "prior_weight": some(2.0, 0.1, low=0.1, high=50.0),
         "resolution": some(0.05, low=0.01, high=1.0),

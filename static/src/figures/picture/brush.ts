@@ -63,6 +63,7 @@ export function paintBeams(
   const [sx, sy] = place(brush, [from[0], from[1]]);
   // On a dense scan every n-th line is enough to be seen as beams; every reading keeps its dot.
   const every = Math.max(1, Math.round(frame.ranges.length / 180));
+  if (frame.beam_width) paintCones(brush, from, frame, ends, frame.beam_width, strength);
   ctx.beginPath();
   for (let i = 0; i < ends.length; i += 2 * every) {
     const x = ends[i] as number;
@@ -82,6 +83,28 @@ export function paintBeams(
     if (!Number.isNaN(x)) ctx.fillRect(x - dot / 2, (ends[i + 1] as number) - dot / 2, dot, dot);
   }
   ctx.globalAlpha = 1;
+}
+
+/** What sonars hear: somewhere on each arc is the nearest thing. */
+function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, width: number, strength: number): void {
+  const { ctx, view, inks } = brush;
+  const [sx, sy] = place(brush, [from[0], from[1]]);
+  ctx.fillStyle = inks.beamFill;
+  ctx.strokeStyle = inks.beam;
+  ctx.lineWidth = 2;
+  for (let i = 0; i < frame.ranges.length; i++) {
+    if (Number.isNaN(ends[2 * i] as number)) continue;
+    // On the screen y goes down, and angles go the other way round.
+    const axis = -(from[2] + bearingOf(frame, i));
+    const radius = (frame.ranges[i] as number) / view.scale;
+    ctx.beginPath();
+    ctx.arc(sx, sy, radius, axis - width / 2, axis + width / 2);
+    ctx.globalAlpha = 0.5 + 0.4 * strength;
+    ctx.stroke();
+    ctx.lineTo(sx, sy);
+    ctx.globalAlpha = 0.1 + 0.1 * strength;
+    ctx.fill();
+  }
 }
 
 /** The one beam that is looked at. */
