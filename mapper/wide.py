@@ -82,6 +82,6 @@ def ramp_increments(
     px, py = (z * part for part in sweep.beams[beams].T)
     ends = geometry.world_to_cell(np.stack([x + cos * px - sin * py, y + sin * px + cos * py], axis=-1))
     ended = returned & (ends == np.array(cell)).all(axis=-1)
-    within = np.array([model.increment(d, reading) for d, reading in zip(s, z, strict=True)], dtype=np.float64)
+    within = model.increment(s, z)  # type: ignore[arg-type] # a ramp takes a reading for each distance as well
     thin = np.where(touches[:, 1] == 1, within, model.log_odds_miss)
     return np.where(ended, model.log_odds_hit, thin).astype(np.float32)

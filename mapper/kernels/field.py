@@ -162,18 +162,19 @@ def _lowest_bit(word: int) -> int:
 
 
 @jit
-def _miss_run(cells: Float32Array, observed: BoolArray, first: int, stop: int, times: int, rule: Rule) -> None:
-    """Add a miss ``times`` times to the columns [first, stop) of a row."""
+def _miss_run(cells: Float32Array, observed: BoolArray, times: int, rule: Rule) -> None:
+    """Add a miss ``times`` times to some cells of a row, in the form that compilers turn into vector instructions."""
     miss, _, low, high = rule
     for _ in range(times):
-        changed = 0
-        for c in range(first, stop):
-            value = min(max(cells[c] + miss, low), high)
-            changed |= value != cells[c]
+        changed = np.int32(0)
+        for c in range(len(cells)):
+            before = cells[c]
+            value = min(max(before + miss, low), high)
+            changed |= np.int32(value != before)
             cells[c] = value
-        if not changed:  # nor will they change in the next turn
+        if changed == 0:  # nor will they change in the next turn
             break
-    for c in range(first, stop):
+    for c in range(len(observed)):
         observed[c] = True
 
 
@@ -207,7 +208,7 @@ def _settle_row(
             blocks &= blocks - 1
             if seeing and done < first:
                 times = _ones(seeing)
-                _miss_run(cells, observed, col0 + done, col0 + first, times, rule)
+                _miss_run(cells[col0 + done : col0 + first], observed[col0 + done : col0 + first], times, rule)
                 left, right = min(left, col0 + done), max(right, col0 + first)
                 count += times * (first - done)
             done = min(first + BLOCK, width)
@@ -235,7 +236,7 @@ def _settle_row(
                 observed[col0 + c] = True
     if seeing and done < width:
         times = _ones(seeing)
-        _miss_run(cells, observed, col0 + done, col0 + width, times, rule)
+        _miss_run(cells[col0 + done : col0 + width], observed[col0 + done : col0 + width], times, rule)
         left, right = min(left, col0 + done), max(right, col0 + width)
         count += times * (width - done)
     if left < right:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from mapper.bench import bench_map
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import integrate_log
+from mapper.integrate import geometry_for, integrate_log
 from mapper.logs import open_log
-from mapper.parameters import MappingConfig
+from mapper.parameters import BY_NAME, MappingConfig
+from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 
@@ -52,15 +56,20 @@ def logs() -> Iterator[tuple[str, ScanLog, float]]:
     yield "hall, 1,080 beams", hall(), 0.025
 
 
+def best_ms(work: Callable[[], object], repeats: int) -> float:
+    """Return the milliseconds that ``work`` takes, the best of ``repeats``."""
+    best = float("inf")
+    for _ in range(repeats):
+        began = time.perf_counter()
+        work()
+        best = min(best, time.perf_counter() - began)
+    return 1e3 * best
+
+
 def memory_limit_ms(updates: int) -> float:
     """Milliseconds for as many read-modify-writes on contiguous int8 as there were cell updates, best of five."""
     cells = np.zeros(max(updates, 1), dtype=np.int8)
-    best = float("inf")
-    for _ in range(5):
-        began = time.perf_counter()
-        np.add(cells, 1, out=cells)
-        best = min(best, time.perf_counter() - began)
-    return 1e3 * best
+    return best_ms(partial(np.add, cells, 1, out=cells), 5)
 
 
 def side_by_side() -> None:
@@ -72,18 +81,19 @@ def side_by_side() -> None:
             peer = None
             print(f"MRPT is left out: {absent}", file=sys.stderr)
         columns = (
-            "log", "scans × beams", "cell updates", "per beam", "ns per update", "per scan", "MRPT",
-            "per beam, ratio", "per scan, ratio", "the same on contiguous int8",
+            "log", "scans × beams", "cell updates", "per beam", "updates a second", "per scan", "MRPT",
+            "per beam, ratio", "per scan, ratio", "memory's limit, updates a second",
         )  # fmt: skip
         print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
         for name, log, resolution in logs():
             ours = bench_map(log, MappingConfig(range_max=RANGE_MAX, resolution=resolution), repeats=7)
             beam, scan, cells = ours["per_beam_ms"], ours["per_scan_ms"], int(ours["cells"])
+            limit = memory_limit_ms(cells)
             theirs = mrpt_ms(peer, log, RANGE_MAX, resolution) if peer else None
             against = f"{theirs:.1f} ms | {theirs / beam:.2f} × | {theirs / scan:.2f} ×" if theirs else "– | – | –"
             print(
                 f"| {name} | {log.n_scans} × {log.n_beams} | {cells / 1e6:.1f} M | {beam:.1f} ms | "
-                f"{1e6 * beam / cells:.2f} | {scan:.1f} ms | {against} | {memory_limit_ms(cells):.1f} ms |"
+                f"{1e-6 * cells / beam:.1f} G | {scan:.1f} ms | {against} | {1e-6 * cells / limit:.1f} G |"
             )
 
 
@@ -96,16 +106,47 @@ def cost_against_size() -> None:
         row = []
         for update in ("per_beam", "per_scan"):
             config = MappingConfig(update=update, range_max=RANGE_MAX, resolution=0.1)
-            best = float("inf")
             grid = OccupancyGrid(GridGeometry(0.1, cells, cells, (20 - side / 2, 12 - side / 2, 0.0)))
-            for _ in range(5):
-                began = time.perf_counter()
-                integrate_log(grid, log, config)
-                best = min(best, time.perf_counter() - began)
-            row.append(f"{1e3 * best:.1f} ms")
+            row.append(f"{best_ms(partial(integrate_log, grid, log, config), 9):.1f} ms")
         print(f"| {side} m | {' | '.join(row)} |")
+
+
+def cost_of_asking_why(n_cells: int = 40) -> None:
+    """Print how long the provenance of a cell over the whole first log takes, for each way of mapping: the worst cell.
+
+    Half of the cells are the sensor's own, which are touched most, the others lie around. Moravec and Elfes' grids are
+    left out: what a reading adds to a cell depends there on all cells of its cone, so the whole map must be made again.
+    """
+    name, log, resolution = next(logs())
+    random = np.random.default_rng(7)
+    print(f"\n| provenance of a cell, {name} | median | worst |\n|---|---|---|")
+    ways = itertools.product(*(BY_NAME[axis].choices for axis in ("model", "update", "traversal")))
+    for model, update, traversal in ways:
+        if model == "moravec_elfes":
+            continue
+        config = MappingConfig(
+            model=model, update=update, traversal=traversal, window=0.2, no_return="free", resolution=resolution
+        )
+        geometry = geometry_for(log, config)
+        own = geometry.world_to_cell(log.sensor_poses()[:: max(1, 2 * log.n_scans // n_cells), :2])
+        around = own + random.integers(-60, 60, own.shape)
+        cells = [tuple(cell) for cell in np.concatenate([own, around]) if geometry.contains(cell)]
+        times = sorted(best_ms(partial(provenance, geometry, log, config, cell), 3) for cell in cells)
+        print(f"| {model}, {update}, {traversal} | {times[len(times) // 2]:.2f} ms | {times[-1]:.2f} ms |")
+
+
+def cost_of_starting(processes: int = 10) -> None:
+    """Print the time from the start of a process to the end of its first kernel call, its kernels in numba's cache."""
+    times = []
+    for _ in range(processes + 1):  # the first may still have to compile
+        began = time.time()
+        done = subprocess.run([sys.executable, "-m", "tests.bench.start"], capture_output=True, text=True, check=True)
+        times.append(float(done.stdout) - began)
+    print(f"\nprocess start to first kernel call: {min(times[1:]):.2f} s, the best of {processes}")
 
 
 if __name__ == "__main__":
     side_by_side()
     cost_against_size()
+    cost_of_asking_why()
+    cost_of_starting()
