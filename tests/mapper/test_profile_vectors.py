@@ -15,15 +15,15 @@ import numpy as np
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import integrate_scan
-from mapper.parameters import BY_NAME, MappingConfig
+from mapper.parameters import BY_NAME, CONES, MappingConfig
 from mapper.scan import LaserScan
-from mapper.sensor_model import NoReturn, beam_profile
+from mapper.sensor_model import MoravecElfes, NoReturn, beam_profile
 
 VECTORS = Path(__file__).parents[2] / "static" / "src" / "figures" / "profile" / "profile.vectors.json"
 
 NAMES = (
     "model", "range_max", "window", "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "log_odds_prior", "no_return",
-    "resolution",
+    "resolution", "sigma", "sigma_growth", "opening", "cone_profile", "prior_weight",
 )  # fmt: skip
 
 CONFIGS: tuple[dict[str, Any], ...] = (
@@ -37,6 +37,16 @@ CONFIGS: tuple[dict[str, Any], ...] = (
     {"range_max": 3.0},
     {"range_max": 3.0, "no_return": "free"},
     {"model": "step_window", "range_max": 3.0, "no_return": "free", "window": 0.4},
+    {"range_max": 3.0, "no_return": "hit", "window": 0.1},
+    {"model": "smooth_ramp"},
+    {"model": "smooth_ramp", "sigma": 0.1, "sigma_growth": 0.05, "range_max": 3.0, "no_return": "free"},
+    {"model": "hit_counting"},
+    {"model": "hit_counting", "prior_weight": 6.0, "log_odds_prior": -0.7, "window": 0.3},
+    {"model": "sonar_cone", "window": 0.2},
+    {"model": "sonar_cone", "window": 0.3, "cone_profile": "gaussian", "range_max": 3.0, "no_return": "free"},
+    {"model": "sonar_cone", "window": 0.0, "cone_profile": "gaussian", "opening": 1.0},
+    {"model": "moravec_elfes", "window": 0.3},
+    {"model": "moravec_elfes", "window": 0.2, "opening": 0.3, "range_max": 3.0, "no_return": "free"},
 )
 
 # Exact in float32, where scans keep their ranges: on borders of cells, inside them, and beyond a short max range.
@@ -53,10 +63,35 @@ def cells_of(config: MappingConfig, z: float) -> list[float | None]:
         ranges=np.array([z], dtype=np.float32), angle_min=0.0, angle_increment=0.01, range_min=0.0, range_max=100.0
     )
     integrate_scan(row, scan, (0.0, config.resolution / 2.0, 0.0), config)
+    on_beam, first = row.geometry.world_to_cell((0.0, config.resolution / 2.0)).tolist()  # a cone made the grid grow
+    cells = np.s_[on_beam, first : first + count]
     return [
         round(float(value) - config.log_odds_prior, 5) if seen else None
-        for value, seen in zip(row.log_odds[1], row.observed[1], strict=True)
+        for value, seen in zip(row.log_odds[cells], row.observed[cells], strict=True)
     ]
+
+
+def fans() -> list[dict[str, Any]]:
+    """Return what the wide models say beside the axis of a cone, at distances and angles."""
+    out = []
+    for changes in CONFIGS:
+        config = MappingConfig(clamp=False, **changes)
+        if config.model not in CONES:
+            continue
+        z, half = 2.25, max(config.window, config.resolution) / 2.0
+        s = [0.3, 1.5, z - half, z, z + half / 3.0, z + half, 2.8]
+        theta = [share * config.opening / 2.0 for share in (-1.2, -0.99, -0.5, 0.0, 0.3, 0.7, 1.1)]
+        increments = config.beam_model().increment(np.array(s)[:, None], z, np.array(theta)[None, :])
+        out.append(
+            {
+                "parameters": {name: asdict(config)[name] for name in NAMES},
+                "z": z,
+                "s": s,
+                "theta": theta,
+                "increments": np.round(increments, 9).tolist(),
+            }
+        )
+    return out
 
 
 def vectors() -> dict[str, Any]:
@@ -82,13 +117,17 @@ def vectors() -> dict[str, Any]:
             profile = beam_profile(
                 config.beam_model(), z, s, config.range_max, no_return=cast("NoReturn", config.no_return)
             )
+            if config.model == "moravec_elfes" and z > config.range_max:
+                # Their grids take no return for a cone without an arc: see update_moravec_elfes.
+                profile = -MoravecElfes(0.0, config.opening).empty(s, config.range_max)
             cases.append(
                 {
                     "parameters": {name: asdict(config)[name] for name in NAMES},
                     "z": z,
                     "s": s,
                     "profile": [round(float(value), 9) for value in profile],
-                    "cells": cells_of(config, z),
+                    # Moravec and Elfes' grids hold certainties, not sums of evidence.
+                    "cells": [] if config.model == "moravec_elfes" else cells_of(config, z),
                 }
             )
     rows = {
@@ -96,7 +135,7 @@ def vectors() -> dict[str, Any]:
         for name, row in BY_NAME.items()
         if name in NAMES
     }
-    return {"table": rows, "cases": cases}
+    return {"table": rows, "cases": cases, "fans": fans()}
 
 
 def text() -> str:
@@ -115,6 +154,10 @@ def test_the_vectors_of_the_pages_are_those_of_the_mapper():
         np.testing.assert_allclose(old["profile"], new["profile"], atol=1e-8)
         as_numbers = [[np.nan if value is None else value for value in one["cells"]] for one in (old, new)]
         np.testing.assert_allclose(as_numbers[0], as_numbers[1], atol=1e-5)
+    assert len(stored["fans"]) == len(fresh["fans"])
+    for old, new in zip(stored["fans"], fresh["fans"], strict=True):
+        assert {**old, "increments": None} == {**new, "increments": None}
+        np.testing.assert_allclose(old["increments"], new["increments"], atol=1e-8)
 
 
 if __name__ == "__main__" and "--write" in sys.argv:

@@ -2,6 +2,7 @@ import { written } from "../../ui/numbers";
 import type { Controls } from "./controls";
 import { Handle } from "./Handle";
 import { ticks, toPixel } from "./layout";
+import { halfWindow } from "./model";
 import type { ProfileView } from "./view";
 
 /** The whole beam, to scale: the sensor, the reading, the max range, and the part that the lens shows. */
@@ -11,11 +12,12 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
   const values = view.values.value;
   const z = view.z.value;
   const noReturn = view.noReturn.value;
-  const { start, span } = view.lens.value;
+  const { low: start, high } = view.xScale.value;
+  const span = high - start;
   const x = (s: number): number => toPixel(s, scale);
   const middle = (beam.top + beam.bottom) / 2;
   const end = noReturn ? values.range_max : z;
-  const half = values.window / 2;
+  const half = halfWindow(noReturn ? values.range_max : z, values);
   const freeTo = noReturn ? (values.no_return === "free" ? values.range_max : 0) : Math.max(0, z - half);
   const knob = Math.min(x(noReturn ? Math.min(z, view.total.value) : z), beam.right);
   const rangeX = Math.min(x(values.range_max), beam.right);

@@ -3,7 +3,7 @@ import type { Controls } from "./controls";
 import { Handle } from "./Handle";
 import { level } from "./handles";
 import { ticks, toPixel } from "./layout";
-import { beamModel, cellAt, probability } from "./model";
+import { beamModel, cellAt, halfWindow, increment, probability } from "./model";
 import type { ProfileView } from "./view";
 
 /** Ticks of the probability axis, the most telling first: where it is crowded the later ones are left out. */
@@ -49,6 +49,16 @@ function Axes({ view }: { view: ProfileView }) {
   );
 }
 
+/** What the two levels are called in the models that name them otherwise. */
+const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: string }>> = {
+  step_window: { hit: "Probability of a cell hit", miss: "Probability of a cell passed" },
+  hit_counting: { hit: "Change by the first hit", miss: "Change by the first miss" },
+};
+
+/** Places from `low` to `high`, close enough for a smooth line. */
+const rampPoints = (low: number, high: number): readonly number[] =>
+  Array.from({ length: 49 }, (_, i) => low + ((high - low) * i) / 48);
+
 /** The profile around the reading, as a curve whose every part can be grabbed. */
 export function Curve({ view, controls }: { view: ProfileView; controls: Controls }) {
   const { curve, strip } = view.layout.value;
@@ -59,7 +69,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const noReturn = view.noReturn.value;
   const model = beamModel(values);
   const prior = values.log_odds_prior;
-  const half = values.window / 2;
+  const half = halfWindow(z, values);
   const clamp = (pixel: number): number => Math.min(curve.right, Math.max(curve.left, pixel));
   const x = (s: number): number => clamp(toPixel(s, xs));
   const y = (evidence: number): number => toPixel(evidence, ys);
@@ -82,9 +92,20 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;
+  // A ramp has no steps: it is drawn from one side of the window to the other, negative and positive part apart.
+  const isRamp = values.model === "smooth_ramp" && !noReturn;
+  const widest = isRamp ? 2 * controls.bounds("sigma").high : controls.bounds("window").high / 2;
+  const ramp = isRamp
+    ? rampPoints(Math.max(0, z - half), z + half).map((s) => [x(s), increment(s, z, values)] as const)
+    : [];
+  const rampLine = ramp.map(([px, value]) => `L${px.toFixed(1)} ${y(value).toFixed(1)}`).join("");
+  const rampArea = (part: (value: number) => number): string =>
+    `M${hitFrom} ${y0}${ramp.map(([px, value]) => `L${px.toFixed(1)} ${y(part(value)).toFixed(1)}`).join("")}L${hitTo} ${y0}Z`;
   const line = noReturn
     ? `M${curve.left} ${frees ? y(model.miss) : y0}H${freeTo}V${y0}H${curve.right}`
-    : `M${curve.left} ${freeTo > curve.left ? y(model.miss) : y(model.hit)}H${freeTo}V${y(model.hit)}H${hitTo}V${y0}H${curve.right}`;
+    : isRamp
+      ? `M${curve.left} ${freeTo > curve.left ? y(model.miss) : y0}H${freeTo}${rampLine}H${curve.right}`
+      : `M${curve.left} ${freeTo > curve.left ? y(model.miss) : y(model.hit)}H${freeTo}V${y(model.hit)}H${hitTo}V${y0}H${curve.right}`;
   const rangeX = toPixel(values.range_max, xs);
   const rangeShown = rangeX >= curve.left && rangeX <= curve.right;
 
@@ -111,7 +132,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       )}
       {!noReturn && (
         <>
-          {values.window < values.resolution && (
+          {2 * half < values.resolution && (
             <rect
               class="endpoint-cell"
               x={x(cell)}
@@ -120,7 +141,14 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
               height={y0 - y(model.hit)}
             />
           )}
-          <rect class="area-hit" x={hitFrom} y={y(model.hit)} width={hitTo - hitFrom} height={y0 - y(model.hit)} />
+          {isRamp ? (
+            <>
+              <path class="area-miss" d={rampArea((value) => Math.min(0, value))} />
+              <path class="area-hit" d={rampArea((value) => Math.max(0, value))} />
+            </>
+          ) : (
+            <rect class="area-hit" x={hitFrom} y={y(model.hit)} width={hitTo - hitFrom} height={y0 - y(model.hit)} />
+          )}
         </>
       )}
       {rangeShown && <line class="range-line" x1={rangeX} x2={rangeX} y1={curve.top} y2={curve.bottom} />}
@@ -129,7 +157,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       {freeTo > curve.left && (
         <line class="profile-miss" x1={curve.left} x2={freeTo} y1={y(model.miss)} y2={y(model.miss)} />
       )}
-      {!noReturn && (
+      {!noReturn && !isRamp && (
         <line class="profile-hit" x1={hitFrom - 1.5} x2={hitTo + 1.5} y1={y(model.hit)} y2={y(model.hit)} />
       )}
       {curve.right - hitTo > (narrow ? 160 : 190) && (
@@ -140,7 +168,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
 
       {freeTo > curve.left + 30 && (
         <Handle
-          label={values.model === "step_window" ? "Probability of a cell passed" : "Miss increment"}
+          label={NAMES[values.model]?.miss ?? "Miss increment"}
           axis="y"
           tone="tone-miss"
           now={miss.value}
@@ -164,7 +192,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       {!noReturn && (
         <>
           <Handle
-            label={values.model === "step_window" ? "Probability of a cell hit" : "Hit increment"}
+            label={NAMES[values.model]?.hit ?? "Hit increment"}
             axis="y"
             tone="tone-hit"
             now={hit.value}
@@ -195,13 +223,13 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             return (
               <Handle
                 key={side}
-                label={`${side === "near" ? "Near" : "Far"} edge of the hit window`}
+                label={`${side === "near" ? "Near" : "Far"} edge of the ${isRamp ? "ramp" : "hit window"}`}
                 axis="x"
                 tone="tone-hit"
                 now={z + (side === "near" ? -half : half)}
-                low={side === "near" ? z - controls.bounds("window").high / 2 : z}
-                high={side === "near" ? z : z + controls.bounds("window").high / 2}
-                text={`window ${written(values.window, 2)} metres wide`}
+                low={side === "near" ? z - widest : z}
+                high={side === "near" ? z : z + widest}
+                text={`window ${written(2 * half, 2)} metres wide`}
                 grab={{ x: side === "near" ? at - 40 : at - 4, y: edgeTop, width: 44, height: edgeHeight }}
                 {...controls.edge(side)}
               >
@@ -215,7 +243,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             y={Math.max(y(model.hit) - 13, curve.top + 12)}
             text-anchor="middle"
           >
-            {values.window === 0 ? "r 0: one cell" : `r ${written(values.window, 2)} m`}
+            {half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`}
           </text>
           <Handle
             label="Measured range z"

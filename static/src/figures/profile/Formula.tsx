@@ -1,5 +1,5 @@
 import { signed, written } from "../../ui/numbers";
-import { beamModel, cellAt, hitCells, probability } from "./model";
+import { beamModel, cellAt, halfWindow, hitCells, isCone, type ProfileParameters, probability } from "./model";
 import type { ProfileView } from "./view";
 
 /** The piecewise formula with the numbers of the moment in it. */
@@ -7,8 +7,6 @@ export function Formula({ view }: { view: ProfileView }) {
   const values = view.values.value;
   const model = beamModel(values);
   const z = view.z.value;
-  const step = values.model === "step_window";
-  const half = values.window / 2;
   if (view.noReturn.value) {
     return (
       <math class="formula" display="block">
@@ -29,53 +27,86 @@ export function Formula({ view }: { view: ProfileView }) {
       </math>
     );
   }
+  const rows = rowsOf(values, z);
+  const certain = values.model === "moravec_elfes";
   return (
     <math class="formula" display="block">
       <mrow>
-        <mi>Δℓ</mi>
+        <mi>{certain ? "v" : "Δℓ"}</mi>
         <mo>(</mo>
-        <mi>s</mi>
+        <mi>{isCone(values) ? "s, θ" : "s"}</mi>
         <mo>)</mo>
         <mo>=</mo>
         <mtable>
-          <mtr>
-            <mtd>
-              <mrow class="noun-miss">
-                {step && <mtext>{`logit ${written(values.p_free, 2)} − ℓ₀ = `}</mtext>}
-                <mn>{signed(model.miss)}</mn>
-              </mrow>
-            </mtd>
-            <mtd>
-              <mtext>
-                {values.window > 0 ? `s < z − r/2 = ${written(z - half, 2)} m` : `s < z = ${written(z, 2)} m`}
-              </mtext>
-            </mtd>
-          </mtr>
-          <mtr>
-            <mtd>
-              <mrow class="noun-hit">
-                {step && <mtext>{`logit ${written(values.p_occ, 2)} − ℓ₀ = `}</mtext>}
-                <mn>{signed(model.hit)}</mn>
-              </mrow>
-            </mtd>
-            <mtd>
-              <mtext>{values.window > 0 ? `|s − z| ≤ r/2 = ${written(half, 3)} m` : "the cell that holds z"}</mtext>
-            </mtd>
-          </mtr>
-          <mtr>
-            <mtd>
-              <mrow class="noun-prior">
-                <mn>0</mn>
-              </mrow>
-            </mtd>
-            <mtd>
-              <mtext>beyond</mtext>
-            </mtd>
-          </mtr>
+          {rows.map(({ noun, value, where }) => (
+            <mtr key={noun}>
+              <mtd>
+                <mrow class={noun}>
+                  <mtext>{value}</mtext>
+                </mrow>
+              </mtd>
+              <mtd>
+                <mtext>{where}</mtext>
+              </mtd>
+            </mtr>
+          ))}
         </mtable>
       </mrow>
     </math>
   );
+}
+
+interface Row {
+  readonly noun: string;
+  readonly value: string;
+  readonly where: string;
+}
+
+/** What a reading adds in each zone, and where the zone is. */
+function rowsOf(values: ProfileParameters, z: number): readonly Row[] {
+  const model = beamModel(values);
+  const half = halfWindow(z, values);
+  const [miss, hit] = [signed(model.miss), signed(model.hit)];
+  const before = half > 0 ? `s < z − r/2 = ${written(z - half, 2)} m` : `s < z = ${written(z, 2)} m`;
+  const within = half > 0 ? `|s − z| ≤ r/2 = ${written(half, 3)} m` : "the cell that holds z";
+  const row = (noun: string, value: string, where: string): Row => ({ noun: `noun-${noun}`, value, where });
+  const beyond = row("prior", "0", isCone(values) ? "beyond, and outside ω" : "beyond");
+  switch (values.model) {
+    case "step_window":
+      return [
+        row("miss", `logit ${written(values.p_free, 2)} − ℓ₀ = ${miss}`, before),
+        row("hit", `logit ${written(values.p_occ, 2)} − ℓ₀ = ${hit}`, within),
+        beyond,
+      ];
+    case "smooth_ramp":
+      return [
+        row("miss", miss, `s < z − 2σ = ${written(z - half, 2)} m, σ = ${written(half / 2, 3)} m`),
+        row("hit", `${miss} → ${hit} → 0`, `up to z, down to z + 2σ = ${written(z + half, 2)} m`),
+        beyond,
+      ];
+    case "hit_counting":
+      return [
+        row("miss", `ln w(1−p₀) − ln (1 + w(1−p₀)) = ${miss}`, `first visit: ${before}`),
+        row("hit", `ln (1 + wp₀) − ln wp₀ = ${hit}`, `first visit: ${within}`),
+        row("prior", "p = (n + wp₀) / (n + m + w)", "after n hits, m misses"),
+      ];
+    case "sonar_cone": {
+      const fades = values.cone_profile === "gaussian";
+      return [
+        row("miss", fades ? `${miss} · (1 − (s/(z−r/2))²) · e^(−8(θ/ω)²)` : miss, before),
+        row("hit", fades ? `${hit} · (1 − ((s−z)/(r/2))²) · e^(−8(θ/ω)²)` : hit, within),
+        beyond,
+      ];
+    }
+    case "moravec_elfes":
+      return [
+        row("miss", "empty: (1 − (s/(z−r/2))²) · (1 − (2θ/ω)²)", before),
+        row("hit", "occupied: (1 − ((s−z)/(r/2))²) · (1 − (2θ/ω)²)", within),
+        beyond,
+      ];
+    default:
+      return [row("miss", miss, before), row("hit", hit, within), beyond];
+  }
 }
 
 const many = (count: number): string => (count === 1 ? "1 cell" : `${count} cells`);
@@ -102,6 +133,34 @@ export function InWords({ view }: { view: ProfileView }) {
     );
   }
   const hits = inWindow[1] - inWindow[0] + 1;
+  if (values.model === "moravec_elfes") {
+    return (
+      <p>
+        The echo came from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, from anywhere on the arc. Closer,
+        the cone is <b class="noun-miss">probably empty</b>, surest near the sensor and on the axis. On the arc{" "}
+        <b class="noun-hit">something stands</b>: what is known to be empty is taken out, and the rest shares one
+        certainty of 1. These are certainties combined by rules of 1985, no log-odds that are added.
+      </p>
+    );
+  }
+  if (values.model === "sonar_cone") {
+    return (
+      <p>
+        The echo came from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, from anywhere on the arc: every
+        cell on it gets{" "}
+        <b class="noun-hit">
+          {values.cone_profile === "gaussian" ? "at most " : ""}
+          {signed(model.hit)}
+        </b>
+        , as if there were an obstacle in each. Every cell closer gets{" "}
+        <b class="noun-miss">
+          {values.cone_profile === "gaussian" ? "at most " : ""}
+          {signed(model.miss)}
+        </b>
+        . Only other readings can say where on the arc it is.
+      </p>
+    );
+  }
   return (
     <p>
       The beam came back from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>. It{" "}

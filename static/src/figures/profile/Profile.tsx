@@ -3,12 +3,13 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import type { Range } from "../../ui/numbers";
 import { Beam } from "./Beam";
+import { Cone, ConeCells } from "./Cone";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
 import { Formula, InWords } from "./Formula";
 import type { Bounds } from "./handles";
 import { toValue } from "./layout";
-import { cellAt, type ProfileParameters } from "./model";
+import { cellAt, isCone, type ProfileParameters } from "./model";
 import "./profile.css";
 import { cellText, Strip } from "./Strip";
 import { ProfileView } from "./view";
@@ -21,6 +22,9 @@ const TABLE: Partial<Record<keyof ProfileParameters, Range>> = {
   log_odds_miss: { low: -3, high: 0, step: 0.05 },
   p_free: { low: 0.01, high: 0.99, step: 0.01 },
   p_occ: { low: 0.01, high: 0.99, step: 0.01 },
+  sigma: { low: 0.005, high: 0.5, step: 0.005 },
+  opening: { low: 0.0175, high: 1.5708, step: 0.0175 },
+  prior_weight: { low: 0.1, high: 50, step: 0.1 },
 };
 const ANY: Range = { low: -100, high: 100, step: 0.01 };
 
@@ -66,6 +70,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
     view.hovered.value = inside ? cellAt(toValue(px, view.xScale.peek()), view.values.peek().resolution) : null;
   };
   const hovered = view.hovered.value;
+  const cone = isCone(view.values.value);
   const following = view.grabbed.value === null;
 
   return (
@@ -97,10 +102,11 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           </Button>
         )}
         <output class="profile-readout" aria-live="off">
-          {hovered === null ? "" : cellText(hovered, view)}
+          {hovered === null || cone ? "" : cellText(hovered, view)}
         </output>
       </div>
       <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>
+        {cone && <ConeCells view={view} />}
         <svg
           class="profile-svg"
           role="presentation"
@@ -116,8 +122,14 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           }}
         >
           <Beam view={view} controls={controls} />
-          <Strip view={view} />
-          <Curve view={view} controls={controls} />
+          {cone ? (
+            <Cone view={view} controls={controls} />
+          ) : (
+            <>
+              <Strip view={view} />
+              <Curve view={view} controls={controls} />
+            </>
+          )}
         </svg>
       </div>
       <figcaption class="profile-caption">

@@ -1,6 +1,6 @@
 import { keyed, signed, written } from "../../ui/numbers";
 import { ticks, toPixel } from "./layout";
-import { beamModel, cellAt, cellZone, evidence, hitCells, type Zone } from "./model";
+import { beamModel, cellAt, cellIncrement, cellZone, hitCells, isStepped, type Zone } from "./model";
 import type { ProfileView } from "./view";
 
 const ZONES: readonly Zone[] = ["free", "hit", "beyond"];
@@ -20,11 +20,20 @@ export function Strip({ view }: { view: ProfileView }) {
   const first = Math.max(0, cellAt(scale.low, resolution));
   const last = cellAt(scale.high - 1e-9, resolution);
   const paths: Record<Zone, string> = { free: "", hit: "", beyond: "" };
+  // Where cells of a zone get different amounts each is as strong as its own.
+  const shades: { readonly d: string; readonly zone: Zone; readonly share: number }[] = [];
   for (let index = first; index <= last; index++) {
     const left = Math.max(strip.left, x(index * resolution));
     const right = Math.min(strip.right, x((index + 1) * resolution));
-    paths[cellZone(index, z, values)] +=
-      `M${left.toFixed(1)} ${strip.top}H${(right - gap).toFixed(1)}V${strip.bottom}H${left.toFixed(1)}Z`;
+    const d = `M${left.toFixed(1)} ${strip.top}H${(right - gap).toFixed(1)}V${strip.bottom}H${left.toFixed(1)}Z`;
+    const gained = cellIncrement(index, z, values);
+    const zone = cellZone(index, z, values);
+    if (isStepped(values) || zone !== "hit") paths[zone] += d;
+    else {
+      paths.beyond += d;
+      const most = gained < 0 ? model.miss : model.hit;
+      shades.push({ d, zone: gained < 0 ? "free" : "hit", share: most === 0 ? 0 : gained / most });
+    }
   }
   const hovered = view.hovered.value;
   const marked = hovered !== null && hovered >= first && hovered <= last ? hovered : null;
@@ -44,6 +53,9 @@ export function Strip({ view }: { view: ProfileView }) {
     <g>
       {ZONES.map((zone) => (
         <path key={zone} class={CLASS[zone]} d={paths[zone]} />
+      ))}
+      {shades.map(({ d, zone, share }) => (
+        <path key={d} class={CLASS[zone]} d={d} style={{ fillOpacity: share, strokeOpacity: share }} />
       ))}
       {marked !== null && (
         <g class="cell-marked">
@@ -74,9 +86,11 @@ export function Strip({ view }: { view: ProfileView }) {
       )}
       {hitCount > 0 && (
         <text class="label-hit small" x={hitMiddle} y={strip.bottom + 16} text-anchor="middle">
-          {narrow || hitCount * size < 150
-            ? `${hitCount} × ${signed(model.hit)}`
-            : `${hitCount} cells hit, each ${signed(model.hit)}`}
+          {!isStepped(values)
+            ? `up to ${signed(model.hit)}`
+            : narrow || hitCount * size < 150
+              ? `${hitCount} × ${signed(model.hit)}`
+              : `${hitCount} cells hit, each ${signed(model.hit)}`}
         </text>
       )}
       {strip.right - hitMiddle - room > 70 && (
@@ -132,6 +146,6 @@ export function cellText(index: number, view: ProfileView): string {
   const values = view.values.value;
   const zone = cellZone(index, view.z.value, values);
   const from = index * values.resolution;
-  const gained = evidence(zone, beamModel(values));
+  const gained = cellIncrement(index, view.z.value, values);
   return `cell ${index}, ${written(from, 2)}–${written(from + values.resolution, 2)} m: ${WHERE[zone]}, ${zone === "beyond" ? "±0" : signed(gained)}`;
 }

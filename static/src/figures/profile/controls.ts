@@ -1,6 +1,15 @@
 import { keyed, type Range, snap } from "../../ui/numbers";
-import { type Bounds, dragEdge, dragLevel, dragRangeMax, keyEdge, keyLevel, type Setting } from "./handles";
-import { beamModel, type ProfileParameters } from "./model";
+import {
+  type Bounds,
+  dragEdge,
+  dragLevel,
+  dragOpening,
+  dragRangeMax,
+  keyEdge,
+  keyLevel,
+  type Setting,
+} from "./handles";
+import { beamModel, halfWindow, type ProfileParameters } from "./model";
 import type { HandleName, ProfileView } from "./view";
 
 /** What a handle of the figure does: the part of its properties that is not looks. */
@@ -17,6 +26,8 @@ export interface Controls {
   rangeMax(on: "beam" | "curve"): Grip;
   edge(side: "near" | "far"): Grip;
   level(which: "hit" | "miss"): Grip;
+  /** The cone's edge, grabbed at a place so many pixels ahead of the sensor and aside. */
+  opening(ahead: number, aside: number): Grip;
 }
 
 /** Slower while Shift is held: a fifth of the pointer's way. */
@@ -99,13 +110,29 @@ export function controlsFor(
       grip(
         side,
         () => {
-          const half = view.values.peek().window / 2;
+          const half = halfWindow(view.z.peek(), view.values.peek());
           atStart = view.z.peek() + (side === "near" ? -half : half);
           perPixel = metresPerPixel("curve");
         },
-        (dx, _dy, fine) => apply(dragEdge(side, atStart + dx * perPixel * gain(fine), view.z.peek(), bounds, fine)),
+        (dx, _dy, fine) =>
+          apply(dragEdge(side, atStart + dx * perPixel * gain(fine), view.z.peek(), bounds, fine, view.values.peek())),
         (key, shift) => apply(keyEdge(side, key, shift, view.values.peek(), bounds)),
       ),
+    opening: (ahead, aside) => {
+      let from = { ahead, aside };
+      return grip(
+        "opening",
+        () => {
+          from = { ahead, aside };
+        },
+        (dx, dy, fine) => apply(dragOpening(from.ahead + dx * gain(fine), from.aside - dy * gain(fine), bounds, fine)),
+        (key, shift) => {
+          const range = bounds("opening");
+          const next = keyed(key, shift, view.values.peek().opening, range, range.step / 5);
+          return next !== null && apply({ name: "opening", value: next });
+        },
+      );
+    },
     level: (which) =>
       grip(
         which,

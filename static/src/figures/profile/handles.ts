@@ -1,7 +1,7 @@
 /** What dragging a handle by so much evidence or so many metres does to the parameters: bounds, snapping, coupling. */
 
 import { keyed, type Range, snap } from "../../ui/numbers";
-import { logOdds, type ProfileParameters, probability } from "./model";
+import { INITIAL, logOdds, type ProfileParameters, probability } from "./model";
 
 /** A parameter and the value that a handle gives it. */
 export interface Setting {
@@ -27,10 +27,13 @@ export function level(
   values: ProfileParameters,
   bounds: Bounds,
 ): {
-  readonly name: "log_odds_hit" | "log_odds_miss" | "p_free" | "p_occ";
+  readonly name: "log_odds_hit" | "log_odds_miss" | "p_free" | "p_occ" | "prior_weight";
   readonly range: Range;
   readonly value: number;
 } {
+  if (values.model === "hit_counting") {
+    return { name: "prior_weight", range: bounds("prior_weight"), value: values.prior_weight };
+  }
   if (values.model === "step_window") {
     const name = which === "hit" ? "p_occ" : "p_free";
     return { name, range: coupled(name, values, bounds), value: values[name] };
@@ -43,6 +46,23 @@ function finer(range: Range, fine: boolean): Range {
   return fine ? { ...range, step: range.step / 5 } : range;
 }
 
+/** The value of the parameter behind a level that puts it at `evidence` log-odds. */
+function valueFor(which: "hit" | "miss", evidence: number, values: ProfileParameters): number {
+  const prior = probability(values.log_odds_prior);
+  switch (values.model) {
+    case "step_window":
+      return probability(evidence + logOdds(prior));
+    case "hit_counting": {
+      // What the first visit changes is ln (1 + 1 / wp): the weight that makes it so.
+      const share = which === "hit" ? prior : 1 - prior;
+      const change = Math.max(1e-3, which === "hit" ? evidence : -evidence);
+      return 1 / (share * Math.expm1(change));
+    }
+    default:
+      return evidence;
+  }
+}
+
 /** Put a plateau at `evidence` log-odds above the prior. */
 export function dragLevel(
   which: "hit" | "miss",
@@ -52,14 +72,24 @@ export function dragLevel(
   fine = false,
 ): Setting {
   const { name, range } = level(which, values, bounds);
-  const wanted =
-    values.model === "step_window" ? probability(evidence + logOdds(probability(values.log_odds_prior))) : evidence;
+  const wanted = valueFor(which, evidence, values);
   return { name, value: snap(wanted, finer(range, fine)) };
 }
 
 /** Put an edge of the window at distance `s` from the sensor: the other edge follows, the reading stays. */
-export function dragEdge(side: "near" | "far", s: number, z: number, bounds: Bounds, fine = false): Setting {
+export function dragEdge(
+  side: "near" | "far",
+  s: number,
+  z: number,
+  bounds: Bounds,
+  fine = false,
+  values: ProfileParameters = INITIAL,
+): Setting {
   const half = side === "near" ? z - s : s - z;
+  if (values.model === "smooth_ramp") {
+    const sigma = half / 2 - values.sigma_growth * z;
+    return { name: "sigma", value: snap(sigma, finer(bounds("sigma"), fine)) };
+  }
   return { name: "window", value: snap(2 * Math.max(0, half), finer(bounds("window"), fine)) };
 }
 
@@ -77,9 +107,18 @@ export function keyLevel(
   bounds: Bounds,
 ): Setting | null {
   const { name, range, value } = level(which, values, bounds);
-  const next = keyed(key, shift, value, range, range.step / 5);
+  // The heavier the prior, the less a first hit changes: up is more evidence, so a lighter prior.
+  const along = name === "prior_weight" && which === "hit" ? (OPPOSITE[key] ?? key) : key;
+  const next = keyed(along, shift, value, range, range.step / 5);
   return next === null ? null : { name, value: next };
 }
+
+const OPPOSITE: Record<string, string> = {
+  ArrowUp: "ArrowDown",
+  ArrowDown: "ArrowUp",
+  ArrowRight: "ArrowLeft",
+  ArrowLeft: "ArrowRight",
+};
 
 const MIRRORED: Record<string, string> = {
   ArrowLeft: "ArrowRight",
@@ -94,8 +133,15 @@ export function keyEdge(
   values: ProfileParameters,
   bounds: Bounds,
 ): Setting | null {
-  const range = bounds("window");
+  const name = values.model === "smooth_ramp" ? "sigma" : "window";
+  const range = bounds(name);
   const along = side === "near" ? (MIRRORED[key] ?? key) : key;
-  const next = keyed(along, shift, values.window, range, range.step / 5);
-  return next === null ? null : { name: "window", value: next };
+  const next = keyed(along, shift, values[name], range, range.step / 5);
+  return next === null ? null : { name, value: next };
+}
+
+/** Open the cone so far that its edge passes a place `x` ahead and `y` aside, in any unit. */
+export function dragOpening(x: number, y: number, bounds: Bounds, fine = false): Setting {
+  const range = bounds("opening");
+  return { name: "opening", value: snap(2 * Math.atan2(Math.abs(y), Math.max(1e-9, x)), finer(range, fine)) };
 }

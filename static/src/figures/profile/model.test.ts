@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { beamModel, cellZone, evidence, hitCells, INITIAL, increment, type ProfileParameters } from "./model";
+import { cellIncrement, cellZone, hitCells, INITIAL, increment, isCone, type ProfileParameters } from "./model";
 import vectors from "./profile.vectors.json";
 
 const cases = vectors.cases as readonly {
@@ -18,14 +18,20 @@ describe("the profile in the browser is the mapper's", () => {
   });
 
   it.each(cases.map((one, n) => [n, one] as const))("in every cell, case %i", (_n, one) => {
-    const model = beamModel(one.parameters);
     one.cells.forEach((gained, index) => {
       const zone = cellZone(index, one.z, one.parameters);
       if (gained === null) expect([index, zone]).toEqual([index, "beyond"]);
-      else {
-        expect([index, zone]).not.toEqual([index, "beyond"]);
-        expect(evidence(zone, model)).toBeCloseTo(gained, 4);
-      }
+      else if (!isCone(one.parameters)) expect([index, zone]).not.toEqual([index, "beyond"]);
+      expect(cellIncrement(index, one.z, one.parameters)).toBeCloseTo(gained ?? 0, 4);
+    });
+  });
+
+  it.each(vectors.fans.map((one, n) => [n, one] as const))("beside the axis of a cone, case %i", (_n, one) => {
+    one.s.forEach((s, i) => {
+      one.theta.forEach((theta, k) => {
+        const wanted = one.increments[i]?.[k] as number;
+        expect(increment(s, one.z, one.parameters, theta)).toBeCloseTo(wanted, 7);
+      });
     });
   });
 

@@ -1,8 +1,8 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { extentFor, type Layout, type Lens, layoutFor, lensFor, lensKeeping, lensSpan, type Scale } from "./layout";
-import { beamModel, INITIAL, isNoReturn, type ProfileParameters } from "./model";
+import { beamModel, halfWindow, INITIAL, isCone, isNoReturn, type ProfileParameters, taken } from "./model";
 
-export type HandleName = "z" | "z-far" | "near" | "far" | "hit" | "miss" | "range_max";
+export type HandleName = "z" | "z-far" | "near" | "far" | "hit" | "miss" | "range_max" | "opening";
 
 interface Extents {
   readonly up: number;
@@ -11,6 +11,13 @@ interface Extents {
 
 /** The reading of a figure that no beam feeds. */
 const RESTING_READING = 4.23;
+
+/** How much of a cone's axis has to be shown so that all of the cone up to `point` metres fits into the picture. */
+function reachFor(point: number, values: ProfileParameters, { curve, strip }: Layout): number {
+  const shape = (curve.right - curve.left) / (strip.bottom - curve.top);
+  const wide = 2.3 * (point + halfWindow(point, values)) * Math.sin(Math.min(values.opening, Math.PI) / 2) * shape;
+  return Math.max(0.5, 1.2 * (point + halfWindow(point, values)), wide);
+}
 
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -32,6 +39,8 @@ export class ProfileView {
   /** Metres on the axis of the whole beam. */
   readonly total = signal(INITIAL.range_max);
   readonly lens = signal<Lens>({ start: 0, span: 2.4 });
+  /** Metres of a cone's axis that are shown, from the sensor. */
+  readonly reach = signal(3);
   readonly extents = signal<Extents>({ up: 1.2, down: 1.2 });
 
   #standing: number | null | undefined;
@@ -47,9 +56,10 @@ export class ProfileView {
     this.values = computed(() => ({ ...INITIAL, ...(parameters.value as Partial<ProfileParameters>) }));
     this.z = computed(() => {
       const live = this.attended.value ? this.#standing : this.reading.value;
-      if (this.grabbed.value !== null) return this.grabbed.value;
-      if (live === undefined) return Math.min(RESTING_READING, 0.6 * this.values.value.range_max);
-      return live ?? Number.POSITIVE_INFINITY;
+      const values = this.values.value;
+      if (this.grabbed.value !== null) return taken(this.grabbed.value, values);
+      if (live === undefined) return Math.min(RESTING_READING, 0.6 * values.range_max);
+      return taken(live ?? Number.POSITIVE_INFINITY, values);
     });
     this.noReturn = computed(() => isNoReturn(this.z.value, this.values.value));
     this.#stops = [effect(() => this.#followTotal()), effect(() => this.#aim())];
@@ -70,6 +80,7 @@ export class ProfileView {
   readonly xScale: ReadonlySignal<Scale> = computed(() => {
     const { start, span } = this.lens.value;
     const { left, right } = this.layout.value.curve;
+    if (isCone(this.values.value)) return { low: 0, high: this.reach.value, from: left, to: right };
     return { low: start, high: start + span, from: left, to: right };
   });
 
@@ -94,7 +105,8 @@ export class ProfileView {
 
   #aim(): void {
     const held = this.held.value;
-    const { range_max, resolution, window } = this.values.value;
+    const { range_max, resolution } = this.values.value;
+    const window = 2 * halfWindow(Math.min(this.z.value, range_max), this.values.value);
     const point = this.noReturn.value ? range_max : this.z.value;
     const total = this.total.value;
     const now = this.lens.peek();
@@ -106,6 +118,7 @@ export class ProfileView {
     } else if (held === null || held === "z-far") {
       this.#lensWanted = lensFor(point, span, total, this.#lensWanted);
     }
+    if (held === null || held === "z-far") this.reach.value = reachFor(point, this.values.value, this.layout.value);
     const model = beamModel(this.values.value);
     const needed = { up: extentFor(model.hit), down: extentFor(model.miss) };
     this.#extentsWanted =
