@@ -46,7 +46,7 @@ def open_all_panels(page: Page) -> None:
 
 def choose_model(page: Page, model: str) -> None:
     """Take an inverse sensor model."""
-    page.locator(".lab-settings").get_by_text(model.replace("_", " "), exact=True).click()
+    page.locator(".lab-settings select").first.select_option(model)
     until(
         "the model to be taken",
         lambda: page.evaluate("() => gridbloom.connection.store.mapping.values.value.model") == model,

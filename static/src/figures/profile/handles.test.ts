@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import type { Range } from "../../ui/numbers";
-import { type Bounds, dragEdge, dragLevel, dragRangeMax, keyEdge, keyLevel } from "./handles";
+import { type Bounds, dragEdge, dragLevel, dragOpening, dragRangeMax, keyEdge, keyLevel } from "./handles";
 import { extentFor, lensFor, lensKeeping, lensSpan, ticks, toPixel, toValue } from "./layout";
-import { INITIAL, type ProfileParameters } from "./model";
+import { beamModel, halfWindow, INITIAL, type ProfileParameters } from "./model";
 import vectors from "./profile.vectors.json";
 
 const bounds: Bounds = (name) => (vectors.table as unknown as Record<string, Range>)[name] as Range;
@@ -23,6 +23,30 @@ describe("dragging a handle", () => {
     const step: ProfileParameters = { ...INITIAL, model: "step_window", log_odds_prior: -0.3 };
     expect(dragLevel("hit", 1.4, step, bounds)).toEqual({ name: "p_occ", value: 0.75 }); // p(1.4 − 0.3)
     expect(dragLevel("miss", 0.5, step, bounds).value).toBeLessThanOrEqual(1 / (1 + Math.exp(0.3)));
+  });
+
+  it("sets the spread of a ramp, and the weight of a prior that makes a first visit change so much", () => {
+    const ramp: ProfileParameters = { ...INITIAL, model: "smooth_ramp", sigma_growth: 0.01 };
+    const edge = dragEdge("far", 5.3, 5, bounds, false, ramp);
+    expect(edge).toEqual({ name: "sigma", value: 0.1 });
+    expect(5 + halfWindow(5, { ...ramp, sigma: edge.value })).toBeCloseTo(5.3, 9);
+    const counting: ProfileParameters = { ...INITIAL, model: "hit_counting", log_odds_prior: -0.4 };
+    for (const [which, evidence] of [
+      ["hit", 0.5],
+      ["miss", -0.9],
+    ] as const) {
+      const { name, value } = dragLevel(which, evidence, counting, bounds, true);
+      expect(name).toBe("prior_weight");
+      expect(beamModel({ ...counting, prior_weight: value })[which]).toBeCloseTo(evidence, 1);
+    }
+    const up = keyLevel("hit", "ArrowUp", false, counting, bounds)?.value ?? Number.NaN;
+    expect(beamModel({ ...counting, prior_weight: up }).hit).toBeGreaterThan(beamModel(counting).hit);
+  });
+
+  it("opens a cone so far that its edge passes the hand", () => {
+    expect(dragOpening(100, 36.4, bounds, true).value).toBeCloseTo(0.6981, 2);
+    expect(dragOpening(100, -36.4, bounds, true).value).toBeCloseTo(0.6981, 2);
+    expect(dragOpening(-5, 36.4, bounds).value).toBeCloseTo(bounds("opening").high, 4);
   });
 
   it("keeps the max range within the table's bounds", () => {
