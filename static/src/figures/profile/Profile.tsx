@@ -23,7 +23,7 @@ const TABLE: Partial<Record<keyof ProfileParameters, Range>> = {
   p_free: { low: 0.01, high: 0.99, step: 0.01 },
   p_occ: { low: 0.01, high: 0.99, step: 0.01 },
   sigma: { low: 0.005, high: 0.5, step: 0.005 },
-  opening: { low: 0.0175, high: 1.5708, step: 0.0175 },
+  opening: { low: 0.01, high: 1.57, step: 0.01 },
   prior_weight: { low: 0.1, high: 50, step: 0.1 },
 };
 const ANY: Range = { low: -100, high: 100, step: 0.01 };

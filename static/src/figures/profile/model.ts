@@ -212,7 +212,7 @@ export const INITIAL: ProfileParameters = {
   resolution: 0.05,
   sigma: 0.03,
   sigma_growth: 0.01,
-  opening: 0.5236,
+  opening: 0.52,
   cone_profile: "flat",
   prior_weight: 2,
 };
