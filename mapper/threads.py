@@ -56,7 +56,7 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
 
 
 _kept = local()
-_KEEP_WORDS = 1 << 23  # 64 MB: as much of what a thread has used is kept for its next turn
+_KEEP_WORDS = 1 << 24  # 128 MB, of which little is ever touched: so much is kept for a thread's next turn
 
 
 @contextmanager

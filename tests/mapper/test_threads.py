@@ -12,7 +12,7 @@ from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_log
 from mapper.parameters import MODELS, MappingConfig
 from mapper.scan import ScanLog
-from mapper.threads import bands, in_parallel
+from mapper.threads import bands, in_parallel, scratch
 
 
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
@@ -42,3 +42,19 @@ def test_bands_are_whole_and_fair(work: list[int], parts: int) -> None:
 
 def test_results_come_in_order() -> None:
     assert in_parallel([partial(pow, n, 2) for n in range(20)]) == [n * n for n in range(20)]
+
+
+def test_scratch_is_zero_also_after_an_error() -> None:
+    with scratch(8) as words:
+        words[:] = 1
+        words[:] = 0
+
+    def fail(words: np.ndarray) -> None:
+        words[:] = 7
+        raise KeyError
+
+    with pytest.raises(KeyError), scratch(4) as words:
+        fail(words)
+    with scratch(6) as words:
+        assert len(words) >= 6
+        assert not words.any()
