@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.conftest import SIZES
-from tests.browser.looking import centre, drag
+from tests.browser.looking import centre, drag, until
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -215,7 +215,7 @@ def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
     expect(output).to_contain_text("line 1 of")
     section.get_by_text("a line", exact=True).click()
     section.get_by_role("button", name="Play").click()
-    expect(lit).to_contain_text("evidence = evidence_of_beam")
+    until("the program to run by itself", lambda: numbers(output)[0] > 4)
     section.get_by_role("button", name="Pause").click()
 
 

@@ -35,8 +35,8 @@ export function Knob({ place, at, label, text, tone = "robot", step, onMove, onT
       aria-label={label}
       aria-roledescription="handle that moves in two directions"
       aria-valuenow={Number(at[0].toFixed(3))}
-      aria-valuemin={-1000}
-      aria-valuemax={1000}
+      aria-valuemin={Number(place.world(0, 0)[0].toFixed(3))}
+      aria-valuemax={Number(place.world(place.width, 0)[0].toFixed(3))}
       aria-valuetext={text}
       transform={`translate(${x} ${y})`}
       onClick={(event) => event.stopPropagation()}

@@ -153,12 +153,21 @@ function Text({ here }: { here: Step }) {
   const box = useRef<HTMLElement>(null);
   const lit = useRef<HTMLElement>(null);
   useEffect(() => {
-    const [frame, line] = [box.current, lit.current];
-    if (!frame || !line) return;
-    const [low, high] = [line.offsetTop - 40, line.offsetTop + line.offsetHeight + 40];
-    if (low < frame.scrollTop) frame.scrollTop = low;
-    else if (high > frame.scrollTop + frame.clientHeight) frame.scrollTop = high - frame.clientHeight;
-  });
+    const frame = box.current;
+    if (!frame) return;
+    const keepInSight = (): void => {
+      const line = lit.current;
+      if (!line) return;
+      const [low, high] = [line.offsetTop - 40, line.offsetTop + line.offsetHeight + 40];
+      if (low < frame.scrollTop) frame.scrollTop = low;
+      else if (high > frame.scrollTop + frame.clientHeight) frame.scrollTop = high - frame.clientHeight;
+    };
+    keepInSight();
+    // Also where the box takes another size, or was not on show before.
+    const observer = new ResizeObserver(keepInSight);
+    observer.observe(frame);
+    return () => observer.disconnect();
+  }, [here]);
   const isLit = (line: SourceLine): boolean => line.fn === here.fn && line.offset === here.offset;
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a box that scrolls must be reachable by keyboard

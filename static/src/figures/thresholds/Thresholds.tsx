@@ -178,9 +178,9 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
             <line class="threshold" x1={x(now)} x2={x(now)} y1={20} y2={BOTTOM} />
             <rect
               class="pill"
-              x={x(now) - (which === "free" ? 38 : 54)}
+              x={x(now) - (which === "free" ? 44 : 62)}
               y={1}
-              width={which === "free" ? 76 : 108}
+              width={which === "free" ? 88 : 124}
               height={21}
               rx={10}
             />

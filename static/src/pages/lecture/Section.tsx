@@ -14,6 +14,10 @@ interface SectionProps {
   readonly sources: readonly (SourceName | readonly [SourceName, string])[];
 }
 
+/** Text as large as a lecture hall needs it, where the screen is at least so wide, in pixels, and the figure fits. */
+const TEXT_SIZES = ["125%", "112%", "100%"];
+const WIDE = 1120;
+
 /** Makes the figure of a slide as wide as it may be to fit into the room that it has. */
 function useFittedWidth(on: boolean) {
   const frame = useRef<HTMLDivElement>(null);
@@ -21,21 +25,24 @@ function useFittedWidth(on: boolean) {
     const element = frame.current;
     const room = element?.parentElement;
     if (!element || !room || !on) return;
+    const page = document.documentElement.style;
     const settle = (): void => {
-      // The height follows the width, though not in proportion: halve the interval until it is small.
-      let [fits, wide] = [300, room.clientWidth];
-      for (let width = wide; wide - fits > 4; width = (fits + wide) / 2) {
-        element.style.width = `${width}px`;
-        if (element.offsetHeight <= room.clientHeight) fits = width;
-        else wide = width;
+      const widest = room.clientWidth;
+      for (const size of innerWidth < WIDE ? ["100%"] : TEXT_SIZES) {
+        page.fontSize = size;
+        for (let width = widest; width > 0.6 * widest; width *= 0.97) {
+          element.style.width = `${width}px`;
+          if (element.offsetHeight <= room.clientHeight) return;
+        }
       }
-      element.style.width = `${fits}px`;
+      element.style.width = `${widest}px`; // it scrolls within the slide
     };
     const observer = new ResizeObserver(settle);
     observer.observe(room);
     return () => {
       observer.disconnect();
       element.style.width = "";
+      page.fontSize = "";
     };
   }, [on]);
   return frame;
@@ -53,7 +60,10 @@ export function Section({ id, number, title, figure, children, after, sources }:
       hidden={presenting.value && !onSlide}
     >
       <h2 id={`${id}-title`}>
-        <span class="lesson-number">{number}</span> {title}
+        <a class="lesson-number" href={`#${id}`} title="Link to this section">
+          {number}
+        </a>{" "}
+        {title}
       </h2>
       <div class="prose">{children}</div>
       <div class="lesson-room">
