@@ -111,12 +111,17 @@ export function cellsAlong(
 
 /** Update every cell in the scan's perceptual field once: table 9.1. */
 export function updatePerScan(grid: LessonGrid, scan: LessonScan, pose: Pose, config: LessonConfig): number {
-  const evidence = inverseRangeSensorModel(grid.geometry, scan, pose, config);
+  return putIntoCells(grid, inverseRangeSensorModel(grid.geometry, scan, pose, config), config);
+}
+
+/** Put into each cell what a scan says of it; NaN is nothing. Return the number of updates. */
+export function putIntoCells(grid: LessonGrid, evidence: Float64Array, config: LessonConfig): number {
   let updates = 0;
   evidence.forEach((value, index) => {
     if (Number.isNaN(value)) return;
-    const cell = { row: Math.floor(index / grid.geometry.cols), col: index % grid.geometry.cols };
-    updates += update(grid, cell, value, config);
+    grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, value, config);
+    grid.observed[index] = 1;
+    updates++;
   });
   return updates;
 }
