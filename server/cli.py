@@ -1,8 +1,8 @@
 """The ``gridbloom`` command.
 
-``serve`` runs the service; ``info``, ``map``, ``view`` and ``bench map`` work on files. What is slow to import is
-imported where it is used, so that the command starts quickly. Bad input is one sentence on standard error and exit
-status 2. With ``--json`` standard output is one JSON object and nothing else.
+``serve`` runs the service; ``info``, ``map``, ``view`` and ``bench map`` work on files; ``upload`` sends one to a
+service. What is slow to import is imported where it is used, so that the command starts quickly. Bad input is one
+sentence on standard error and exit status 2. With ``--json`` standard output is one JSON object and nothing else.
 """
 
 from __future__ import annotations
@@ -376,6 +376,27 @@ def _states(grid: OccupancyGrid) -> dict[str, float]:
         "entropy_bits": round(found.entropy_bits, 1),
         "information_gain_bits": round(found.information_gain_bits, 1),
     }
+
+
+@app.command()
+def upload(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot's log.")],
+    url: Annotated[str, typer.Argument(metavar="URL", help="The service's address, as it prints it.")],
+    as_json: AsJson = False,
+) -> None:
+    """Send a log to a service, go on after a cut, and say where its map is to be seen."""
+    from server.settings import Settings  # noqa: PLC0415 - start-up
+    from server.uploading import upload as send  # noqa: PLC0415 - start-up
+
+    with refusing(file), progress_bar("Uploading") as progress:
+        record, link = send(file, url, Settings().data_dir / "visitors.json", progress=progress)
+    if as_json:
+        print_json(record | {"link": link})
+        return
+    typer.echo(f"{record['name']}: {record['scans']} scans of {record['beams']} beams, {record['format']}")
+    for note in record["notes"]:
+        typer.echo(f"  note: {note}")
+    typer.echo(f"  {link}")
 
 
 @app.command()

@@ -1,5 +1,6 @@
 """Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
 
+from server.library.intake import Part
 from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
@@ -10,5 +11,6 @@ __all__ = [
     "LibraryLimits",
     "LogNotFoundError",
     "LogReadOnlyError",
+    "Part",
     "Record",
 ]

@@ -21,7 +21,7 @@ from mapper.logs.summary import summarise
 from mapper.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.folder import FolderLog, LogFolder
-from server.library.intake import Received, receive, too_large
+from server.library.intake import Intake, Part, Received, too_large
 from server.library.names import display_name
 from server.library.packed import StalePackError, read_pack
 from server.library.reading import Reader
@@ -84,6 +84,7 @@ class Library:
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._survey_job: asyncio.Task[None] | None = None
         self._uploads = 0
+        self._intake = Intake(self._incoming, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
         self._own_reader = reader is None
         self._reader = reader or Reader(
             timeout_s=self._limits.read_timeout_s,
@@ -135,19 +136,55 @@ class Library:
         for job in jobs:
             job.cancel()
         await asyncio.gather(*jobs, return_exceptions=True)
+        self._intake.close()
         await self._sample.close()
         if self._own_reader:
             await self._reader.close()
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
-    async def put(self, owner: str, name: str, chunks: AsyncIterator[bytes], size: int | None = None) -> Record:
+    def uploaded(self, owner: str, key: str) -> int:
+        """Return how many bytes have come of the upload that ``owner`` calls ``key``: the next part begins there."""
+        return self._intake.offset(owner, key)
+
+    async def put(
+        self,
+        owner: str,
+        name: str,
+        chunks: AsyncIterator[bytes],
+        size: int | None = None,
+        *,
+        sha256: str | None = None,
+    ) -> Record:
         """Store an upload of ``owner``, queue it for reading and return its record.
 
         ``size`` is what the sender says the upload has, so that one that is too large is refused at once. Bytes that
         the owner has uploaded before give the record that is there; one that failed is read again. Raises
-        :class:`LimitError` for an upload over a cap and :class:`ReadError` for an empty one; nothing is left of it.
+        :class:`LimitError` for an upload over a cap and :class:`ReadError` for an empty one, and for one whose digest
+        is not the ``sha256`` that was stated; nothing is left of it.
         """
+        record = await self._put(owner, name, chunks, size, None, sha256)
+        assert record is not None  # noqa: S101 - for the type checker: without parts an upload is whole
+        return record
+
+    async def put_part(
+        self, owner: str, name: str, chunks: AsyncIterator[bytes], part: Part, *, sha256: str | None = None
+    ) -> Record | None:
+        """Store a part of an upload, as :meth:`put`; return the record once it is whole, None before.
+
+        What came before a cut stays for a while. Raises :class:`UploadOffsetError` for a part from another place.
+        """
+        return await self._put(owner, name, chunks, part.total, part, sha256)
+
+    async def _put(
+        self,
+        owner: str,
+        name: str,
+        chunks: AsyncIterator[bytes],
+        size: int | None,
+        part: Part | None,
+        sha256: str | None,
+    ) -> Record | None:
         limits = self._limits
         self._expire()
         if size is not None and size > self._max_upload_bytes:
@@ -159,13 +196,15 @@ class Library:
                 "library.too_many",
                 f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
             )
-        if self._room() < (size or 0):
+        if self._room() - self._intake.reserved < (size or 0) - (part.start if part else 0):
             raise _full()
         self._uploads += 1
         try:
-            async with receive(
-                chunks, self._incoming, max_bytes=self._max_upload_bytes, idle_s=limits.idle_s
-            ) as received:
+            async with self._intake.receive(owner, chunks, part) as received:
+                if received is None:
+                    return None
+                if sha256 is not None and received.sha256 != sha256.lower():
+                    raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
                 return self._take(owner, display_name(name), received)
         finally:
             self._uploads -= 1

@@ -2,28 +2,74 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
+from pydantic import StringConstraints
 from starlette.requests import ClientDisconnect
 
-from server.library import Library
+from mapper.errors import ReadError
+from server.library import Library, Part, Record
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 
 
+Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{16,64}$")]
+Digest = Annotated[str, StringConstraints(pattern=r"^[0-9A-Fa-f]{64}$")]
+_CONTENT_RANGE = re.compile(r"bytes ([0-9]{1,15})-([0-9]{1,15})/([0-9]{1,15})")
+
+
 @router.put("", status_code=202)
-async def upload(request: Request, name: Annotated[str, Query(max_length=1000)] = "log") -> Response:
-    """Store the raw body of the request as a log of this visitor's and queue it for reading."""
+async def upload(
+    request: Request,
+    name: Annotated[str, Query(max_length=1000)] = "log",
+    upload: Annotated[
+        Key | None, Query(description="What the sender calls this upload, which may come in parts.")
+    ] = None,
+    sha256: Annotated[Digest | None, Query(description="Digest of the whole log, to be checked.")] = None,
+) -> Response:
+    """Store the raw body of the request as a log of this visitor's and queue it for reading.
+
+    With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` it may come
+    in parts, one after the other: after a cut, ``GET /api/logs/uploads/KEY`` tells where to go on. The answer to a
+    part that is not the last is 200 with that place.
+    """
     library: Library = request.app.state.library
-    declared = request.headers.get("content-length", "")
-    size = int(declared) if declared.isascii() and declared.isdigit() else None
+    part = None if upload is None else _part(upload, request.headers.get("content-range", ""))
     try:
-        record = await library.put(request.state.visitor, name, request.stream(), size)
+        if part is None:
+            declared = request.headers.get("content-length", "")
+            size = int(declared) if declared.isascii() and declared.isdigit() else None
+            record: Record | None = await library.put(
+                request.state.visitor, name, request.stream(), size, sha256=sha256
+            )
+        else:
+            record = await library.put_part(request.state.visitor, name, request.stream(), part, sha256=sha256)
     except ClientDisconnect:
         return Response(status_code=400)  # nobody is there to read it
+    if record is None:
+        assert part is not None  # noqa: S101 - for the type checker: without parts an upload is whole
+        return JSONResponse({"offset": library.uploaded(request.state.visitor, part.key), "total": part.total})
     return JSONResponse(record.public(), status_code=202, headers={"Location": f"/api/logs/{record.id}"})
+
+
+def _part(key: str, content_range: str) -> Part:
+    found = _CONTENT_RANGE.fullmatch(content_range)
+    if found is None:
+        raise ReadError("upload.range", "A part of an upload needs the header Content-Range: bytes FIRST-LAST/TOTAL.")
+    first, last, total = map(int, found.groups())
+    if not first <= last < total:
+        raise ReadError("upload.range", f"There is no part from byte {first} to byte {last} of {total}.")
+    return Part(key, first, total)
+
+
+@router.get("/uploads/{key}")
+async def uploaded(request: Request, key: Key) -> dict[str, int]:
+    """Tell how many bytes have come of an upload of this visitor's: the next part begins there."""
+    library: Library = request.app.state.library
+    return {"offset": library.uploaded(request.state.visitor, key)}
 
 
 @router.get("")

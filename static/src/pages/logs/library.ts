@@ -132,7 +132,27 @@ function messageOf(request: XMLHttpRequest): string {
     : `The server answered ${request.status}.`;
 }
 
-/** Send a file as it is. Fetch cannot tell how far an upload is, so it is an XMLHttpRequest. */
+const TRIES = 6; // in a row without a byte more
+const PAUSE_MS = 1000;
+
+/** A name for an upload that nobody else gives theirs. */
+function newKey(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(18));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** Where the server's bytes of an upload end; null where it does not answer. */
+async function offsetOf(name: string): Promise<number | null> {
+  try {
+    const answer = await fetch(`/api/logs/uploads/${name}`);
+    if (!answer.ok) return null;
+    return ((await answer.json()) as { offset: number }).offset;
+  } catch {
+    return null;
+  }
+}
+
+/** Send a file; after a cut, go on from where the server has it. */
 export function upload(file: File): void {
   const key = nextKey++;
   uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
@@ -140,17 +160,44 @@ export function upload(file: File): void {
     patch(key, { error: "The file is empty." });
     return;
   }
-  const request = new XMLHttpRequest();
-  request.open("PUT", `/api/logs?name=${encodeURIComponent(file.name)}`);
-  request.setRequestHeader("Content-Type", "application/octet-stream");
-  request.upload.onprogress = (event) => patch(key, { sent: event.loaded });
-  request.onerror = () => patch(key, { error: messageOf(request) });
-  request.onload = () => {
-    if (request.status >= 200 && request.status < 300) dismiss(key);
-    else patch(key, { error: messageOf(request) });
-    void refresh();
-  };
-  request.send(file);
+  void sendAll(key, newKey(), file);
+}
+
+async function sendAll(key: number, name: string, file: File): Promise<void> {
+  let most = 0;
+  for (let tries = 0, offset = 0; ; ) {
+    const request = await send(key, name, file, offset);
+    if (request.status >= 200 && request.status < 300) {
+      dismiss(key);
+      break;
+    }
+    const isCut = request.status === 0 || request.status === 409;
+    tries += 1;
+    if (!isCut || tries >= TRIES) {
+      patch(key, { error: messageOf(request) });
+      break;
+    }
+    await new Promise((resolve) => setTimeout(resolve, PAUSE_MS * 2 ** (tries - 1)));
+    const known = await offsetOf(name);
+    if (known === null) continue;
+    if (known > most) tries = 0;
+    most = Math.max(most, known);
+    offset = known;
+  }
+  void refresh();
+}
+
+/** Send the rest of a file. Fetch cannot tell how far an upload is, so it is an XMLHttpRequest. */
+function send(key: number, name: string, file: File, offset: number): Promise<XMLHttpRequest> {
+  return new Promise((resolve) => {
+    const request = new XMLHttpRequest();
+    request.open("PUT", `/api/logs?name=${encodeURIComponent(file.name)}&upload=${name}`);
+    request.setRequestHeader("Content-Type", "application/octet-stream");
+    request.setRequestHeader("Content-Range", `bytes ${offset}-${file.size - 1}/${file.size}`);
+    request.upload.onprogress = (event) => patch(key, { sent: offset + event.loaded });
+    request.onloadend = () => resolve(request);
+    request.send(file.slice(offset));
+  });
 }
 
 /** Delete one's own log; resolves to the sentence of what went wrong, or null. */
