@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 import yaml
 from PIL import Image
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import SECONDS, drag, frame, map_bytes, map_digest, settled_digest, until
+from tests.server.frayed_line import FrayedLine
+from tests.server.library.small_logs import carmen
 
 
 @pytest.fixture
@@ -136,6 +138,21 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     card.get_by_role("button", name="Delete aces-corrected.log.gz").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     expect(card).to_have_count(0, timeout=SECONDS * 1000)
+
+
+def test_an_upload_that_is_cut_goes_on_by_itself(context: BrowserContext, server: str) -> None:
+    page = context.new_page()  # unwatched: the console rightly tells of the cut
+    line = FrayedLine(int(server.rsplit(":", 1)[1]), 300_000)
+    try:
+        page.goto(f"{line.url}/logs.html")
+        log = carmen(12_000)
+        assert len(log) > 2 * line.most
+        page.locator("input[type=file]").set_input_files({"name": "cut.log", "mimeType": "text/plain", "buffer": log})
+        card = page.locator(".log-card", has_text="cut.log")
+        expect(card).to_contain_text("12,000 scans", timeout=2 * SECONDS * 1000)
+        expect(page.locator(".upload")).to_have_count(0)
+    finally:
+        line.close()
 
 
 def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
