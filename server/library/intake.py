@@ -39,11 +39,11 @@ class Part:
 
 @dataclass(slots=True)
 class Received:
-    """An upload on the disk, not yet in its place: ``bytes`` of it so far, ``total`` where the sender said it."""
+    """An upload on the disk, not yet in its place: ``size`` bytes of it so far, of ``total`` where the sender said it."""
 
     path: Path
     total: int | None = None
-    bytes: int = 0
+    size: int = 0
     digest: Any = field(default_factory=hashlib.sha256)
     busy: bool = False
     touched_s: float = field(default_factory=time.monotonic)
@@ -60,7 +60,7 @@ class Received:
             while view:
                 view = view[file.write(view) or 0 :]
         self.digest.update(data)
-        self.bytes += len(data)
+        self.size += len(data)
         self.touched_s = time.monotonic()
 
 
@@ -76,13 +76,13 @@ class Intake:
     @property
     def reserved(self) -> int:
         """Bytes that uploads which may go on take on the disk."""
-        return sum(one.bytes for one in self._partial.values())
+        return sum(one.size for one in self._partial.values())
 
     def offset(self, owner: str, key: str) -> int:
         """Return how many bytes of an upload have come; 0 for one that nobody knows, or no longer."""
         self._forget_old()
         known = self._partial.get((owner, key))
-        return 0 if known is None else known.bytes
+        return 0 if known is None else known.size
 
     def close(self) -> None:
         """Forget every cut upload."""
@@ -106,8 +106,8 @@ class Intake:
         try:
             upload.path.touch(0o600)
             await self._take(upload, chunks)
-            finished = part is None or upload.bytes == part.total
-            if finished and upload.bytes == 0:
+            finished = part is None or upload.size == part.total
+            if finished and upload.size == 0:
                 raise ReadError("log.empty", "The upload holds no bytes.")
             yield upload if finished else None
         except LimitError as error:
@@ -134,7 +134,7 @@ class Intake:
         if known is not None and (part.start == 0 or known.total != part.total):
             self._forget(name)  # the sender begins anew
             known = None
-        have = 0 if known is None else known.bytes
+        have = 0 if known is None else known.size
         if part.start != have:
             raise UploadOffsetError(
                 "upload.offset", f"The server has {have} bytes of this upload; the next part must begin there."
@@ -159,7 +159,7 @@ class Intake:
         batch = bytearray()
         try:
             async for chunk in _with_patience(chunks, self._idle_s):
-                coming = upload.bytes + len(batch) + len(chunk)
+                coming = upload.size + len(batch) + len(chunk)
                 if coming > self._max_bytes:
                     batch.clear()
                     raise too_large(self._max_bytes)

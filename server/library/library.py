@@ -220,7 +220,7 @@ class Library:
             name=name,
             source="upload",
             state="queued",
-            bytes=received.bytes,
+            bytes=received.size,
             sha256=received.sha256,
             created_s=time.time(),
             used_s=time.time(),
