@@ -39,7 +39,7 @@ class Part:
 
 @dataclass(slots=True)
 class Received:
-    """An upload on the disk, not yet in its place: ``size`` bytes of it so far, of ``total`` where the sender said it."""
+    """An upload on the disk, not yet in its place: ``size`` bytes of it so far, of ``total`` where that is known."""
 
     path: Path
     total: int | None = None
