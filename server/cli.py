@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from mapper.scan import ScanLog
 
 BAD_INPUT = 2  #: exit status
+FEW = 5  #: scans that a finding names on the command line
 MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
 
 #: Names that are shorter than the table's, or customary; the table's own name is an option too.
@@ -247,6 +248,33 @@ def _topic_line(topic: dict[str, Any]) -> str:
     if topic["mount"] is not None:
         said.append(f"at {', '.join(f'{value:g}' for value in topic['mount'])}")
     return ", ".join(said)
+
+
+@app.command()
+def doctor(
+    log: LogPath,
+    topic: TopicName = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say what is wrong with a log, where, how surely, and what to do about it."""
+    from mapper.doctor import examine  # noqa: PLC0415 - start-up
+
+    scans = read_log(log, topic)
+    with refusing(log), progress_bar("Examining") as bar:
+        found = examine(scans, trajectory, bar)
+    if as_json:
+        print_json({"log": scans.name, "findings": [asdict(finding) for finding in found]})
+        return
+    typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
+    for finding in found:
+        typer.echo(f"  {finding.check} ({100 * finding.sure:.0f} % sure): {finding.sentence}")
+        typer.echo(f"    {finding.advice}")
+        if finding.scans:
+            more = ", …" if len(finding.scans) > FEW else ""
+            typer.echo(f"    at scan {', '.join(map(str, finding.scans[:FEW]))}{more}")
+        if finding.parameters:
+            typer.echo(f"    with {', '.join(f'{name} = {value}' for name, value in finding.parameters.items())}")
 
 
 @app.command("map")

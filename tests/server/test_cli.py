@@ -193,6 +193,33 @@ def test_a_ring_of_sonars_maps_from_its_folder(run, tmp_path):
     assert cones["cells_updated"] > state_counts(run, tmp_path, "--opening", 0.1)["cells_updated"]
 
 
+def test_the_doctor_says_what_is_wrong(run, tmp_path):
+    # A robot that turns in a square room, whose laser is said to look backwards.
+    lines = ["PARAM robot_frontlaser_offset 0.0"]
+    for t in range(40):
+        yaw = 0.15 * t
+        angles = yaw + np.radians(np.arange(180) - 90.0) + np.pi
+        ranges = 2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
+        pose = f"{0.01 * t} 0 {yaw}"
+        readings = " ".join(f"{r:.3f}" for r in ranges)
+        lines.append(f"FLASER 180 {readings} {pose} {pose} {0.2 * t:.3f} robot {0.2 * t:.3f}")
+    path = tmp_path / "backwards.log"
+    path.write_text("\n".join(lines) + "\n")
+    facts = json.loads(run("doctor", path, "--json").out)
+    assert facts["log"] == "backwards.log"
+    status, out, _ = run("doctor", path)
+    assert status == 0
+    assert f"{len(facts['findings'])} finding" in out
+    for finding in facts["findings"]:
+        assert finding["sentence"] in out
+        assert finding["advice"] in out
+    short = tmp_path / "short.log"
+    short.write_text(lines[1] + "\n")
+    status, out, err = run("doctor", short)
+    assert (status, out) == (2, "")
+    assert "too short to judge" in err
+
+
 def test_the_mount_moves_the_map(run, log):
     plain, moved = state_counts(run, log), state_counts(run, log, "--mount", "-1.5,0,3.14159")
     # Whole tiles of 3.2 m on each side of the origin: the room ends at 2 m, or at 1.5 m + 2 m behind the robot.

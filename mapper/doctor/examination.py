@@ -1,0 +1,58 @@
+"""All checks, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mapper.doctor import clock, mounting, readings, timing, walls
+from mapper.doctor.consistency import Examined, examined
+from mapper.doctor.finding import Finding
+from mapper.errors import ConfigError
+from mapper.scan import ScanLog
+
+LEAST_SCANS = 10  #: below this there is nothing to compare
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check; what it would say means nothing where one of ``spoiled_by`` was found."""
+
+    look: Callable[[ScanLog, Examined], list[Finding]]
+    spoiled_by: frozenset[str] = frozenset()
+
+
+_TURNED = frozenset({"mount.turned"})
+
+#: In the order in which a person should look: what spoils the others comes first.
+CHECKS: tuple[Check, ...] = (
+    Check(clock.check),
+    Check(readings.check),
+    Check(mounting.check_turned),
+    Check(timing.check, _TURNED),
+    Check(mounting.check_offset, _TURNED | {"timing.delay"}),
+    Check(walls.check_drift, _TURNED | {"timing.delay", "mount.offset"}),
+    Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift"}),
+)
+
+
+def examine(
+    log: ScanLog, trajectory: str | None = None, progress: Callable[[float], None] | None = None
+) -> list[Finding]:
+    """Return what all checks find in a log with one of its trajectories, the surest first within a check.
+
+    ``progress`` is called with the share that is done. Raises :class:`ConfigError` for a log too short to judge and
+    for a trajectory that it lacks.
+    """
+    if log.n_scans < LEAST_SCANS:
+        raise ConfigError(
+            "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
+        )
+    seen = examined(log, trajectory)
+    found: list[Finding] = []
+    for done, check in enumerate(CHECKS):
+        if progress is not None:
+            progress(done / len(CHECKS))
+        if not check.spoiled_by & {finding.check for finding in found}:
+            found += check.look(log, seen)
+    return found
