@@ -18,8 +18,8 @@ export function FileSection({ id, number, title }: { id: string; number: number;
             The yaml does not state the thresholds that you drag, and that is no mistake: those decided what was
             written, these say how to read it. A reader computes (255 − grey) / 255, which is 0 for 255, 1 for 0, and{" "}
             <b>0.196</b> for the 205 of an unknown cell. Move the reader’s free_thresh above that number and see what
-            becomes of the unknown: nothing warns you, and the planner drives through it. The mapper writes 0.196, as
-            map_saver does.
+            becomes of the unknown: the image is the same, and the planner drives through it. (Where this mapper reads
+            such a file, it says so.) The mapper writes 0.196, as map_saver does.
           </p>
           <p>
             The image has its top row first and the grid its lowest; the file is flipped on its way, and the origin in

@@ -72,9 +72,9 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           }}
           after="."
         />{" "}
-        Forgotten means: none of the table’s cells counts as occupied any more, p ≤ 0.65. A scan tells each cell one
-        thing: a hit, {signed(CONFIG.log_odds_hit)}, or a miss, {signed(CONFIG.log_odds_miss)}. Say a number first, then
-        take the table away.
+        Forgotten means: none of the table’s cells counts as occupied any more, p ≤ 0.65. Updated per scan, as the next
+        section has it, a cell is told one thing a scan: a hit, {signed(CONFIG.log_odds_hit)}, or a miss,{" "}
+        {signed(CONFIG.log_odds_miss)}. Say a number first, then take the table away.
       </p>
     </Section>
   );

@@ -89,9 +89,9 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           onInput={set("beamError")}
           after=","
         />{" "}
-        looked at three of the cells and <b class="noun-miss">passed</b>. The same evidence, kept in two ways: a number
-        for each cell, as this mapper does it, and a number for each of the 32 possible maps, which no mapper can
-        afford.
+        looked at cells 1, 2 and 4 and <b class="noun-miss">passed</b>. The same evidence, kept in two ways: a number
+        for each cell, as this mapper does it, and a number for each of the 32 possible maps, which for a whole floor no
+        mapper could afford.
       </p>
     </Section>
   );

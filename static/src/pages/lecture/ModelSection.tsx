@@ -53,9 +53,9 @@ export function ModelSection({ id, number, title }: { id: string; number: number
           step={0.1}
           onInput={(value) => setParameter("range_max", value)}
         />{" "}
-        is not believed at all.
+        counts as no return at all.
       </p>
-      <p>Take hold of the curve: each of its corners can be dragged, and below it the cells of one beam answer.</p>
+      <p>Take hold of the curve: every part of it can be dragged, and below it the cells of one beam answer.</p>
     </Section>
   );
 }

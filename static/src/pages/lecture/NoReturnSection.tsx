@@ -23,7 +23,7 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
             large halls quickly, and it is usually right; but drag the robot in front of the glass: the beams that went
             into it now swear that nothing is there. <b>The mistake</b> is a driver that writes the max range where
             there was no echo. The mapper cannot tell that number from a wall at just that distance, and builds one, all
-            round.
+            round. It offers the mistake as a setting of its own, so that you can recognise it in a map of yours.
           </p>
           <p>
             That is why REP 117 gives no return a value of its own: +∞. A log’s number at or beyond the sensor’s range

@@ -14,8 +14,8 @@ export function RaysSection({ id, number, title }: { id: string; number: number;
           <p>
             Drag the <b class="noun-beam">beam’s end</b> all the way round the <b class="noun-robot">sensor</b>. As
             printed, the line works in one octant only: right and up, not steeper than 45°. <b>Fix 1</b> steps with the
-            signs of the differences, <b>fix 2</b> swaps the axes of a steep line. Switch one off, and drag again: the
-            line ends where no beam ended.
+            signs of the differences, <b>fix 2</b> swaps the axes of a steep line. Switch one off, and drag again:
+            outside its octants the line ends where no beam ended.
           </p>
           <p>
             Bresenham’s line is thin. It steps from cell centre to cell centre, and cells that the beam only cuts at a

@@ -27,9 +27,9 @@ export function SonarSection({ id, number, title }: { id: string; number: number
         <>
           <p>
             Go back to one reading and let the others come in again. To <b>Bayes’ filter</b>, cell by cell, every cell
-            of an arc is hit, and all of them equally: the evidence of one echo is added as often as the arc has cells.
-            What saves the map is that other cones pass through most of them. What it costs is under the cross: arcs
-            from both sides of the open door lie across it, and the map has walled it up.
+            of an arc is hit, and with the flat profile all of them equally: the evidence of one echo is added as often
+            as the arc has cells. What saves the map is that other cones pass through most of them. What it costs is
+            under the cross: arcs from both sides of the open door lie across it, and the map has walled it up.
           </p>
           <p>
             <b>Moravec and Elfes</b> kept two numbers a cell, and knew section 1’s trouble. An arc’s certainty that
