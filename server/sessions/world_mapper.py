@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.errors import ConfigError
+from mapper.errors import ConfigError, MapperError
 from mapper.geometry import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import Change, geometry_for, integrate_log, integrate_scan
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan, ScanLog
+from mapper.scan import LaserScan, RangeScan, ScanLog
 from mapper.suited import suited_parameters
 from mapper.world import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
 from mapper.world.faults import swallowed, without_swallowed
@@ -80,10 +80,11 @@ class WorldMapper:
         self.vanishing = None
         if self.second is not None:
             self.second.begin(self.second.config, self._empty_grid(altered, self.second.config, []))
-        self.newest: LaserScan | None = None
+        self.newest: RangeScan | None = None
         self.newest_pose: PoseTuple = self.simulation.pose
         self.believed_pose: PoseTuple = self.simulation.pose  #: where the map has the base at the newest scan
         self.scans = 0
+        self.hidden = 0  #: newest scans that are taken out of the map again, to be looked at one by one
         if not altered.is_free(world.start[:2], self.simulation.radius):
             self.simulation.teleport(*world.start)
             self._odometer.place(self.simulation.pose)
@@ -118,7 +119,7 @@ class WorldMapper:
         used = [_only(log, faults.trajectory) for log in logs]
         grid = self._empty_grid(self.plan, config, used)
         for log in used:
-            integrate_log(grid, log, config)
+            integrate_log(grid, log, config, stop=log.n_scans - (self.hidden if log is used[-1] else 0))
         return grid
 
     def remake(self, config: MappingConfig) -> None:
@@ -163,14 +164,47 @@ class WorldMapper:
         scan = measure(simulation.world, simulation.sensor, simulation.sensor_pose, self._noise, stamp_ns)
         return self._take(scan, simulation.pose)
 
+    def step_back(self, scans: int) -> bool:
+        """Take the newest ``scans`` out of the map again, all but the sensor's first; return whether there were any."""
+        hidden = min(self.hidden + scans, len(self.recordings[-1]) - 1)
+        if hidden <= self.hidden:
+            return False
+        before, self.hidden = self.hidden, hidden
+        try:
+            self.remake(self.config)
+        except MapperError:
+            self.hidden = before
+            raise
+        self._recall()
+        return True
+
+    def _recall(self) -> RangeScan:
+        """Make the newest scan that is not hidden the newest; return it as it truly was."""
+        recording = self.recordings[-1]
+        at = len(recording) - 1 - self.hidden
+        log = recording.as_log(specular=self.faults.specular)
+        self.newest = log.scan(at)
+        self.newest_pose = pose_tuple(log.trajectory("true").poses[at])
+        self.believed_pose = pose_tuple(log.trajectory(self.faults.trajectory).poses[at])
+        return recording.as_log().scan(at)
+
+    def _reveal(self, scans: int) -> list[Change]:
+        """Put up to ``scans`` of the hidden ones back into the map."""
+        changes = []
+        for _ in range(min(scans, self.hidden)):
+            self.hidden -= 1
+            changes.append(self._integrate(self._recall()))
+        return changes
+
     def step(self, scans: int) -> list[Change]:
-        """Let time pass until ``scans`` more scans are in the map."""
-        changes: list[Change] = []
+        """Let time pass until ``scans`` more scans are in the map; those that were taken out come first."""
+        changes = self._reveal(scans)
         while len(changes) < scans:
             changes += self.advance(1.0 / self.simulation.sensor.scan_rate)
         return changes
 
     def _take(self, scan: LaserScan, pose: PoseTuple) -> Change:
+        self._reveal(self.hidden)
         recording = self.recordings[-1]
         generation = recording.generation
         odometry = self._odometer.move(pose)
@@ -184,11 +218,17 @@ class WorldMapper:
             # The recording was thinned: the map is made of what it still holds, as any later re-make will be.
             self.remake(self.config)
             return Change(None, geometry_changed=True, cells_updated=0)
-        mount = self.simulation.mount
+        return self._integrate(scan)
+
+    def _integrate(self, scan: RangeScan) -> Change:
+        """Put the newest scan into the maps: as it was reported, and into a map made right the true ``scan``."""
+        mount, reported = self.simulation.mount, self.newest
+        if reported is None:
+            raise RuntimeError("there is no newest scan")
         change = integrate_scan(self.grid, reported, compose(self.believed_pose, mount), self.config)
         second = self.second
         if second is not None:
-            seen, at = (reported, self.believed_pose) if second.with_faults else (scan, pose)
+            seen, at = (reported, self.believed_pose) if second.with_faults else (scan, self.newest_pose)
             second.add(integrate_scan(second.grid, seen, compose(at, mount), second.config))
             if self.vanishing is not None:
                 self.vanishing.look(self.grid, second.grid)
@@ -214,6 +254,7 @@ class WorldMapper:
         No model suits thin and wide beams alike: where a sensor of another kind comes, the map begins anew, with the
         model that suits it.
         """
+        self._reveal(self.hidden)
         other_kind = sensor.kind != self.simulation.sensor.kind
         self.simulation.set_sensor(sensor)
         if other_kind:
@@ -258,6 +299,12 @@ class WorldMapper:
 
 def _only(log: ScanLog, trajectory: str) -> ScanLog:
     return replace(log, trajectories={trajectory: log.trajectory(trajectory)})
+
+
+def pose_tuple(row: NDArray[np.float64]) -> PoseTuple:
+    """Return (3,) as plain numbers."""
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)
 
 
 def world_named(name: str) -> World:

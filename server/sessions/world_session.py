@@ -87,8 +87,8 @@ class WorldSession(Session):
 
     @property
     def progress(self) -> tuple[int, int]:
-        """All scans that were taken are in the map."""
-        return (self._mapper.scans, self._mapper.scans)
+        """Of the scans that were taken those that were not taken out again are in the map."""
+        return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
 
     def moment(self) -> Moment:
         """Where the robot is now, and its newest scan."""
@@ -98,20 +98,28 @@ class WorldSession(Session):
             raise RuntimeError("a world session has taken a scan before it starts")
         seen_from = as_pose(compose(mapper.newest_pose, simulation.mount))
         moment = Moment(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
+        if mapper.hidden:
+            moment = Moment(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
         if mapper.believed_pose == mapper.newest_pose:
             return moment
         believed = mapper.believed_pose
         # Since its newest scan the robot has moved as it truly has: the drift of a tenth of a second cannot be seen.
-        since = compose(inverse(np.array(mapper.newest_pose)), np.array(simulation.pose))
+        since = compose(inverse(np.array(mapper.newest_pose)), np.array(moment.pose))
         now = as_pose(compose(believed, since))
         return replace(moment, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
 
     def sources(self) -> list[Source]:
         """The recordings, one for each kind of sensor."""
         trajectory = self._mapper.faults.trajectory
+        logs, hidden = self._mapper.logs(), self._mapper.hidden
         return [
-            Source(log, trajectory, log.n_scans, np.asarray(log.stamps_ns * 1e-9, dtype=np.float64))
-            for log in self._mapper.logs()
+            Source(
+                log,
+                trajectory,
+                log.n_scans - (hidden if log is logs[-1] else 0),
+                np.asarray(log.stamps_ns * 1e-9, dtype=np.float64),
+            )
+            for log in logs
         ]
 
     def resume(self, story: dict[str, Any]) -> None:
@@ -231,9 +239,12 @@ class WorldSession(Session):
 
     def _step(self, command: dict[str, Any], outcome: Outcome) -> None:
         scans = integer(command, "scans", 1)
-        if not 1 <= scans <= MAX_STEP_SCANS:
-            raise ProtocolError("command.scans", f"A live world steps on by 1 to {MAX_STEP_SCANS} scans.")
+        if not 1 <= abs(scans) <= MAX_STEP_SCANS:
+            raise ProtocolError("command.scans", f"A live world steps by 1 to {MAX_STEP_SCANS} scans, on or back.")
         self.playing = False
+        if scans < 0:
+            outcome.new_grid |= self._mapper.step_back(-scans)
+            return
         now = min(scans, SCANS_AT_ONCE)
         for change in self._mapper.step(now):
             outcome.add(change)

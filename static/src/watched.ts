@@ -3,6 +3,7 @@
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, turnedOver } from "./beams";
 import { Editing } from "./editing/editing";
+import type { Walk } from "./figures/steps/model";
 import type { OnBloom } from "./gl/cells";
 import { type Cell, cellAt, compose, contains, extent } from "./lattice";
 import { Optimistic } from "./optimistic";
@@ -105,6 +106,8 @@ export class Watched implements Receiver {
   /** How far the maps have forgotten what was taken away; null while nobody watches that. */
   readonly forgetting = signal<Forgetting | null>(null);
 
+  /** The scan that is walked through cell by cell; null while none is. */
+  readonly walk = signal<Walk | null>(null);
   /** What is in the hand. */
   readonly editing = new Editing();
 

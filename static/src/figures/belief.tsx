@@ -22,6 +22,7 @@ import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
 import { type Picture, sized } from "./picture/Picture";
 import { pulse, stillness } from "./picture/pulse";
+import { paintWalk } from "./steps/paint";
 import { paintWhy } from "./why/paint";
 
 interface BeliefProps {
@@ -72,6 +73,8 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
             void store.carried.value;
             void store.askedCell.value;
             void store.touch.value;
+            void store.walk.value;
+            void store.inspected.value;
             void inks.value;
           },
           paint: (size, ratio, now) => {
@@ -105,7 +108,8 @@ function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>
   const trajectory = store.trajectory.peek();
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
-  if (frame && from) {
+  if (store.walk.peek()) paintWalk(store, brush, true);
+  else if (frame && from) {
     strength = beat(frame.index, now);
     // Faint: the cells that the beams speak about are what there is to see here.
     paintBeams(brush, from, frame, frame.range_max, 0.5 * strength, 1.5);

@@ -22,6 +22,7 @@ import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
 import { sized } from "./picture/Picture";
 import { type Pulse, pulse, stillness } from "./picture/pulse";
+import { paintWalk } from "./steps/paint";
 import { paintWhy } from "./why/paint";
 
 /** The floor plan: painted only when the view, the world or the theme changes. */
@@ -82,6 +83,7 @@ export function TrueWorld({ store }: { readonly store: Store }) {
             void store.editing.sketch.value;
             void store.editing.corner.value;
             void store.faults.value;
+            void store.walk.value;
             void store.touch.value;
             void inks.value;
           },
@@ -118,6 +120,11 @@ function rendererOn(canvas: HTMLCanvasElement, invalidate: () => void): SheetRen
 function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boolean {
   const frame = store.frame.peek();
   if (!frame) return false;
+  if (store.walk.peek()) {
+    paintWalk(store, brush, false);
+    paintRobot(brush, frame.pose, false);
+    return false;
+  }
   const strength = beat(frame.index, now);
   const from = frame.scan_pose;
   paintBeams(brush, from, frame, frame.range_max, strength);

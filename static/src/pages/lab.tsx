@@ -8,6 +8,7 @@ import { exposeHook } from "../debug";
 import { Faults } from "../figures/faults/Faults";
 import type { Picture } from "../figures/picture/Picture";
 import { Profile } from "../figures/profile/Profile";
+import { StepNote } from "../figures/steps/Steps";
 import { MovingTable } from "../figures/table/MovingTable";
 import { Why } from "../figures/why/Why";
 import type { Store } from "../state";
@@ -134,6 +135,7 @@ function Lab() {
         </p>
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
+      {store && <StepNote store={store} />}
       {store && <Why store={store} side="left" />}
       {store && (
         <div class="lab-experiments">

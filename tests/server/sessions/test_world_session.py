@@ -16,7 +16,7 @@ from mapper.errors import ConfigError, LimitError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
 from mapper.replay import Replay
-from mapper.world import WORLDS, SensorConfig
+from mapper.world import WORLDS, Faults, SensorConfig
 from server.sessions import SessionRegistry, WorldMapper
 from tests.server.service import eventually
 
@@ -156,6 +156,50 @@ async def test_step_takes_that_many_scans(registry: SessionRegistry, obey: Calla
     assert not session.view().playing
 
 
+@pytest.mark.parametrize("values", [{}, {"drift": True, "specular": True}])
+def test_steps_back_and_on_are_the_map_of_so_many_scans(values: dict[str, bool]) -> None:
+    mapper = WorldMapper(WORLDS["room"], seed=4)
+    mapper.set_up(mapper.config, Faults(**values))
+    mapper.compare({"clamp": False})
+    second = mapper.second
+    assert second is not None
+    maps, poses = [], []
+    for _ in range(6):
+        mapper.step(1)
+        maps.append((mapper.grid.log_odds.copy(), second.grid.log_odds.copy()))
+        poses.append((mapper.newest_pose, mapper.believed_pose))
+    for back in range(1, 6):
+        assert mapper.step_back(1)
+        for grid, expected in zip((mapper.grid, second.grid), maps[5 - back], strict=True):
+            np.testing.assert_array_equal(grid.log_odds, expected)
+        assert (mapper.newest_pose, mapper.believed_pose) == poses[5 - back]
+    mapper.step(2)
+    np.testing.assert_array_equal(mapper.grid.log_odds, maps[2][0])
+    # Whoever lets time pass has all scans in the map again, and the next one after them.
+    mapper.advance(0.2)
+    assert mapper.hidden == 0
+    assert mapper.scans == len(mapper.recordings[-1])
+    grown = mapper.grid.log_odds.copy()
+    mapper.remake(mapper.config)
+    np.testing.assert_array_equal(mapper.grid.log_odds, grown)
+    mapper.step_back(10**6)
+    assert mapper.scans - mapper.hidden == 1  # the first stays
+
+
+async def test_a_step_back_is_told(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+    session = await registry.create_world("me", "room", seed=4)
+    await obey(session, type="pause")
+    before = session.view()
+    index, log_odds = before.index, before.log_odds.copy()
+    await obey(session, type="step", scans=-3)
+    view = session.view()
+    assert (view.index, view.count) == (index - 3, index)
+    assert view.pose == pytest.approx(view.sensor_pose)
+    assert np.any(view.log_odds != log_odds)
+    await obey(session, type="step", scans=3)
+    np.testing.assert_array_equal(session.view().log_odds, log_odds)
+
+
 async def test_restart_and_another_world_begin_anew(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await registry.create_world("me", "room", seed=4)
     count, first = session.view().count, session.view().log_odds.copy()
@@ -195,7 +239,7 @@ async def test_of_many_parameters_only_the_newest_is_made(
     "command",
     [
         {"type": "seek", "index": 3},
-        {"type": "step", "scans": -1},
+        {"type": "step", "scans": 0},
         {"type": "step", "scans": 10**9},
         {"type": "speed", "value": 100},
         {"type": "world", "name": "nowhere"},

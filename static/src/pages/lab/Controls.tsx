@@ -1,5 +1,6 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Steps } from "../../figures/steps/Steps";
 import type { Store } from "../../state";
 import type { Status } from "../../stream";
 import { Button } from "../../ui/Button";
@@ -43,12 +44,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           disabled={off}
           onClick={() => store?.togglePlaying()}
         />
-        <Button
-          icon="stepForward"
-          label="One scan on"
-          disabled={off}
-          onClick={() => store?.send({ type: "step", scans: 1 })}
-        />
+        <Steps store={store} />
         <Button
           icon="restart"
           label="Clear the map and start over"

@@ -1,0 +1,93 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../state";
+import { Button } from "../../ui/Button";
+import { signed, written } from "../../ui/numbers";
+import { bayesFilter } from "../lesson/textbook";
+import { key, type Walk } from "./model";
+import { heldNow, step, UNITS, type Unit, watchWalk } from "./walking";
+import "./steps.css";
+
+const unit = signal<Unit>("scan");
+
+/** Back and on by a cell, a beam, a scan or a second. */
+export function Steps({ store }: { readonly store: Store | null }) {
+  const off = !store?.isReady.value;
+  useEffect(() => (store ? watchWalk(store) : undefined), [store]);
+  const go = (by: 1 | -1): void => {
+    if (store) void step(store, unit.peek(), by);
+  };
+  return (
+    <>
+      <Button icon="stepBack" label={`One ${unit.value} back`} disabled={off} onClick={() => go(-1)} />
+      <Button icon="stepForward" label={`One ${unit.value} on`} disabled={off} onClick={() => go(1)} />
+      <select
+        class="select steps-unit"
+        aria-label="How far a step goes"
+        disabled={off}
+        value={unit.value}
+        onChange={(event) => {
+          unit.value = event.currentTarget.value as Unit;
+        }}
+      >
+        {UNITS.map((one) => (
+          <option key={one} value={one} selected={one === unit.value}>
+            {one}
+          </option>
+        ))}
+      </select>
+    </>
+  );
+}
+
+/** What the step of the moment did, in numbers: the beam, the cell, Bresenham's error term, the update. */
+export function StepNote({ store }: { readonly store: Store }) {
+  const walk = store.walk.value;
+  void store.inspected.value;
+  void store.mapVersion.value;
+  if (!walk) return null;
+  return (
+    <p class="steps-note" role="status">
+      {walk.done === 0 ? beginning(walk) : <Told store={store} walk={walk} />}
+    </p>
+  );
+}
+
+const beginning = ({ steps, frame }: Walk): string =>
+  `The newest scan is out of the map: ${frame.ranges.length} beams, ${steps.length} cells to update, one after another.`;
+
+function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
+  const now = walk.steps[walk.done - 1];
+  if (!now) return null;
+  const held = (done: number): number | undefined => heldNow(store, { ...walk, done }).get(key(now.cell));
+  const after = held(walk.done) ?? 0;
+  const before = [...walk.steps.slice(0, walk.done - 1)].some((one) => key(one.cell) === key(now.cell))
+    ? (held(walk.done - 1) ?? 0)
+    : undoneOf(store, walk, after);
+  const clamped = Math.abs(bayesFilter(before, now.evidence, { ...walk.config, clamp: false }) - after) > 1e-4;
+  return (
+    <>
+      <span>
+        Beam <b>{now.beam + 1}</b> of {walk.frame.ranges.length}, cell <b>{now.place + 1}</b> of {now.of}.
+      </span>{" "}
+      <span>
+        {now.nabla === null
+          ? "Bresenham ends here."
+          : `Error term ∇ ${now.nabla}: ${now.nabla >= 0 ? "not below 0, so the next cell is a diagonal one on" : "below 0, so straight on"}.`}
+      </span>{" "}
+      <span class={now.isHit ? "noun-hit" : "noun-miss"}>
+        {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}
+        {written(Math.abs(now.evidence), 2)} = <b>{signed(after)}</b>
+        {clamped ? ", at the clamp" : ""}.
+      </span>
+    </>
+  );
+}
+
+/** What a cell that this step touched for the first time held before it: what lies beneath. */
+function undoneOf(store: Store, walk: Walk, after: number): number {
+  const now = walk.steps[walk.done - 1];
+  if (!now) return after;
+  const one = { ...walk, steps: [{ ...now, evidence: 0 }], done: 1 };
+  return heldNow(store, one).get(key(now.cell)) ?? after;
+}
