@@ -13,6 +13,7 @@ import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
+import { Contents } from "./lecture/Contents";
 import { worldSession } from "./worldSession";
 
 /** The visitor's own live world; null until the server has given one. */
@@ -172,22 +173,24 @@ function Page() {
         </div>
       </section>
       <section class="home-section">
-        <div class="prose">
-          <h2>All of it, step by step</h2>
-          <p>
-            Why log-odds, which cells a beam crosses, what a sonar’s cone gives away, how a map forgets, and what a
-            navigation stack reads in the end: one page, one live figure a section. Lecturers find a button there that
-            shows one figure at a time.
-          </p>
+        <div class="home-words">
+          <div class="prose">
+            <h2>All of it, step by step</h2>
+            <p>
+              From one cell to the file that a navigation stack reads: one page, a live figure in every section.
+              Lecturers can show one figure at a time.
+            </p>
+          </div>
+          <div class="actions">
+            <Button kind="primary" size="large" href="/lecture.html">
+              The whole lecture
+            </Button>
+            <Button size="large" href="/lecture.html?present">
+              Present it
+            </Button>
+          </div>
         </div>
-        <div class="actions">
-          <Button kind="primary" size="large" href="/lecture.html">
-            The whole lecture
-          </Button>
-          <Button size="large" href="/lecture.html?present">
-            Present it
-          </Button>
-        </div>
+        <Contents page="/lecture.html" />
       </section>
       <section class="home-section">
         <div class="prose">

@@ -7,16 +7,18 @@ import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
+import { Contents } from "./lecture/Contents";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GridSection } from "./lecture/GridSection";
 import { LogSection } from "./lecture/LogSection";
+import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
-import { keyedSlide, type Lesson, presenting, setPresenting, show, slide } from "./lecture/present";
+import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
 import { SonarSection } from "./lecture/SonarSection";
 
@@ -24,21 +26,23 @@ interface Part extends Lesson {
   readonly body: ComponentType<{ id: string; number: number; title: string }>;
 }
 
-const PARTS: readonly Part[] = [
-  { id: "grid", title: "A grid and three assumptions", body: GridSection },
-  { id: "cell", title: "One cell", body: CellSection },
-  { id: "log-odds", title: "Why log-odds", body: DigitsSection },
-  { id: "model", title: "What one reading says", body: ModelSection },
-  { id: "rays", title: "Rays on a grid", body: RaysSection },
-  { id: "algorithm", title: "The whole algorithm", body: AlgorithmSection },
-  { id: "sonar", title: "Sonar and its cone", body: SonarSection },
-  { id: "no-return", title: "When nothing comes back", body: NoReturnSection },
-  { id: "mount", title: "Frames and mounts", body: MountSection },
-  { id: "forgetting", title: "Clamping and forgetting", body: ForgettingSection },
-  { id: "counting", title: "Per beam or per scan", body: CountingSection },
-  { id: "file", title: "The file that Nav2 reads", body: FileSection },
-  { id: "log", title: "Now your own log", body: LogSection },
-];
+/** The body of each lesson, by its id. */
+const BODIES: Record<LessonId, Part["body"]> = {
+  grid: GridSection,
+  cell: CellSection,
+  "log-odds": DigitsSection,
+  model: ModelSection,
+  rays: RaysSection,
+  algorithm: AlgorithmSection,
+  sonar: SonarSection,
+  "no-return": NoReturnSection,
+  mount: MountSection,
+  forgetting: ForgettingSection,
+  counting: CountingSection,
+  file: FileSection,
+  log: LogSection,
+};
+const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, textarea, button, a, summary") !== null;
@@ -95,20 +99,6 @@ function Presenter() {
       />
       <Button icon="close" label="Leave (Esc)" onClick={() => setPresenting(PARTS, false)} />
     </header>
-  );
-}
-
-function Contents() {
-  return (
-    <nav class="contents" aria-label="Sections">
-      <ol>
-        {PARTS.map(({ id, title }) => (
-          <li key={id}>
-            <a href={`#${id}`}>{title}</a>
-          </li>
-        ))}
-      </ol>
-    </nav>
   );
 }
 

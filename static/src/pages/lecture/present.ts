@@ -1,12 +1,7 @@
 /** The lecturer's mode: one figure at a time. The address keeps it: `?present` and the section's anchor. */
 
 import { signal } from "@preact/signals";
-
-/** The sections in their order: the anchor of each, and its title. */
-export interface Lesson {
-  readonly id: string;
-  readonly title: string;
-}
+import type { Lesson } from "./lessons";
 
 const wanted = (): boolean => new URLSearchParams(location.search).has("present");
 
