@@ -21,11 +21,12 @@ def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
     if not values and tokens:
         bad = next(token for token in tokens if not _is_number(token))
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number.")
-    if math.inf in values or -math.inf in values:
+    # Of finite numbers the sum is finite, unless they are huge; and it is found fast.
+    if not math.isfinite(sum(values)) and (math.inf in values or -math.inf in values):
         for token, value in zip(tokens, values, strict=True):
             if math.isinf(value) and token.lower().lstrip("+-") not in _INFINITE:
                 raise ReadError("log.not_a_number", f"Line {line}: {token!r:.40} in this {word} line is too large.")
-    if any("_" in token for token in tokens):  # Python reads 1_000 as a number; no log does
+    if "_" in "".join(tokens):  # Python reads 1_000 as a number; no log does
         bad = next(token for token in tokens if "_" in token)
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number.")
     return values

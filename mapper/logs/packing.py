@@ -58,8 +58,7 @@ class ScanStack:
                 f"the limits are {self.limits.max_scans} scans and {self.limits.max_readings} readings.",
             )
         self.n_scans += 1
-        with np.errstate(over="ignore"):
-            self._ranges += np.array(readings).astype(np.float32).tobytes()
+        self._ranges += array("f", readings)  # what is too large for 32 bits becomes inf
         self._laser.extend(laser_and_robot[0])
         self._robot.extend(laser_and_robot[1])
         self._stamps.append(stamp)

@@ -23,6 +23,7 @@ from mapper.parameters import BY_NAME, MappingConfig
 from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
+from tests.bench.reading import reading
 
 RANGE_MAX = 30.0
 REAL_LOGS = ("intel-corrected", "aces-corrected", "fhw-corrected")
@@ -146,7 +147,11 @@ def cost_of_starting(processes: int = 10) -> None:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["reading"]:
+        reading()
+        sys.exit()
     side_by_side()
     cost_against_size()
     cost_of_asking_why()
     cost_of_starting()
+    reading()

@@ -75,5 +75,7 @@ def test_logs_are_told_from_their_neighbours(data_dir):
     assert logs == {
         str(path.relative_to(data_dir))
         for path in files
-        if (path.parent.name == "carmen" and ".log" in path.name) or path.parent.name in ("bags", "breezyslam")
+        if (path.parent.name == "carmen" and ".log" in path.name)
+        or path.parent.name in ("bags", "breezyslam")
+        or path.name == "measurement.txt"
     }
