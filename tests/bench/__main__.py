@@ -22,6 +22,7 @@ from mapper.logs import open_log
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
+from tests.bench.feel import feel
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 
@@ -150,8 +151,12 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["reading"]:
         reading()
         sys.exit()
+    if sys.argv[1:] == ["feel"]:
+        feel()
+        sys.exit()
     side_by_side()
     cost_against_size()
     cost_of_asking_why()
     cost_of_starting()
     reading()
+    feel()

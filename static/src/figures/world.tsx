@@ -120,9 +120,10 @@ function rendererOn(canvas: HTMLCanvasElement, invalidate: () => void): SheetRen
 function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boolean {
   const frame = store.frame.peek();
   if (!frame) return false;
-  if (store.walk.peek()) {
-    paintWalk(store, brush, false);
+  const walk = store.walk.peek();
+  if (walk) {
     paintRobot(brush, frame.pose, false);
+    paintWalk(store, brush, false);
     return false;
   }
   const strength = beat(frame.index, now);

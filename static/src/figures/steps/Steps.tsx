@@ -73,7 +73,7 @@ function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
       <span>
         {now.nabla === null
           ? "Bresenham ends here."
-          : `Error term ∇ ${now.nabla}: ${now.nabla >= 0 ? "not below 0, so the next cell is a diagonal one on" : "below 0, so straight on"}.`}
+          : `Error term ∇ ${signed(now.nabla, 0)}: ${now.nabla >= 0 ? "not below 0, so the next cell is a diagonal one on" : "below 0, so straight on"}.`}
       </span>{" "}
       <span class={now.isHit ? "noun-hit" : "noun-miss"}>
         {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}

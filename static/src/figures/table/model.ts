@@ -59,6 +59,8 @@ export function grown(points: readonly Point[], told: Forgetting): readonly Poin
   const last = points.at(-1);
   const point = { scans: told.scans, withClamp: told.free_with_clamp, without: told.free_without_clamp };
   if (told.scans === 0) return [];
+  // When both have forgotten everything there is no more to see.
+  if (last && last.withClamp >= 1 && last.without >= 1 && told.scans > last.scans) return points;
   if (!last || told.scans > last.scans) return [...points, point];
   return told.scans < last.scans ? [point] : points;
 }
