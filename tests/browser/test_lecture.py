@@ -144,6 +144,10 @@ def test_the_profile_feeds_the_cell(page: Page, server: str) -> None:
     page.keyboard.press("ArrowUp")
     expect(handle).to_have_attribute("aria-valuenow", "0.9")
     expect(page.locator("#cell").get_by_role("button", name="hit +0.90")).to_be_attached()
+    for model in ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting"):
+        section.get_by_label("Model", exact=True).select_option(model)
+        expect(section.locator("figure svg")).to_be_visible()
+        expect(page.locator("#cell").get_by_role("button", name="hit +0.90")).to_be_attached()
 
 
 # --- 5: rays ---------------------------------------------------------------------------------------------------------

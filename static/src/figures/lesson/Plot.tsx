@@ -1,7 +1,7 @@
-import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import "./lesson.css";
+import { useWidth } from "./width";
 
 interface PlotProps {
   readonly height: number;
@@ -14,16 +14,7 @@ interface PlotProps {
 /** A chart as wide as its place. */
 export function Plot({ height, label, children }: PlotProps) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useSignal(720);
-  useEffect(() => {
-    const element = box.current;
-    if (!element) return;
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry && entry.contentRect.width > 0) width.value = Math.round(entry.contentRect.width);
-    });
-    observer.observe(element);
-    return () => observer.disconnect();
-  }, [width]);
+  const width = useWidth(box, 720);
   return (
     <div
       class="plot"

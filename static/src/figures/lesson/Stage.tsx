@@ -1,6 +1,6 @@
-import { type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
+import { type ReadonlySignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import { byteAt } from "../../belief";
 import { mapColours, palette } from "../../gl/palette";
 import { fromLattice, toLattice } from "../../lattice";
@@ -8,6 +8,7 @@ import type { Point } from "../../protocol";
 import { isDark } from "../../ui/theme";
 import type { LessonGeometry, LessonGrid } from "./grid";
 import "./lesson.css";
+import { useWidth } from "./width";
 
 /** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
 export interface Place {
@@ -81,22 +82,13 @@ interface StageProps {
 export function Stage({ geometry, label, grid, greys, lines, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
-  const width = useSignal(0);
-  useEffect(() => {
-    const element = box.current;
-    if (!element) return;
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry && entry.contentRect.width > 0) width.value = Math.round(entry.contentRect.width);
-    });
-    observer.observe(element);
-    return () => observer.disconnect();
-  }, [width]);
+  const width = useWidth(box, 480);
   useSignalEffect(() => {
     void isDark.value;
     if (canvas.current && grid) paint(canvas.current, grid.value);
     if (canvas.current && greys) paintGreys(canvas.current, greys.value);
   });
-  const now = placeOf(geometry, width.value || 480);
+  const now = placeOf(geometry, width.value);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
       {(grid || greys) && (

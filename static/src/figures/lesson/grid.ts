@@ -35,7 +35,7 @@ export interface LessonConfig {
   readonly log_odds_miss: number;
   readonly update: "per_beam" | "per_scan";
   readonly traversal: "bresenham" | "amanatides_woo";
-  readonly no_return: "ignore" | "free";
+  readonly no_return: "ignore" | "free" | "hit";
   readonly clamp: boolean;
   readonly log_odds_min: number;
   readonly log_odds_max: number;

@@ -50,6 +50,17 @@ export function updatePerBeam(grid: LessonGrid, scan: LessonScan, pose: Pose, co
   return updates;
 }
 
+/** A beam's range; where "no return" is taken for a hit, a mistake, as if it had come from z_max. */
+export function readingOf(scan: LessonScan, beam: number, config: LessonConfig): number {
+  const z = scan.ranges[beam] ?? Number.NaN;
+  const zMax = Math.min(scan.range_max, config.range_max);
+  if (config.no_return !== "hit" || !(z > zMax)) return z;
+  const nearest = Float32Array.of(zMax);
+  // Ranges are kept as float32, and no reading may lie beyond z_max.
+  if ((nearest[0] ?? 0) > zMax) new Uint32Array(nearest.buffer)[0] = (new Uint32Array(nearest.buffer)[0] ?? 1) - 1;
+  return nearest[0] ?? zMax;
+}
+
 /** What one beam says of each cell: a reading, no return, or (too near, NaN, −Infinity) nothing at all. */
 export function evidenceOfBeam(
   geometry: LessonGeometry,
@@ -58,7 +69,7 @@ export function evidenceOfBeam(
   pose: Pose,
   config: LessonConfig,
 ): readonly Evidence[] {
-  const z = scan.ranges[beam] ?? Number.NaN;
+  const z = readingOf(scan, beam, config);
   const bearing = bearingOf(scan, beam);
   const zMax = Math.min(scan.range_max, config.range_max);
   if (scan.range_min <= z && z <= zMax) return evidenceAlongBeam(geometry, pose, bearing, z, config);
@@ -139,7 +150,8 @@ export function inverseRangeSensorModel(
   const found = new Float64Array(rows * cols).fill(Number.NaN);
   const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
   const heading = pose[2] - geometry.origin[2];
-  scan.ranges.forEach((z, beam) => {
+  scan.ranges.forEach((_, beam) => {
+    const z = readingOf(scan, beam, config);
     const reading = scan.range_min <= z && z <= zMax;
     const free = z > zMax && config.no_return === "free";
     if (!reading && !free) return;
@@ -160,7 +172,8 @@ export function inverseRangeSensorModel(
       }
     }
   });
-  scan.ranges.forEach((z, beam) => {
+  scan.ranges.forEach((_, beam) => {
+    const z = readingOf(scan, beam, config);
     if (!(scan.range_min <= z && z <= zMax)) return;
     const index = indexOf(geometry, cellOfBeam(geometry, pose, bearingOf(scan, beam), z));
     if (index >= 0) found[index] = config.log_odds_hit;

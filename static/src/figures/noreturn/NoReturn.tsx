@@ -6,9 +6,13 @@ import { Slider } from "../../ui/Slider";
 import { cellsOf, phantoms } from "../lesson/counts";
 import { Knob, RobotShape } from "../lesson/Knob";
 import { Beams, Scene, Walls } from "../lesson/Scene";
-import { GEOMETRY, GLASS, mapAt, mistaken, POLICIES, type Policy, scanAt, WALLS } from "./model";
+import { GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WALLS } from "./model";
 
-const NAMES: Record<Policy, string> = { ignore: "ignored", free: "taken for free", mistake: "the mistake" };
+const NAMES: Record<Policy, string> = {
+  ignore: "ignored",
+  free: "taken for free",
+  hit: "the mistake: taken for a hit",
+};
 
 const inside = ([x, y]: Point): Point => [Math.min(8.9, Math.max(0.7, x)), Math.min(5.7, Math.max(0.7, y))];
 
@@ -45,8 +49,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
 
 function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; rangeMax: Signal<number> }) {
   const grid = useMemo(() => computed(() => mapAt(at.value, rangeMax.value, policy)), [at, rangeMax, policy]);
-  const exact = scanAt(at.value, rangeMax.value);
-  const scan = policy === "mistake" ? mistaken(exact) : exact;
+  const scan = scanAt(at.value, rangeMax.value);
   const [x, y] = at.value;
   const wrong = phantoms(grid.value, [...WALLS, ...GLASS], 1.25 * GEOMETRY.resolution).length;
   const where = `${written(x, 1)} m, ${written(y, 1)} m`;

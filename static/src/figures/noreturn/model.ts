@@ -18,7 +18,7 @@ export const GEOMETRY: LessonGeometry = { resolution: 0.2, rows: 32, cols: 48, o
 export const WALLS: readonly Wall[] = [...box(0.5, 0.5, 9.1, 5.9), ...box(6.3, 3.9, 6.9, 4.5)];
 export const GLASS: readonly Wall[] = [[3.9, 0.5, 3.9, 2.1]];
 
-export const POLICIES = ["ignore", "free", "mistake"] as const;
+export const POLICIES = ["ignore", "free", "hit"] as const;
 export type Policy = (typeof POLICIES)[number];
 
 const BEAMS = 180;
@@ -34,18 +34,12 @@ export function scanAt([x, y]: Point, rangeMax: number): LessonScan {
   return { ...scan, ranges };
 }
 
-/** The mistake: a driver that writes the greatest range where there was no return. */
-export function mistaken(scan: LessonScan): LessonScan {
-  return { ...scan, ranges: scan.ranges.map((z) => (z === Number.POSITIVE_INFINITY ? scan.range_max : z)) };
-}
-
 /** The map of a few scans from one place, under a policy. */
 export function mapAt(point: Point, rangeMax: number, policy: Policy): LessonGrid {
   const grid = emptyGrid(GEOMETRY);
   const pose: Pose = [point[0], point[1], 0];
   const scan = scanAt(point, rangeMax);
-  const config: LessonConfig = { ...CONFIG, range_max: rangeMax, no_return: policy === "free" ? "free" : "ignore" };
-  for (let i = 0; i < SCANS; i++)
-    occupancyGridMapping(grid, policy === "mistake" ? mistaken(scan) : scan, pose, config);
+  const config: LessonConfig = { ...CONFIG, range_max: rangeMax, no_return: policy };
+  for (let i = 0; i < SCANS; i++) occupancyGridMapping(grid, scan, pose, config);
   return grid;
 }

@@ -8,7 +8,7 @@ import { toLattice } from "../../lattice";
 import type { Pose } from "../../protocol";
 import { CONFIG, emptyGrid, type LessonGeometry, type LessonGrid } from "../lesson/grid";
 import { bayesFilter } from "../lesson/textbook";
-import { logOdds } from "../profile/model";
+import { halfWindow, INITIAL, increment, logOdds, type ProfileParameters } from "../profile/model";
 
 export interface SonarScan {
   readonly ranges: Float32Array;
@@ -66,19 +66,22 @@ export function cellsInCone(
   return found;
 }
 
-const halfWindow = (settings: SonarSettings, geometry: LessonGeometry): number =>
-  Math.max(settings.window, geometry.resolution) / 2;
-
-/** 1 at the sensor falling to 0 at the window, and 1 at z falling to 0 at the window's edges. */
-const rangeWeight = (s: number, z: number, half: number): number =>
-  s < z - half ? 1 - (s / (z - half)) ** 2 : half > 0 ? 1 - ((s - z) / half) ** 2 : 1;
-
-/** The evidence of a reading `z` at distance s and angle θ, in log-odds. */
-export function coneIncrement(s: number, z: number, theta: number, half: number, settings: SonarSettings): number {
-  const flat = s < z - half ? CONFIG.log_odds_miss : s <= z + half ? CONFIG.log_odds_hit : 0;
-  if (settings.profile === "flat") return flat;
-  return flat * rangeWeight(s, z, half) * Math.exp(-8 * (theta / settings.opening) ** 2);
-}
+/** The settings as the profile of section 4 takes them: what a reading says at a place is written there, once. */
+const asProfile = (
+  model: "sonar_cone" | "moravec_elfes",
+  settings: SonarSettings,
+  scan: SonarScan,
+  geometry: LessonGeometry,
+): ProfileParameters => ({
+  ...INITIAL,
+  model,
+  opening: settings.opening,
+  window: settings.window,
+  cone_profile: settings.profile,
+  no_return: settings.no_return,
+  range_max: scan.range_max,
+  resolution: geometry.resolution,
+});
 
 const isReading = (scan: SonarScan, z: number): boolean => scan.range_min <= z && z <= scan.range_max;
 const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
@@ -86,15 +89,15 @@ const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
 
 /** Bayes' filter: every cell of the cone up to z + r/2 gets its evidence, reading by reading. */
 export function updateCone(grid: LessonGrid, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
-  const half = halfWindow(settings, grid.geometry);
+  const values = asProfile("sonar_cone", settings, scan, grid.geometry);
   scan.ranges.forEach((z, k) => {
+    const half = halfWindow(z, values);
     const reading = isReading(scan, z);
     const free = isFree(scan, z, settings);
     if (!reading && !free) return;
     for (const { index, s, theta } of cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening)) {
       if (reading ? s > Math.min(z + half, scan.range_max) : s >= scan.range_max) continue;
-      const evidence = reading ? coneIncrement(s, z, theta, half, settings) : CONFIG.log_odds_miss;
-      grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, evidence, CONFIG);
+      grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, increment(s, z, values, theta), CONFIG);
       grid.observed[index] = 1;
     }
   });
@@ -113,22 +116,20 @@ export function noCertainties(geometry: LessonGeometry): Certainties {
   return { grid, occupied: new Float32Array(count), empty: new Float32Array(count) };
 }
 
-const offAxis = (theta: number, opening: number): number => Math.max(0, 1 - (theta / (opening / 2)) ** 2);
-
 /** First what is empty, for all readings; then what is occupied, cancelled and normalised, reading by reading. */
 export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
   const { grid, occupied, empty } = map;
-  const half = halfWindow(settings, grid.geometry);
+  const values = asProfile("moravec_elfes", settings, scan, grid.geometry);
   const cones = Array.from(scan.ranges, (z, k) => ({
     z,
     cells: cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening),
   }));
   for (const { z, cells } of cones) {
     if (!isReading(scan, z) && !isFree(scan, z, settings)) continue;
-    const [to, edge] = isReading(scan, z) ? [z, half] : [scan.range_max, 0];
+    const end = isReading(scan, z) ? z - halfWindow(z, values) : scan.range_max;
     for (const { index, s, theta } of cells) {
-      if (s >= to - edge) continue;
-      const certainty = rangeWeight(s, to, edge) * offAxis(theta, settings.opening);
+      if (s >= end) continue;
+      const certainty = -increment(s, z, values, theta);
       const before = empty[index] ?? 0;
       empty[index] = f32(before + certainty * (1 - before));
       grid.observed[index] = 1;
@@ -136,11 +137,12 @@ export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose
   }
   for (const { z, cells } of cones) {
     if (!isReading(scan, z)) continue;
+    const half = halfWindow(z, values);
     const arc = cells
       .filter(({ s }) => s >= z - half && s <= Math.min(z + half, scan.range_max))
       .map(({ index, s, theta }) => ({
         index,
-        share: rangeWeight(s, z, half) * offAxis(theta, settings.opening) * (1 - (empty[index] ?? 0)),
+        share: increment(s, z, values, theta) * (1 - (empty[index] ?? 0)),
       }));
     const total = arc.reduce((sum, { share }) => sum + share, 0);
     if (total <= 0) continue;

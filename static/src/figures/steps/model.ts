@@ -58,7 +58,7 @@ export function lessonConfig(values: Values): LessonConfig {
 export function planned(frame: Frame, pose: Pose, geometry: Geometry, config: LessonConfig): readonly Step[] {
   const greatest = Math.min(frame.range_max, config.range_max);
   // Where no return is taken for a hit it comes from the max range; null is no return on the wire.
-  const none = (config.no_return as string) === "hit" ? greatest : Number.POSITIVE_INFINITY;
+  const none = config.no_return === "hit" ? greatest : Number.POSITIVE_INFINITY;
   const ranges = Float32Array.from(frame.ranges, (range) => (range === null || range > greatest ? none : range));
   const scan = { ...frame, ranges, range_min: 0, range_max: frame.range_max };
   const steps: Step[] = [];

@@ -1,28 +1,58 @@
 import { signal } from "@preact/signals";
 import { Profile } from "../../figures/profile/Profile";
+import { Choice } from "../../ui/Choice";
 import { Scrub } from "../../ui/Scrub";
 import { cellParameters, parameters, setParameter } from "./parameters";
 import { Section } from "./Section";
 
 const noBeam = signal(undefined);
 
+const MODELS = [
+  { value: "fixed_increments", label: "fixed increments" },
+  { value: "step_window", label: "step window in probabilities" },
+  { value: "smooth_ramp", label: "smooth ramp" },
+  { value: "sonar_cone", label: "sonar cone" },
+  { value: "moravec_elfes", label: "Moravec and Elfes 1985" },
+  { value: "hit_counting", label: "hit counting" },
+];
+
+/** What each model says, in a sentence. */
+const WORDS: Record<string, string> = {
+  fixed_increments: "Two numbers, in log-odds: one for a cell that was passed, one for a cell in which a beam ended.",
+  step_window: "The textbook’s table 9.2: three probabilities, before the window, in it, and the prior beyond.",
+  smooth_ramp: "A reading is uncertain by σ, and the more so the farther it comes from: the step becomes a ramp.",
+  sonar_cone: "A wide beam, seen from above: evidence in two dimensions. Section 7 maps with it.",
+  moravec_elfes: "Degrees of certainty, no log-odds: one for empty, one for occupied. Section 7 combines them.",
+  hit_counting:
+    "Counts how often a beam ended in a cell and how often one passed; shown is what the first visit changes.",
+};
+
 export function ModelSection({ id, number, title }: { id: string; number: number; title: string }) {
   const { window: r, range_max } = cellParameters.value;
+  const model = String(parameters.value.model);
   return (
     <Section
       id={id}
       number={number}
       title={title}
-      figure={<Profile parameters={parameters} setParameter={setParameter} reading={noBeam} />}
+      figure={
+        <>
+          <div class="model-head">
+            <Choice label="Model" options={MODELS} value={model} onChange={(value) => setParameter("model", value)} />
+            <p class="quiet">{WORDS[model]}</p>
+          </div>
+          <Profile parameters={parameters} setParameter={setParameter} reading={noBeam} />
+        </>
+      }
       sources={[
         ["probabilistic-robotics", "section 9.2 and table 9.2"],
         ["octomap", "section 3.2"],
       ]}
       after={
         <p>
-          The cells of section 2 take their increments from here: change the curve, and look back. The word{" "}
-          <em>inverse</em> is meant literally. A sensor turns a world into readings; this goes the other way, from a
-          reading to the world, and it is a choice of the engineer, not a law. Too bold a model believes every stray
+          With fixed increments the cell of section 2 takes its numbers from here: change the curve, and look back. The
+          word <em>inverse</em> is meant literally. A sensor turns a world into readings; this goes the other way, from
+          a reading to the world, and it is a choice of the engineer, not a law. Too bold a model believes every stray
           reading; too shy a one never makes up its mind.
         </p>
       }

@@ -16,7 +16,10 @@ export const parameters = signal<Readonly<Record<string, unknown>>>({
   log_odds_max,
 });
 
-export const cellParameters = computed(() => parameters.value as Readonly<Record<string, unknown>> & CellParameters);
+/** The cell of section 2 is fed with fixed increments, whatever model section 4 shows. */
+export const cellParameters = computed(
+  () => ({ ...parameters.value, model: "fixed_increments" }) as Readonly<Record<string, unknown>> & CellParameters,
+);
 
 export function setParameter(name: string, value: unknown): void {
   parameters.value = { ...parameters.peek(), [name]: value };
