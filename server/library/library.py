@@ -281,7 +281,7 @@ class Library:
 
     def _forget(self, log_id: str) -> None:
         self._records.pop(log_id, None)
-        self._cache.drop(log_id)
+        self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
         self._store.delete(log_id)
         self._blob(log_id).unlink(missing_ok=True)
         self._pack(log_id).unlink(missing_ok=True)
@@ -354,10 +354,11 @@ class Library:
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
-    async def load(self, owner: str, log_id: str) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
         """Return a log, from memory, from its pack, or after it has been read; waits for a job that is under way.
 
-        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
+        ``topic`` names the sensor where the log has several. Raises :class:`LogNotFoundError`, and what the reader
+        raised (:class:`ReadError`, :class:`LimitError`).
         """
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
@@ -365,6 +366,10 @@ class Library:
             self._save(record)
         if record.source == "sample":
             return await self._sample.load()
+        if topic is not None:
+            record = await self._settled(owner, log_id)
+            if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
+                return await self._load_sensor(record, topic)
         kept = self._cache.get(log_id)
         if kept is not None:
             return kept
@@ -375,6 +380,28 @@ class Library:
             except StalePackError:
                 self._queue(self.get(owner, log_id))
         raise ReadError("log.storage", "What was read of the log could not be stored; try again.")
+
+    async def _load_sensor(self, record: Record, topic: str) -> ScanLog:
+        """Return another sensor's scans than the log was packed with: read for who asks, and kept in memory only."""
+        key = f"{record.id}#{topic}"
+        async with self._reader.turn(record.owner):
+            kept = self._cache.get(key)
+            if kept is not None:
+                return kept
+            source = self._folder_logs[record.id].path if record.source == "folder" else self._blob(record.id)
+            pack = self._incoming / f"{secrets.token_hex(10)}.npz"
+            try:
+                await self._reader.read(source, pack, topic)
+                log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
+            except MapperError as error:
+                raise _without_paths(error, source, record.name) from None
+            except StalePackError:
+                raise ReadError("log.storage", "What was read of the log could not be stored; try again.") from None
+            finally:
+                for half in self._incoming.glob(f"{pack.name}*"):
+                    half.unlink(missing_ok=True)
+            self._cache.put(key, log)
+        return log
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""
@@ -424,9 +451,9 @@ class Library:
             done = replace(record, state="ready", progress=1.0, summary=summary)
             _log.info("log read", log=record.id, scans=summary.scans, seconds=round(time.monotonic() - started, 3))
         except MapperError as error:
-            message = error.message.replace(str(source), record.name).replace(source.name, record.name)
-            done = replace(record, state="failed", error=Failure(error.code, message))
-            _log.info("log refused", log=record.id, code=error.code, message=message)
+            told = _without_paths(error, source, record.name)
+            done = replace(record, state="failed", error=Failure(told.code, told.message))
+            _log.info("log refused", log=record.id, code=told.code, message=told.message)
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this log alone
             # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
             done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
@@ -450,6 +477,11 @@ class Library:
 
     def _pack(self, log_id: str) -> Path:
         return self._packs / f"{log_id}.npz"
+
+
+def _without_paths(error: MapperError, source: Path, name: str) -> MapperError:
+    """Return the error as its owner may see it: with the log's name in the place of the file's."""
+    return type(error)(error.code, error.message.replace(str(source), name).replace(source.name, name))
 
 
 def _full() -> LimitError:

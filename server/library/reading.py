@@ -79,21 +79,23 @@ def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
             signal.setitimer(timer, 0.0)
 
 
-def read_job(source: str, pack: str | None, timeout_s: float, cpu_s: float) -> LogSummary:
+def read_job(source: str, pack: str | None, timeout_s: float, cpu_s: float, topic: str | None = None) -> LogSummary:
     """Read the log file ``source``, pack it into ``pack`` if there is one and return what it holds. Runs in the worker.
+
+    ``topic`` names the sensor where there are several.
 
     Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
     """
     _note_progress(0.0)
     try:
         with _timed(timeout_s, cpu_s):
-            return _read(source, pack)
+            return _read(source, pack, topic)
     except MemoryError:
         raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
 
 
-def _read(source: str, pack: str | None) -> LogSummary:
-    log = open_log(Path(source), progress=_note_progress)
+def _read(source: str, pack: str | None, topic: str | None) -> LogSummary:
+    log = open_log(Path(source), topic=topic, progress=_note_progress)
     if pack is not None:
         write_pack(log, Path(pack))
     return summarise(log)
@@ -135,17 +137,17 @@ class Reader:
         """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
         return self._turns.of(owner)
 
-    async def read(self, source: Path, pack: Path | None) -> LogSummary:
+    async def read(self, source: Path, pack: Path | None, topic: str | None = None) -> LogSummary:
         """Have ``source`` read, and packed into ``pack`` if there is one; the caller holds :meth:`turn`.
 
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
         self._progress.value = 0.0
         try:
-            job = self._submit(source, pack)
+            job = self._submit(source, pack, topic)
         except BrokenProcessPool:  # the worker died while it had nothing to do: no fault of this log
             self._end_worker()
-            job = self._submit(source, pack)
+            job = self._submit(source, pack, topic)
         try:
             return await asyncio.wait_for(job, self._timeout_s + GRACE_S)
         except TimeoutError:
@@ -161,7 +163,7 @@ class Reader:
             self._end_worker()
             raise
 
-    def _submit(self, source: Path, pack: Path | None) -> asyncio.Future[LogSummary]:
+    def _submit(self, source: Path, pack: Path | None, topic: str | None) -> asyncio.Future[LogSummary]:
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
                 1,
@@ -170,7 +172,13 @@ class Reader:
                 initargs=(self._progress, self._pid, self._memory_bytes),
             )
         return asyncio.get_running_loop().run_in_executor(
-            self._pool, read_job, str(source), None if pack is None else str(pack), self._timeout_s, self._cpu_s
+            self._pool,
+            read_job,
+            str(source),
+            None if pack is None else str(pack),
+            self._timeout_s,
+            self._cpu_s,
+            topic,
         )
 
     def _end_worker(self) -> ProcessPoolExecutor | None:

@@ -58,6 +58,7 @@ class NewLog(BaseModel):
 
     kind: Literal["log"]
     log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
+    topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
     trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
 
 
@@ -85,7 +86,7 @@ async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(dis
         session = await sessions.create_world(visitor, wanted.world, wanted.seed, story)
     else:
         library = request.app.state.library
-        log = await library.load(visitor, wanted.log)
+        log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         session = await sessions.create_log(visitor, log, log_id=wanted.log, title=title, trajectory=wanted.trajectory)
     return JSONResponse(_public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})

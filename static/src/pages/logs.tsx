@@ -10,38 +10,40 @@ import { Library } from "./logs/Library";
 import { openSession } from "./logs/library";
 import { Viewer } from "./logs/Viewer";
 
-/** What the address says: `?log=ID&session=ID`. */
+/** What the address says: `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the usual one. */
 interface Place {
   readonly log: string | null;
+  readonly topic: string | null;
   readonly session: string | null;
 }
 
 function placeOf(search: string): Place {
   const query = new URLSearchParams(search);
-  return { log: query.get("log"), session: query.get("session") };
+  return { log: query.get("log"), topic: query.get("topic"), session: query.get("session") };
 }
 
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
-function go({ log, session }: Place, replace = false): void {
+function go({ log, topic, session }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
+  if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
   const address = query.size > 0 ? `?${query}` : location.pathname;
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
-  place.value = { log, session };
+  place.value = { log, topic, session };
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
 /** Begin a session on a log; an address that names only the log gets its session in place. */
-async function open(log: string, replace: boolean): Promise<void> {
+async function open(log: string, topic: string | null, replace: boolean): Promise<void> {
   failure.value = null;
-  go({ log, session: null }, replace);
+  go({ log, topic, session: null }, replace);
   try {
-    const session = await openSession(log);
-    if (place.peek().log === log) go({ log, session }, true);
+    const session = await openSession(log, topic);
+    if (place.peek().log === log && place.peek().topic === topic) go({ log, topic, session }, true);
   } catch (error) {
     failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
   }
@@ -54,27 +56,32 @@ addEventListener("popstate", () => {
 });
 
 function resume(): void {
-  const { log, session } = place.peek();
-  if (log && !session) void open(log, true);
+  const { log, topic, session } = place.peek();
+  if (log && !session) void open(log, topic, true);
 }
 
-const close = (): void => go({ log: null, session: null });
+const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
-  const { log, session } = place.value;
+  const { log, topic, session } = place.value;
   if (session) {
     return (
-      <Viewer key={session} session={session} onClose={close} onGone={() => (log ? void open(log, true) : close())} />
+      <Viewer
+        key={session}
+        session={session}
+        onClose={close}
+        onGone={() => (log ? void open(log, topic, true) : close())}
+      />
     );
   }
-  if (!log) return <Library onOpen={(chosen) => void open(chosen.id, false)} />;
+  if (!log) return <Library onOpen={(chosen, sensor) => void open(chosen.id, sensor, false)} />;
   if (failure.value !== null) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This log does not open</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
-          <Button kind="primary" icon="restart" onClick={() => void open(log, true)}>
+          <Button kind="primary" icon="restart" onClick={() => void open(log, topic, true)}>
             Try again
           </Button>
           <Button onClick={close}>All logs</Button>

@@ -16,7 +16,7 @@ from server.library import reading
 OPEN = "open_log"  #: what the job calls
 
 
-def _with(reader: Callable[..., Any], job: tuple[str, str | None, float, float]) -> LogSummary:
+def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
     good = getattr(reading, OPEN)
 
     def read(path: Any, **options: Any) -> ScanLog:

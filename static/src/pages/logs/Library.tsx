@@ -7,7 +7,7 @@ import { LogCard } from "./LogCard";
 import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
 
 /** Every log there is, and the place to drop one's own. */
-export function Library({ onOpen }: { onOpen: (log: LogRecord) => void }) {
+export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
   useEffect(watch, []);
   const list = logs.value;
   const own = list?.filter((log) => log.source === "upload") ?? [];
@@ -55,7 +55,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord) => void }) {
 interface ShelfProps {
   readonly title: string;
   readonly list: readonly LogRecord[];
-  readonly onOpen: (log: LogRecord) => void;
+  readonly onOpen: (log: LogRecord, topic: string | null) => void;
 }
 
 function Shelf({ title, list, onOpen }: ShelfProps) {

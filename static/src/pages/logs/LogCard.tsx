@@ -8,8 +8,13 @@ import { file, inside, remedy, run, topic, witness } from "./words";
 /** Failures that are no fault of the log, or may be none. */
 const AGAIN = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
 
+interface LogCardProps {
+  readonly log: LogRecord;
+  readonly onOpen: (log: LogRecord, topic: string | null) => void;
+}
+
 /** One log: what it holds, or what is wrong with it, and what can be done with it. */
-export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogRecord) => void }) {
+export function LogCard({ log, onOpen }: LogCardProps) {
   const moving = isMoving(log);
   const isOwn = log.source === "upload";
   // The server's own logs open at any time: what they hold is found out by itself, and sooner for who asks.
@@ -30,7 +35,7 @@ export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogReco
           <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void erase(log)} />
         )}
       </div>
-      {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} />}
+      {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} onOpen={onOpen} />}
       {log.state === "failed" && isOwn && AGAIN.test(log.error?.code ?? "") && (
         <div class="log-open">
           <Button icon="restart" onClick={() => void tell(log, "read")}>
@@ -49,7 +54,7 @@ export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogReco
       )}
       {opens && (
         <div class="log-open">
-          <Button kind="primary" icon="map" onClick={() => onOpen(log)}>
+          <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
             Make its map
           </Button>
         </div>
@@ -58,7 +63,7 @@ export function LogCard({ log, onOpen }: { log: LogRecord; onOpen: (log: LogReco
   );
 }
 
-function Facts({ log }: { log: LogRecord }) {
+function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
   const coming = log.source === "sample" ? "being made …" : log.state === "reading" ? "being read …" : "not yet read";
   return (
@@ -70,7 +75,7 @@ function Facts({ log }: { log: LogRecord }) {
           Where it was: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
         </p>
       )}
-      {known.length > 0 && <Inside log={log} />}
+      {known.length > 0 && <Inside log={log} onOpen={onOpen} />}
       {log.notes.length > 0 && (
         <details class="log-notes">
           <summary>{log.notes.length === 1 ? "1 note" : `${log.notes.length} notes`}</summary>
@@ -86,7 +91,7 @@ function Facts({ log }: { log: LogRecord }) {
 }
 
 /** What the file holds, for who wants to know. */
-function Inside({ log }: { log: LogRecord }) {
+function Inside({ log, onOpen }: LogCardProps) {
   const lines = inside(log);
   if (lines.length === 0 && log.topics.length === 0) return null;
   return (
@@ -99,6 +104,11 @@ function Inside({ log }: { log: LogRecord }) {
         {log.topics.map((one) => (
           <li key={one.name} class="log-topic">
             {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
+            {one.beams !== null && !one.chosen && (
+              <button type="button" onClick={() => onOpen(log, one.name)}>
+                Map this one
+              </button>
+            )}
           </li>
         ))}
       </ul>

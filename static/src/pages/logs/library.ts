@@ -227,11 +227,11 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
 }
 
 /** Make a session on a log; resolves to its id, rejects with a sentence. */
-export async function openSession(log: string): Promise<string> {
+export async function openSession(log: string, topic: string | null): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "log", log }),
+    body: JSON.stringify({ kind: "log", log, topic }),
   });
   if (!answer.ok) throw new Error(await sentence(answer));
   return ((await answer.json()) as { id: string }).id;

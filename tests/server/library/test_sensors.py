@@ -1,0 +1,66 @@
+"""A log of several sensors: each of them can be mapped, and nothing but memory is spent on the others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+import pytest
+
+from mapper.errors import ReadError
+from server.library import Library, LogNotFoundError
+from server.settings import Settings
+from tests.mapper.logs import recorded
+from tests.server.library.small_logs import in_pieces
+from tests.server.service import Service, running, settings_for
+
+T0 = 1_700_000_000 * recorded.SECOND
+
+
+def two_lasers() -> bytes:
+    said = [recorded.scan(T0 + i, [1.0, 2.0], "/front", "front") for i in range(5)]
+    said += [recorded.scan(T0 + i, [3.0, 4.0, 5.0], "/rear", "rear") for i in range(3)]
+    return recorded.mcap_bytes(said)
+
+
+def files(settings: Settings) -> list[Path]:
+    return sorted(path for path in settings.data_dir.rglob("*") if path.is_file())
+
+
+@pytest.mark.asyncio(loop_scope="module")
+async def test_each_sensor_is_loaded_by_its_name(library: Library, settings: Settings) -> None:
+    record = await library.put("ann", "run.mcap", in_pieces(two_lasers()))
+    front = await library.load("ann", record.id)
+    assert front.ranges.shape == (5, 2)
+    before = files(settings)
+    rear = await library.load("ann", record.id, "/rear")
+    assert (rear.ranges.shape, rear.name) == ((3, 3), "run.mcap")
+    assert await library.load("ann", record.id, "/rear") is rear
+    assert await library.load("ann", record.id, "/front") is front, "the usual one is not read again"
+    with pytest.raises(ReadError, match="no scans on '/left'") as caught:
+        await library.load("ann", record.id, "/left")
+    assert caught.value.code == "log.topic"
+    with pytest.raises(LogNotFoundError):
+        await library.load("ben", record.id, "/rear")
+    assert files(settings) == before
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory):
+    shared = tmp_path_factory.mktemp("shared")
+    (shared / "run.mcap").write_bytes(two_lasers())
+    with running(settings_for(tmp_path_factory.mktemp("data"), logs_dir=shared)) as service:
+        yield service
+
+
+def test_a_session_of_another_sensor(service: Service) -> None:
+    log = next(one for one in service.http.get("/api/logs").json()["logs"] if one["name"] == "run.mcap")
+
+    def begun(topic: str | None) -> httpx.Response:
+        return service.http.post("/api/sessions", json={"kind": "log", "log": log["id"], "topic": topic})
+
+    counts = {topic: begun(topic).json()["count"] for topic in (None, "/front", "/rear")}
+    assert counts == {None: 5, "/front": 5, "/rear": 3}
+    refused = begun("/left")
+    assert (refused.status_code, refused.json()["code"]) == (422, "log.topic")
+    assert begun("x" * 401).status_code == 422
