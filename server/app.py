@@ -13,7 +13,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from mapper.warm import warm
 from server.library import Library
 from server.metrics import Metrics
-from server.routes import docs, health, logs, pages, scenes, sessions, stream, taking
+from server.routes import docs, doctor, health, logs, pages, scenes, sessions, stream, taking
 from server.routes.errors import CatchAll, Ending, install_error_handlers
 from server.scenes import Scenes
 from server.security import Security
@@ -66,7 +66,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.metrics = Metrics()
     app.state.taken = 0  #: files that are being taken away
     install_error_handlers(app)
-    for part in (health, sessions, taking, stream, logs, scenes, docs, pages):  # pages last: they take any other name
+    for part in (
+        health,
+        sessions,
+        doctor,
+        taking,
+        stream,
+        logs,
+        scenes,
+        docs,
+        pages,
+    ):  # pages last: they take any other name
         app.include_router(part.router)
     # The last one added is the outermost.
     app.add_middleware(CatchAll)

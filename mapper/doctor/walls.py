@@ -52,7 +52,7 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
             f"The poses drift: over {STRETCH} scans beams agree in {100 * local:.0f} % of all cases, over the whole "
             f"log in {100 * far:.0f} %. Walls that the robot comes back to are double.",
             "Take another trajectory, or poses that a SLAM program has corrected.",
-            float(np.clip(1.2 - far / local, 0.5, 0.99)),
+            float(np.clip(0.5 + 4.0 * (DRIFT - far / local), 0.5, 0.99)),
             _worst_scans(seen),
         )
     ]

@@ -89,10 +89,11 @@ class ParameterControls:
         return bool(self._chosen)
 
     def _show_relevant(self, values: Mapping[str, Any]) -> None:
-        """Hide what does not concern the chosen model."""
+        """Hide what does not concern the chosen model, or kind of sensor."""
+        chosen = values.get("model", values.get("kind"))
         for name, row in self._rows.items():
             if row.only_for:
-                self._handles[name].visible = values["model"] in row.only_for
+                self._handles[name].visible = chosen in row.only_for
 
 
 class Clock:

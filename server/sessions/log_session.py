@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -10,6 +11,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.doctor import Finding, examine
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
@@ -81,6 +83,7 @@ class LogSession(Session):
         self._recorded = recorded_seconds(replay.log)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands ask for
+        self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
         duration = float(self._times[-1])
         self._speeds = (0.1, max(100.0, duration / 5.0))
         speed = float(np.clip(float(f"{duration / FILL_S:.2g}"), 0.1, self._speeds[1]))
@@ -102,6 +105,16 @@ class LogSession(Session):
     def trajectory(self) -> str:
         """The name of the trajectory in use."""
         return self._replay.trajectory
+
+    async def examined(self) -> list[Finding]:
+        """Return what the doctor finds in the log with the trajectory of the moment.
+
+        Whoever asks while it is being examined waits for the same answer. Raises as :func:`mapper.doctor.examine`.
+        """
+        name = self.trajectory
+        if name not in self._examinations:
+            self._examinations[name] = asyncio.ensure_future(asyncio.to_thread(examine, self.log, name))
+        return await asyncio.shield(self._examinations[name])
 
     @property
     def speeds(self) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -165,6 +166,13 @@ async def test_a_refused_command_changes_nothing(
     after = session.view()
     assert (after.index, after.playing, session.config) == (20, False, before.config)
     np.testing.assert_array_equal(after.log_odds, before.log_odds)
+
+
+async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegistry, office_log: ScanLog) -> None:
+    session = await registry.create_log("me", replace(office_log, mount=(0.0, 0.0, np.pi)))
+    first, again = await asyncio.gather(session.examined(), session.examined())
+    assert [finding.check for finding in first] == ["mount.turned"]
+    assert again is first
 
 
 async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(

@@ -16,6 +16,7 @@ import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
 import { toast } from "../../ui/Toast";
+import { Doctor } from "./Doctor";
 import { Transport } from "./Transport";
 import { sentence, witness } from "./words";
 
@@ -164,6 +165,7 @@ function Side({ store, session }: { store: Store; session: string }) {
           {chosen?.description && <p class="quiet">{sentence(chosen.description)}</p>}
         </Panel>
       )}
+      <Doctor store={store} session={session} />
       <ParameterPanel
         table={hello.parameters.table}
         values={store.mapping.values}

@@ -1,0 +1,23 @@
+"""``/api/sessions/{id}/doctor``: what is wrong with the log that a session shows."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from fastapi import APIRouter, Request
+
+from mapper.errors import MapperError
+from server.sessions import LogSession
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+@router.get("/sessions/{session_id}/doctor")
+async def doctor(request: Request, session_id: str) -> dict[str, Any]:
+    """Examine the session's log with the trajectory of the moment; see :class:`mapper.doctor.Finding`."""
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.not_a_log", "Only a log can be examined; a live world has nothing to hide.")
+    findings = await session.examined()
+    return {"trajectory": session.trajectory, "findings": [asdict(finding) for finding in findings]}

@@ -1,0 +1,26 @@
+import { afterEach, expect, test, vi } from "vitest";
+import { examine, surety } from "./doctor";
+
+afterEach(() => vi.unstubAllGlobals());
+
+const answering = (status: number, body: unknown): void => {
+  vi.stubGlobal("fetch", async (path: string) => {
+    expect(path).toBe("/api/sessions/a%2Fb/doctor");
+    return new Response(JSON.stringify(body), { status });
+  });
+};
+
+test("findings are handed on as the server told them", async () => {
+  const body = { trajectory: "scan", findings: [] };
+  answering(200, body);
+  expect(await examine("a/b")).toEqual(body);
+});
+
+test("a refusal is the server's sentence", async () => {
+  answering(422, { code: "doctor.short", message: "A log of 3 scans is too short to judge." });
+  await expect(examine("a/b")).rejects.toThrow("too short to judge");
+});
+
+test("surety in words", () => {
+  expect([1, 0.8, 0.6, 0.5].map(surety)).toEqual(["certain", "very likely", "likely", "perhaps"]);
+});

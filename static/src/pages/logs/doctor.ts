@@ -1,0 +1,35 @@
+/** What the server's examination of a log found: the shape of its answer, checked. */
+
+import type { Value } from "../../protocol";
+
+export interface Finding {
+  readonly check: string;
+  readonly sentence: string;
+  readonly advice: string;
+  /** 0 … 1 */
+  readonly sure: number;
+  /** Scan numbers, from 0. */
+  readonly scans: readonly number[];
+  /** Values of mapping parameters that would help. */
+  readonly parameters: Readonly<Record<string, Value>> | null;
+}
+
+export interface Examination {
+  readonly trajectory: string;
+  readonly findings: readonly Finding[];
+}
+
+/** Have a session's log examined. Throws with the server's sentence where that is refused. */
+export async function examine(session: string): Promise<Examination> {
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor`);
+  const body: unknown = await answer.json();
+  if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The log could not be examined.");
+  return body as Examination;
+}
+
+/** How sure a finding is, in a word. */
+export function surety(sure: number): string {
+  if (sure >= 0.95) return "certain";
+  if (sure >= 0.75) return "very likely";
+  return sure >= 0.6 ? "likely" : "perhaps";
+}

@@ -1,0 +1,32 @@
+"""The log doctor on the log page: silent on a clean run, and what it finds in a drifting one leads to the moment."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page, expect
+
+SECONDS = 120  #: in a fresh clone kernels are compiled first
+
+
+def opened_sample(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    expect(page.get_by_role("button", name="Examine this log")).to_be_visible(timeout=SECONDS * 1000)
+
+
+def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) -> None:
+    opened_sample(page, server)
+    doctor = page.get_by_role("region", name="Log doctor")
+    doctor.get_by_role("button", name="Examine this log").click()
+    expect(doctor).to_contain_text("Nothing found with the truth", timeout=SECONDS * 1000)
+    page.get_by_label("Where the robot was, according to").get_by_text("wheel odometry").click()
+    doctor.get_by_role("button", name="Examine this log").click(timeout=SECONDS * 1000)
+    finding = doctor.locator('[data-check="walls.drift"]')
+    expect(finding).to_contain_text("The poses drift", timeout=SECONDS * 1000)
+    link = finding.get_by_role("button", name="Go to scan").first
+    scan = int(link.inner_text().removeprefix("scan "))
+    link.click()
+    page.wait_for_function(
+        "index => window.gridbloom.connection.store.frame.value?.index === index",
+        arg=scan + 1,
+        timeout=SECONDS * 1000,
+    )
