@@ -2,7 +2,7 @@ import "../style/index.css";
 import "./lecture/lecture.css";
 import { useSignalEffect } from "@preact/signals";
 import { type ComponentType, render } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
@@ -82,6 +82,17 @@ function useAddress(): void {
   }, []);
 }
 
+/** Who leaves the lecturer's mode goes on reading where the last slide was, once the page has its own form again. */
+function useReturn(): void {
+  const was = useRef(presenting.peek());
+  const now = presenting.value;
+  useEffect(() => {
+    const id = PARTS[slide.peek()]?.id;
+    if (was.current && !now && id) document.getElementById(id)?.scrollIntoView({ behavior: "instant" });
+    was.current = now;
+  }, [now]);
+}
+
 function Presenter() {
   const part = PARTS[slide.value];
   return (
@@ -105,6 +116,7 @@ function Presenter() {
 function Page() {
   usePresenterKeys();
   useAddress();
+  useReturn();
   useSignalEffect(() => {
     document.documentElement.classList.toggle("presenting", presenting.value);
   });

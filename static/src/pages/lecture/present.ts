@@ -18,13 +18,11 @@ export function show(lessons: readonly Lesson[], index: number): void {
   if (lesson) history.replaceState(null, "", address(lesson.id));
 }
 
-/** Begin with the section that is in sight, or end and go on reading there. */
+/** Begin with the section that is in sight, or end. */
 export function setPresenting(lessons: readonly Lesson[], on: boolean): void {
   if (on) slide.value = sectionInSight(lessons);
   presenting.value = on;
   show(lessons, slide.peek());
-  const id = lessons[slide.peek()]?.id;
-  if (!on && id) requestAnimationFrame(() => document.getElementById(id)?.scrollIntoView({ behavior: "instant" }));
 }
 
 /** The last section whose head is above the middle of the window. */
