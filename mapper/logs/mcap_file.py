@@ -8,11 +8,14 @@ library, whose own readers believe every length and expand a chunk in one call, 
 
 from __future__ import annotations
 
+import contextlib
+import os
 import struct
 import zlib
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
+from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -23,7 +26,7 @@ from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs.bytestream import ByteStream, byte_stream
 from mapper.logs.inflate import inflate
-from mapper.logs.lines import Progress
+from mapper.logs.lines import Progress, opened
 from mapper.logs.recording import Recording
 from mapper.scan import ScanLog
 
@@ -33,6 +36,8 @@ SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
 
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")  #: channel, sequence, log time, publish time
+_END = struct.Struct("<BQQQI8s")  #: the footer record (summary start, summary offset start, CRC) and the magic bytes
+MAX_SUMMARY_BYTES = 1 << 24
 _BAD_RECORD = (struct.error, ValueError, McapError, MemoryError, OverflowError)
 
 
@@ -76,6 +81,27 @@ class _Mcap:
             self.recording.notes.append(f"The file ends early, at byte {self.stream.at}: what stands before is there.")
         except _DamagedError:
             self.recording.notes.append(f"The file is damaged before byte {self.stream.at}: the rest is left out.")
+
+    def look_ahead(self, file: BinaryIO) -> None:
+        """Take the schemas and channels that a whole, uncompressed file repeats at its end.
+
+        They first stand in the chunks: without this, a damaged chunk would take all later messages of its channels
+        with it. What is wrong here is no harm: the chunks say it again.
+        """
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - _END.size))
+        end = file.read(_END.size)
+        if len(end) < _END.size or not end.endswith(MAGIC):
+            return
+        opcode, length, start, _, _, _ = _END.unpack(end)
+        if opcode != Opcode.FOOTER or length != 20 or not len(MAGIC) < start < size:
+            return
+        file.seek(start)
+        summary = file.read(min(size - start, MAX_SUMMARY_BYTES))
+        with contextlib.suppress(_CutError, _DamagedError):
+            for opcode, at, stop in _records(summary):
+                if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                    self._content(opcode, summary, at, stop)
 
     def _record(self) -> bool:
         """Read one record; return whether more may come: the data ends with its own record."""
@@ -185,5 +211,8 @@ def read_mcap(
     """
     recording = Recording(limits)
     with byte_stream(path, limits, progress) as stream:
-        _Mcap(stream, recording, limits).read()
+        mcap = _Mcap(stream, recording, limits)
+        with opened(path) as file:
+            mcap.look_ahead(file)
+        mcap.read()
     return recording.log(path.name, "MCAP", topic)

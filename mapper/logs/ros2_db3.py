@@ -9,6 +9,7 @@ ordinary tables is queried, no order is asked for that SQLite would have to sort
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sqlite3
 from pathlib import Path
@@ -54,20 +55,27 @@ def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
         head = file.read(100)
         size = os.fstat(file.fileno()).st_size
     try:
-        if head.startswith(MAGIC):
+        if head.startswith(MAGIC) and not _is_cut(head, size):
             # immutable: neither locks nor a journal beside it, which a hostile file could come with
-            connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+            connection, cut = (
+                sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True),
+                False,
+            )
         else:
             with byte_stream(path, limits) as stream:
                 pieces = []
                 while piece := stream.read(1 << 20):
                     pieces.append(piece)
-            data = b"".join(pieces)
-            head, size = data[:100], len(data)
+            data = bytearray().join(pieces)
+            cut = _is_cut(data, len(data))
+            data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
+            if cut:
+                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
+                pages = len(data) // _page_bytes(data)
+                del data[pages * _page_bytes(data) :]
+                data[28:32] = pages.to_bytes(4, "big")
             connection = sqlite3.connect(":memory:")
             connection.deserialize(data)
-        page_bytes, pages = (int.from_bytes(head[a:b], "big") for a, b in ((16, 18), (28, 32)))
-        cut = size < (65536 if page_bytes == 1 else page_bytes) * pages
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
         connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
@@ -78,6 +86,16 @@ def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
     except (sqlite3.Error, OverflowError) as error:
         raise ReadError("log.sqlite", f"The SQLite file cannot be read: {str(error)[:100]}.") from error
     return connection, cut
+
+
+def _page_bytes(head: bytes | bytearray) -> int:
+    stated = int.from_bytes(head[16:18], "big")
+    return 65536 if stated == 1 else max(stated, 512)
+
+
+def _is_cut(head: bytes | bytearray, size: int) -> bool:
+    """Return whether a database with this header should have more bytes."""
+    return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
 
 
 def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
@@ -98,7 +116,9 @@ def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limi
             keys.append(key)
             recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
     wanted = ",".join(str(key) for key in keys if recording.wants(key))
-    last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    last = 1
+    with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
+        last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
     cursor = connection.execute(
         "SELECT rowid, topic_id, timestamp, "  # noqa: S608 - the ids are whole numbers, and as such here
         f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
