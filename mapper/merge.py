@@ -30,16 +30,8 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
         raise ConfigError("merge.prior", f"The priors differ: {a.log_odds_prior:g} and {b.log_odds_prior:g}.")
     if a.tallies is not None or b.tallies is not None:
         raise ConfigError("merge.model", "Only maps that are sums of log-odds can be added; one of these counts.")
-    row, col = _offset(a.geometry, b.geometry)
-    rows, cols = b.geometry.shape
-    top, left = min(0, row), min(0, col)
-    bottom, right = max(a.geometry.rows, row + rows), max(a.geometry.cols, col + cols)
-    corner = a.geometry.cell_to_world((top - 0.5, left - 0.5))
-    origin = (float(corner[0]), float(corner[1]), a.geometry.origin[2])
-    whole = GridGeometry(a.geometry.resolution, bottom - top, right - left, origin, a.geometry.limits)
-    parts = []
-    for grid, (at_row, at_col) in ((a, (-top, -left)), (b, (row - top, col - left))):
-        parts.append((grid, np.s_[at_row : at_row + grid.geometry.rows, at_col : at_col + grid.geometry.cols]))
+    whole, places = on_one_lattice(a, b)
+    parts = list(zip((a, b), places, strict=True))
     out = OccupancyGrid(whole, a.log_odds_prior, _prior_map(whole.shape, parts))
     for grid, part in parts:
         out.log_odds[part] += grid.log_odds - grid.prior()
@@ -47,9 +39,28 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     return out
 
 
-def _prior_map(
-    shape: tuple[int, int], parts: list[tuple[OccupancyGrid, tuple[slice, slice]]]
-) -> NDArray[np.float32] | None:
+Part = tuple[slice, slice]
+
+
+def on_one_lattice(a: OccupancyGrid, b: OccupancyGrid) -> tuple[GridGeometry, tuple[Part, Part]]:
+    """Return the geometry that holds both grids, on the lattice of ``a``, and which part of it each one is.
+
+    Raises :class:`ConfigError` where the cells of one do not coincide with the other's, and
+    :class:`mapper.errors.LimitError` where the two together are too large.
+    """
+    row, col = _offset(a.geometry, b.geometry)
+    rows, cols = b.geometry.shape
+    top, left = min(0, row), min(0, col)
+    bottom, right = max(a.geometry.rows, row + rows), max(a.geometry.cols, col + cols)
+    corner = a.geometry.cell_to_world((top - 0.5, left - 0.5))
+    origin = (float(corner[0]), float(corner[1]), a.geometry.origin[2])
+    whole = GridGeometry(a.geometry.resolution, bottom - top, right - left, origin, a.geometry.limits)
+    place_a = np.s_[-top : -top + a.geometry.rows, -left : -left + a.geometry.cols]
+    place_b = np.s_[row - top : row - top + rows, col - left : col - left + cols]
+    return whole, (place_a, place_b)
+
+
+def _prior_map(shape: tuple[int, int], parts: list[tuple[OccupancyGrid, Part]]) -> NDArray[np.float32] | None:
     """Return the prior map that both grids went on from, None where neither did."""
     if all(grid.prior_map is None for grid, _ in parts):
         return None

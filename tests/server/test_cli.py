@@ -220,6 +220,25 @@ def test_the_doctor_says_what_is_wrong(run, tmp_path):
     assert "too short to judge" in err
 
 
+def test_two_maps_are_compared(run, log):
+    same = json.loads(run("compare", log, "--json").out)
+    assert same["changed"] == []
+    other = json.loads(run("compare", log, "--other", "update=per-scan", "--other", "clamp=off", "--json").out)
+    assert other["changed"]
+    assert other["same"] <= same["same"] + sum(change["cells"] for change in other["changed"])
+    poses = json.loads(run("compare", log, "--other-trajectory", "wheel", "--json").out)
+    assert poses["changed"] != other["changed"]
+    assert "cells:" in run("compare", log, "--other", "miss=-0.1".replace("miss", "log_odds_miss")).out
+    for bad, words in (
+        ("speed=3", "--other needs NAME=VALUE"),
+        ("window", "--other needs"),
+        ("window=wide", "Hit window"),
+    ):
+        status, out, err = run("compare", log, "--other", bad)
+        assert (status, out) == (2, "")
+        assert words in err
+
+
 def test_the_mount_moves_the_map(run, log):
     plain, moved = state_counts(run, log), state_counts(run, log, "--mount", "-1.5,0,3.14159")
     # Whole tiles of 3.2 m on each side of the origin: the room ends at 2 m, or at 1.5 m + 2 m behind the robot.
