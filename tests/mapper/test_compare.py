@@ -17,7 +17,7 @@ from mapper.scan import ScanLog
 def grid(log_odds: list[list[float]], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> OccupancyGrid:
     """A map whose cells are all observed but those that are NaN."""
     values = np.array(log_odds, dtype=np.float32)
-    out = OccupancyGrid(GridGeometry(1.0, *values.shape, origin))
+    out = OccupancyGrid(GridGeometry(1.0, values.shape[0], values.shape[1], origin))
     out.observed = ~np.isnan(values)
     out.log_odds[out.observed] = values[out.observed]
     return out
