@@ -439,12 +439,13 @@ def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
 
 @pytest.mark.parametrize("context", SIZES, indirect=True)
 def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
-    page.goto(f"{server}/lecture.html?present")
+    page.goto(f"{server}/lecture.html?present#grid")
     count = int(page.locator(".presenter-number").inner_text().split("/")[1])
     for i in range(count):
         expect(page.locator(".presenter-number")).to_have_text(f"{i + 1} / {count}")
         room, figure = page.locator(".on-slide .lesson-room"), page.locator(".on-slide .lesson-figure")
         expect(figure).to_be_visible()
+        expect(page.locator(".presenter")).to_be_in_viewport(ratio=1)
         page.wait_for_timeout(100)
         assert page.evaluate(WIDER) is False
         height, available = (box.evaluate("e => e.getBoundingClientRect().height") for box in (figure, room))
