@@ -28,7 +28,7 @@ import type {
 } from "./protocol";
 import { type MapPicture, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
-import type { Bounds, View } from "./view";
+import { type Bounds, fitted, type Size, type View } from "./view";
 
 export interface Notice {
   readonly kind: "note" | "error";
@@ -62,6 +62,8 @@ export class Watched implements Receiver {
   readonly view = signal<View | null>(null);
   /** Whether the view was moved by hand: it then no longer follows the map's growth. */
   readonly viewHeld = signal(false);
+  /** The sizes of all pictures that show the view: what shows everything has to fit into the smallest of them. */
+  readonly pictures = new Map<object, Size>();
   /** Where the pointer is in the world, in whichever picture. */
   readonly pointer = signal<Point | null>(null);
   /** A place that is looked at although the pointer is elsewhere: chosen by click or by the keyboard's cursor. */
@@ -174,6 +176,15 @@ export class Watched implements Receiver {
     if (!map) return null;
     const cell = cellAt(map.geometry, point[0], point[1]);
     return contains(map.geometry, cell) ? cell : null;
+  }
+
+  /** Show everything, in every picture, unless a person has chosen a part. */
+  fit(): void {
+    const bounds = this.bounds.peek();
+    if (!bounds || this.viewHeld.peek()) return;
+    const views = [...this.pictures.values()].map((size) => fitted(bounds, size));
+    const widest = views.reduce<View | null>((best, view) => (best && best.scale >= view.scale ? best : view), null);
+    if (widest) this.view.value = widest;
   }
 
   /** Show a part of the world that a person chose. */

@@ -5,7 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { stroke } from "../../editing/strokes";
 import type { Store } from "../../state";
-import { fitted, panned, type Size, toScreen, toWorld, zoomedAt } from "../../view";
+import { panned, type Size, toScreen, toWorld, zoomedAt } from "../../view";
 import { robotPx } from "./brush";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
@@ -39,8 +39,8 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
     let invalidate = (): void => undefined;
     const made = setUp(surface, () => invalidate());
     const follow = (size: Size): void => {
-      const bounds = store.bounds.peek();
-      if (bounds && !store.viewHeld.peek()) store.view.value = fitted(bounds, size);
+      store.pictures.set(element, size);
+      store.fit();
     };
     const picture = new Picture(element, surface, made.paint, follow);
     invalidate = picture.invalidate;
@@ -53,7 +53,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
     const stops = [
       effect(() => {
         void store.bounds.value;
-        if (!store.viewHeld.value && picture.size.width > 0) follow(picture.size);
+        if (!store.viewHeld.value && picture.size.width > 0) store.fit();
       }),
       effect(() => {
         void store.view.value;
@@ -103,6 +103,10 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
       }),
       listenToKeys(element, store, () => picture.size),
       () => picture.dispose(),
+      () => {
+        store.pictures.delete(element);
+        store.fit();
+      },
       () => made.dispose?.(),
     ];
     return () => {

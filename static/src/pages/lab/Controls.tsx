@@ -45,6 +45,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           onClick={() => store?.togglePlaying()}
         />
         <Steps store={store} />
+        <span class="lab-break" />
         <Button
           icon="restart"
           label="Clear the map and start over"
