@@ -19,6 +19,7 @@ from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan
 
 VECTORS = Path(__file__).parents[2] / "static" / "src" / "figures" / "program" / "program.vectors.json"
+TRACED = (3, 11)  #: the Python whose line events are kept
 SHOWN = ("update_per_beam", "evidence_of_beam", "evidence_along_beam", "update", "bayes_filter")
 GEOMETRY: dict[str, Any] = {"resolution": 0.25, "rows": 8, "cols": 10, "origin": (0.0, 0.0, 0.0)}
 POSE = (0.65, 0.85, 0.3)
@@ -63,7 +64,11 @@ def text() -> str:
 
 def test_the_lines_that_the_lecture_lights_are_those_that_run():
     hint = "run: python tests/mapper/test_program_vectors.py --write"
-    assert json.loads(VECTORS.read_text()) == json.loads(text()), hint
+    stored, fresh = json.loads(VECTORS.read_text()), json.loads(text())
+    if sys.version_info[:2] != TRACED:
+        # Which events a line gives differs from one Python to the next; what runs does not.
+        del stored["lines"], fresh["lines"]
+    assert stored == fresh, hint
 
 
 if __name__ == "__main__" and "--write" in sys.argv:
