@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import secrets
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
@@ -113,7 +114,8 @@ class SessionRegistry:
         def make() -> WorldMapper:
             return retold({**(story or {}), "world": named, "seed": number}, limits=lambda: self.limits(None))
 
-        async with self._place(owner):
+        # A long story computes for seconds: stories take turns with the sessions of long ticks.
+        async with self._place(owner), self._turns if story else contextlib.nullcontext():
             mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)
             session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
             session.resume(story or {})
