@@ -1,0 +1,32 @@
+"""The ``gridbloom`` command.
+
+``serve`` runs the service and ``upload`` sends a log to one; ``info``, ``doctor``, ``map``, ``view``, ``compare`` and
+``bench map`` work on files. What is slow to import is imported where it is used, so that the command starts quickly.
+Bad input is one sentence on standard error and exit status 2. With ``--json`` standard output is one JSON object and
+nothing else.
+"""
+
+from __future__ import annotations
+
+# Each adds its commands, which `--help` lists in this order.
+from server.cli import service  # noqa: F401
+
+# isort: split
+from server.cli import logs  # noqa: F401
+
+# isort: split
+from server.cli import maps  # noqa: F401
+
+# isort: split
+from server.cli import comparing  # noqa: F401
+
+# isort: split
+from server.cli.app import app
+from server.cli.common import SHORT_NAMES
+
+__all__ = ["SHORT_NAMES", "app", "main"]
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="gridbloom")

@@ -1,0 +1,134 @@
+"""What the commands share: their options, their errors, reading a log."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+from mapper.errors import MapperError
+from mapper.parameters import BY_NAME, MappingConfig, Parameter
+
+if TYPE_CHECKING:
+    from mapper.scan import ScanLog
+
+BAD_INPUT = 2  #: exit status
+MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
+
+#: Names that are shorter than the table's, or customary; the table's own name is an option too.
+SHORT_NAMES = {
+    "range_max": "--max-range",
+    "log_odds_hit": "--hit",
+    "log_odds_miss": "--miss",
+}
+
+
+LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or compressed.")]
+TopicName = Annotated[
+    str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+
+def fail(message: str) -> NoReturn:
+    """Say in one sentence why the command cannot go on, and end it."""
+    typer.echo(f"gridbloom: {message}", err=True)
+    raise typer.Exit(BAD_INPUT)
+
+
+@contextmanager
+def refusing(path: Path) -> Iterator[None]:
+    """Turn what the mapper refuses of the file at ``path`` into one sentence."""
+    try:
+        yield
+    except MapperError as error:
+        fail(f"{path}: {error.message}")
+
+
+def print_json(values: dict[str, Any]) -> None:
+    """Print one object on one line; numbers that JSON lacks must have been replaced."""
+    typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))
+
+
+def _option(row: Parameter) -> inspect.Parameter:
+    names = [SHORT_NAMES[row.name]] if row.name in SHORT_NAMES else []
+    name = "--" + row.name.replace("_", "-")
+    names.append(f"{name}/--no-{row.name.replace('_', '-')}" if row.kind == "flag" else name)
+    unit = f" {row.unit}" if row.unit else ""
+    initial = row.initial if row.kind != "flag" else ("on" if row.initial else "off")
+    bounds = f"; {row.low:g} to {row.high:g}{unit}" if row.kind == "number" else ""
+    sentence = f"{row.sentence} [{initial}{unit if row.kind == 'number' else ''}{bounds}]"
+    kind: Any = {"number": float | None, "choice": str | None, "flag": bool | None}[row.kind]
+    metavar = "|".join(row.choices) if row.kind == "choice" else None
+    annotation = Annotated[kind, typer.Option(*names, help=sentence, metavar=metavar, show_default=False)]
+    return inspect.Parameter(row.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command an option for each named row of the parameter table, in place of its ``**parameters``."""
+
+    def widened(command: Callable[..., None]) -> Callable[..., None]:
+        own = [p for p in inspect.signature(command, eval_str=True).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        options = [_option(BY_NAME[name]) for name in names]
+        signature = inspect.Signature([p.replace(kind=p.KEYWORD_ONLY) for p in own] + options)
+        command.__signature__ = signature  # type: ignore[attr-defined]
+        command.__annotations__ = {p.name: p.annotation for p in signature.parameters.values()}
+        return command
+
+    return widened
+
+
+def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[str, Any]:
+    """Return the parameters that were given, or end the command with what is wrong with them."""
+    given = {name: value for name, value in values.items() if value is not None}
+    for name, value in given.items():
+        if BY_NAME[name].kind == "choice":
+            given[name] = value.replace("-", "_")
+    if mount is not None:
+        given |= zip(MOUNT, _three_numbers(mount), strict=True)
+    configured(given)
+    return given
+
+
+def configured(given: dict[str, Any]) -> MappingConfig:
+    """Return the parameters with those replaced that were given, or end the command with what is wrong."""
+    try:
+        return MappingConfig().with_values(given)
+    except MapperError as error:
+        fail(error.message)
+
+
+def _three_numbers(text: str) -> list[float]:
+    try:
+        x, y, yaw = (float(part) for part in text.split(","))
+    except ValueError:
+        fail(f"--mount needs three numbers, X,Y,YAW in metres and radians, not {text!r:.40}.")
+    return [x, y, yaw]
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
+    """Yield a function that takes the share that is done, 0 … 1, and shows it; None where nobody watches."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console  # noqa: PLC0415 - start-up
+    from rich.progress import Progress  # noqa: PLC0415 - start-up
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
+
+
+def read_log(path: Path, topic: str | None = None) -> ScanLog:
+    """Return the log at ``path``, or end the command with what is wrong with it."""
+    from mapper.logs import open_log  # noqa: PLC0415 - start-up
+
+    with refusing(path), progress_bar("Reading") as progress:
+        return open_log(path, topic=topic, progress=progress)

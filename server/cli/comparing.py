@@ -1,0 +1,132 @@
+"""``compare`` and ``bench map``: two maps side by side, and how long one takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mapper.parameters import BY_NAME, PARAMETERS
+from server.cli.app import app, bench_app
+from server.cli.common import (
+    MOUNT,
+    AsJson,
+    LogPath,
+    configured,
+    fail,
+    given_parameters,
+    print_json,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
+
+
+@app.command()
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in MOUNT))
+def compare(
+    log: LogPath,
+    other: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter that the second map has another value of; repeatable."),
+    ] = None,
+    other_log: Annotated[Path | None, typer.Option(metavar="LOG", help="Make the second map of another log.")] = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    other_trajectory: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Poses of the second map. [those of the first]")
+    ] = None,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each row of the table
+) -> None:
+    """Make two maps, with other parameters, poses or of another log, and say how they differ, cell by cell."""
+    from mapper.compare import compare as compare_maps  # noqa: PLC0415 - start-up
+    from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+
+    given = given_parameters(parameters)
+    changed = _pairs(other or [])
+    sides = [
+        (log, trajectory, configured(given)),
+        (other_log or log, other_trajectory or (None if other_log else trajectory), configured(given | changed)),
+    ]
+    grids = []
+    for path, poses, config in sides:
+        scans = read_log(path)
+        with refusing(path):
+            grid = grid_for(scans, config, poses)
+            integrate_log(grid, scans, config, poses)
+        grids.append(grid)
+    with refusing(sides[1][0]):
+        found = compare_maps(*grids)
+    facts = {
+        "same": found.same,
+        "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in found.changed.items()],
+        "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
+        "wall_contrast": [round(contrast, 4) for contrast in found.contrast],
+        "log_odds_difference": {"least": float(found.log_odds.min()), "greatest": float(found.log_odds.max())},
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"  {found.same} observed cells are in the same state in both maps")
+    for (before, after), cells in found.changed.items():
+        typer.echo(f"  {cells} cells: {before} → {after}")
+    typer.echo(f"  entropy {found.entropy_bits[0]:.0f} → {found.entropy_bits[1]:.0f} bits")
+    typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
+
+
+def _pairs(texts: list[str]) -> dict[str, Any]:
+    """Return parameters given as NAME=VALUE, or end the command with what is wrong with one."""
+    out: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        row = BY_NAME.get(name.replace("-", "_"))
+        if row is None or not equals:
+            fail(f"--other needs NAME=VALUE with a parameter's name, not {text!r:.60}.")
+        if row.kind == "choice":
+            out[row.name] = value.replace("-", "_")
+        elif row.kind == "flag":
+            out[row.name] = {"on": True, "true": True, "off": False, "false": False}.get(value.lower(), value)
+        else:
+            try:
+                out[row.name] = float(value)
+            except ValueError:
+                out[row.name] = value
+    return out
+
+
+@bench_app.callback()
+def bench() -> None:
+    """Measure, in this process, without reading and start-up."""
+
+
+@bench_app.command("map")
+@with_parameter_options("resolution", "range_max")
+def bench_map_command(
+    log: LogPath,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    repeats: Annotated[int, typer.Option(help="Times each kind of update is measured; the best counts.")] = 5,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
+) -> None:
+    """Measure how long a log's map takes: the best of several runs, for each kind of update."""
+    from mapper.bench import bench_map  # noqa: PLC0415 - start-up
+
+    config = configured(given_parameters(parameters))
+    scans = read_log(log)
+    with refusing(log):
+        measured = bench_map(scans, config, repeats, trajectory)
+    facts = {
+        "log": scans.name,
+        "scans": scans.n_scans,
+        "beams": scans.n_beams,
+        "resolution": config.resolution,
+        "range_max": config.range_max,
+        **measured,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{scans.name}: {scans.n_scans} scans of {scans.n_beams} beams at {config.resolution:g} m a cell")
+    typer.echo(f"  per beam {measured['per_beam_ms']:.1f} ms, {measured['cells']} cell updates")
+    typer.echo(f"  per scan {measured['per_scan_ms']:.1f} ms, {measured['per_scan_cells']} cell updates")

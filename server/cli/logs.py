@@ -1,0 +1,100 @@
+"""``info`` and ``doctor``: what is in a log, and what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import Annotated, Any
+
+import typer
+
+from server.cli.app import app
+from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_bar, read_log, refusing
+
+
+@app.command()
+def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
+    """Say what a log holds."""
+    from mapper.logs.summary import summarise  # noqa: PLC0415 - start-up
+
+    facts = asdict(summarise(read_log(log, topic)))
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['name']}: {facts['format']}")
+    typer.echo(
+        f"  {facts['scans']} scans of {facts['beams']} beams over {facts['field_of_view_deg']:.1f}°, "
+        f"{facts['duration_s']:.1f} s"
+    )
+    typer.echo(f"  {_time_line(facts['time'])}")
+    n = facts["readings"]
+    typer.echo(f"  {n['measured']} readings measured, {n['no_return']} without return, {n['invalid']} invalid")
+    typer.echo(
+        f"  sensor on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)"
+        + (", upside-down" if facts["upside_down"] else "")
+    )
+    for trajectory in facts["trajectories"]:
+        typer.echo(f"  trajectory {trajectory['name']}: {trajectory['length_m']:.1f} m, {trajectory['description']}")
+    for one in facts["topics"]:
+        typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}")
+    for note in facts["notes"]:
+        typer.echo(f"  note: {note}")
+
+
+def _time_line(time: dict[str, Any]) -> str:
+    """Say when the scans of a log were made."""
+    if time["rate_hz"] is None:
+        return "no times"
+    said = (
+        []
+        if time["start_s"] is None
+        else [f"from {datetime.fromtimestamp(time['start_s'], UTC):%Y-%m-%d %H:%M:%S} UTC"]
+    )
+    said.append(f"{time['rate_hz']:.1f} scans a second")
+    gaps = f"{time['gaps']} gap{'s' if time['gaps'] != 1 else ''}"
+    at = f", the longest of {time['longest_gap_s']:.1f} s at {time['longest_gap_at_s']:.1f} s" if time["gaps"] else ""
+    return ", ".join(said) + f", {gaps}{at}"
+
+
+def _topic_line(topic: dict[str, Any]) -> str:
+    """Say what is known of one topic of a log."""
+    said = [f"{topic['name']}: {topic['count']} × {topic['type']}"]
+    if topic["beams"] is not None:
+        said.append(f"{topic['beams']} beam{'s' if topic['beams'] != 1 else ''} over {topic['field_of_view_deg']:.1f}°")
+    if topic["rate_hz"] is not None:
+        said.append(f"{topic['rate_hz']:.1f} Hz")
+    if topic["frame"]:
+        said.append(f"frame {topic['frame']}")
+    if topic["mount"] is not None:
+        said.append(f"at {', '.join(f'{value:g}' for value in topic['mount'])}")
+    return ", ".join(said)
+
+
+FEW = 5  #: scans that a finding names
+
+
+@app.command()
+def doctor(
+    log: LogPath,
+    topic: TopicName = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say what is wrong with a log, where, how surely, and what to do about it."""
+    from mapper.doctor import examine  # noqa: PLC0415 - start-up
+
+    scans = read_log(log, topic)
+    with refusing(log), progress_bar("Examining") as bar:
+        found = examine(scans, trajectory, bar)
+    if as_json:
+        print_json({"log": scans.name, "findings": [asdict(finding) for finding in found]})
+        return
+    typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
+    for finding in found:
+        typer.echo(f"  {finding.check} ({100 * finding.sure:.0f} % sure): {finding.sentence}")
+        typer.echo(f"    {finding.advice}")
+        if finding.scans:
+            more = ", …" if len(finding.scans) > FEW else ""
+            typer.echo(f"    at scan {', '.join(map(str, finding.scans[:FEW]))}{more}")
+        if finding.parameters:
+            typer.echo(f"    with {', '.join(f'{name} = {value}' for name, value in finding.parameters.items())}")

@@ -1,0 +1,198 @@
+"""``map`` makes the map of a log, ``view`` draws a map file."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.parameters import BY_NAME, PARAMETERS
+from server.cli.app import app
+from server.cli.common import (
+    MOUNT,
+    AsJson,
+    LogPath,
+    TopicName,
+    configured,
+    fail,
+    given_parameters,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+    from mapper.scan import ScanLog
+
+
+def _prior(text: str, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyGrid | None]:
+    """Return the parameters with a prior that is a number or a map file, and the map."""
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+
+    try:
+        number = float(text)
+    except ValueError:
+        path = Path(text)
+        with refusing(path):
+            grid = load_map(path).grid
+        return {"resolution": grid.geometry.resolution} | given, grid
+    return given | {"log_odds_prior": number}, None
+
+
+@app.command("map")
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
+def map_log(
+    log: LogPath,
+    topic: TopicName = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    mount: Annotated[
+        str | None, typer.Option(metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad).")
+    ] = None,
+    prior: Annotated[
+        str | None,
+        typer.Option(
+            "--prior",
+            "--log-odds-prior",
+            metavar="NUMBER|MAP.yaml",
+            help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm and PREFIX.yaml.")] = None,
+    mcap: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the map, the poses and the scans for Foxglove and ROS 2.")
+    ] = None,
+    tum: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the trajectory in TUM format.")] = None,
+    mode: Annotated[str, typer.Option(metavar="trinary|scale|raw", help="Kind of map file.")] = "trinary",
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each row of the table
+) -> None:
+    """Make the map of a log."""
+    from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
+
+    given, prior_map = given_parameters(parameters, mount), None
+    if prior is not None:
+        given, prior_map = _prior(prior, given)
+        configured(given)
+    if mode not in ("trinary", "scale", "raw"):
+        fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
+    scans = read_log(log, topic)
+    config = configured(suited_parameters(scans.beam_width, given))
+    with refusing(log):
+        grid = grid_for(scans, config, trajectory, prior=prior_map)
+        # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
+        integrate_log(grid, scans, config, trajectory, 0, 0)
+        with progress_bar("Mapping") as bar:
+            start = time.perf_counter()
+            updated = integrate_log(
+                grid, scans, config, trajectory, progress=bar and (lambda done, total: bar(done / max(1, total)))
+            )
+            seconds = time.perf_counter() - start
+    written = _save(grid, out, mode) if out is not None else []
+    written += _export(scans, grid, trajectory, mcap, tum)
+    geometry = grid.geometry
+    facts: dict[str, Any] = {
+        "log": scans.name,
+        "trajectory": trajectory or scans.default_trajectory,
+        "scans": scans.n_scans,
+        "beams": scans.n_beams,
+        "cells_updated": updated,
+        "seconds": round(seconds, 6),
+        "resolution": geometry.resolution,
+        "rows": geometry.rows,
+        "cols": geometry.cols,
+        "origin": list(geometry.origin),
+        **_states(grid),
+        "files": [str(path) for path in written],
+        "notes": list(scans.notes),
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
+    typer.echo(
+        f"  {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+    )
+    typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
+    typer.echo(
+        f"  {facts['information_gain_bits']:.0f} bits learned, {facts['entropy_bits']:.0f} bits open in seen cells"
+    )
+    typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
+    for path in written:
+        typer.echo(f"  wrote {path}")
+    for note in scans.notes:
+        typer.echo(f"  note: {note}")
+
+
+def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller
+    from mapper.maps import save_map  # noqa: PLC0415 - start-up
+
+    with refusing(prefix):
+        yaml_path, image_path = save_map(grid, prefix, mode)
+    return [image_path, yaml_path]
+
+
+def _export(
+    log: ScanLog, grid: OccupancyGrid, trajectory: str | None, mcap: Path | None, tum: Path | None
+) -> list[Path]:
+    """Write what was asked for; return the paths."""
+    from mapper.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
+    from mapper.files import whole_file  # noqa: PLC0415 - start-up
+
+    for path in (mcap, tum):
+        if path is None:
+            continue
+        try:
+            with whole_file(path) as file:
+                if path is tum:
+                    file.write(tum_text(log, trajectory).encode())
+                else:
+                    with progress_bar("Writing") as progress:
+                        write_mcap(file, log, grid, trajectory, progress)
+        except OSError as error:
+            fail(f"{path}: the file cannot be written: {error.strerror}.")
+    return [path for path in (mcap, tum) if path is not None]
+
+
+def _states(grid: OccupancyGrid) -> dict[str, float]:
+    from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
+
+    found = map_metrics(grid)
+    return {
+        "occupied": found.occupied,
+        "free": found.free,
+        "unknown": found.unknown,
+        "entropy_bits": round(found.entropy_bits, 1),
+        "information_gain_bits": round(found.information_gain_bits, 1),
+    }
+
+
+@app.command()
+def view(
+    map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
+    width: Annotated[int | None, typer.Option(help="Characters across. [the terminal's]")] = None,
+) -> None:
+    """Draw a map file as text: in three states, and in characters that grow denser with the occupancy."""
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.render import RAMP, density, three_state  # noqa: PLC0415 - start-up
+
+    across = shutil.get_terminal_size().columns if width is None else width
+    with refusing(map_yaml):
+        loaded = load_map(map_yaml)
+        pictures = three_state(loaded.grid, across), density(loaded.grid, across)
+    geometry = loaded.grid.geometry
+    typer.echo(
+        f"{map_yaml.name}: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+    )
+    for note in loaded.notes:
+        typer.echo(f"note: {note}")
+    typer.echo("\n# occupied   . free   ? unknown\n" + pictures[0])
+    typer.echo(f"\n{RAMP[0]} free … {RAMP[-1]} occupied, blank: never observed\n" + pictures[1])

@@ -1,0 +1,56 @@
+"""``serve`` runs the service; ``upload`` sends a log to one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from server.cli.app import app
+from server.cli.common import AsJson, fail, print_json, progress_bar, refusing
+
+
+@app.command()
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on. [127.0.0.1]")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on; 0 takes a free one. [8000]")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help="Folder for uploaded logs.")] = None,
+    logs_dir: Annotated[Path | None, typer.Option(help="Folder whose logs everybody sees, read-only.")] = None,
+) -> None:
+    """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
+    from pydantic import ValidationError  # noqa: PLC0415 - start-up
+
+    from server.serving import run  # noqa: PLC0415 - start-up
+    from server.settings import Settings  # noqa: PLC0415 - start-up
+
+    options: dict[str, Any] = {"host": host, "port": port, "data_dir": data_dir, "logs_dir": logs_dir}
+    if logs_dir is not None and not logs_dir.is_dir():
+        fail(f"--logs-dir: {logs_dir} is no folder.")
+    try:
+        settings = Settings(**{name: value for name, value in options.items() if value is not None})
+    except ValidationError as error:
+        first = error.errors()[0]
+        fail(f"the setting {'.'.join(str(part) for part in first['loc'])} is refused: {first['msg']}.")
+    run(settings)
+
+
+@app.command()
+def upload(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot's log.")],
+    url: Annotated[str, typer.Argument(metavar="URL", help="The service's address, as it prints it.")],
+    as_json: AsJson = False,
+) -> None:
+    """Send a log to a service, go on after a cut, and say where its map is to be seen."""
+    from server.settings import Settings  # noqa: PLC0415 - start-up
+    from server.uploading import upload as send  # noqa: PLC0415 - start-up
+
+    with refusing(file), progress_bar("Uploading") as progress:
+        record, link = send(file, url, Settings().data_dir / "visitors.json", progress=progress)
+    if as_json:
+        print_json(record | {"link": link})
+        return
+    typer.echo(f"{record['name']}: {record['scans']} scans of {record['beams']} beams, {record['format']}")
+    for note in record["notes"]:
+        typer.echo(f"  note: {note}")
+    typer.echo(f"  {link}")
