@@ -51,7 +51,7 @@ export function Doctor({ store, session }: { readonly store: Store; readonly ses
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {now.kind === "done" && now.examination.findings.length === 0 && (
           <p>
-            Nothing found with the {witness(now.examination.trajectory)}. Looked at: {CHECKED}.
+            Nothing found. Poses: {witness(now.examination.trajectory)}. Looked at: {CHECKED}.
           </p>
         )}
         {now.kind === "done" && now.examination.findings.length > 0 && (
