@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import os
 import time
 import uuid
 from collections.abc import AsyncIterator, Callable
@@ -47,15 +48,28 @@ class Received:
     digest: Any = field(default_factory=hashlib.sha256)
     busy: bool = False
     touched_s: float = field(default_factory=time.monotonic)
+    given_up: bool = False
 
     @property
     def sha256(self) -> str:
         """Digest of the bytes so far."""
         return str(self.digest.hexdigest())
 
+    def give_up(self) -> None:
+        """Remove the file; nothing more is written."""
+        self.given_up = True
+        self.path.unlink(missing_ok=True)
+
     def write(self, data: bytes) -> None:
-        """Append ``data``. Runs in a thread."""
-        with self.path.open("ab", buffering=0) as file:
+        """Append ``data`` to the file, which is there. Runs in a thread, and may outlive the upload when that ends."""
+        try:
+            file = self.path.open("r+b", buffering=0)
+        except FileNotFoundError:
+            if self.given_up:
+                return  # what comes late must not make the file again
+            raise
+        with file:
+            file.seek(0, os.SEEK_END)
             view = memoryview(data)
             while view:
                 view = view[file.write(view) or 0 :]
@@ -121,7 +135,7 @@ class Intake:
             if part is not None and finished:
                 self._partial.pop((owner, part.key), None)
             if part is None or finished:
-                upload.path.unlink(missing_ok=True)
+                upload.give_up()
 
     def _begin(self, owner: str, part: Part | None) -> Received:
         path = self._folder / f"{uuid.uuid4().hex}.part"
@@ -183,7 +197,7 @@ class Intake:
                 self._forget(name)
 
     def _forget(self, name: tuple[str, str]) -> None:
-        self._partial.pop(name).path.unlink(missing_ok=True)
+        self._partial.pop(name).give_up()
 
 
 def too_large(max_bytes: int) -> LimitError:
