@@ -8,6 +8,7 @@ passed; every error smears them over cells that other beams passed.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: where the grids l
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True)  # without slots: what is derived once is kept
 class Examined:
     """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers."""
 
@@ -31,6 +32,11 @@ class Examined:
     trajectory: str
     scans: NDArray[np.int64]
     config: MappingConfig
+
+    @cached_property
+    def agreement(self) -> float:
+        """:func:`consistency` as the log states everything: what every check compares with, computed once."""
+        return consistency(self)
 
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""

@@ -22,7 +22,7 @@ _TURNS = (
 
 def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
     """Try the sensor upside down, backwards and sideways."""
-    now = consistency(seen)
+    now = seen.agreement
     tried: list[tuple[float, str, dict[str, object]]] = []
     for over in (False, True):
         for words, yaw in (("", 0.0), *_TURNS):
@@ -49,7 +49,7 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
 
 def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
     """Move and turn the mount a little, one axis after another, as long as the map gets sharper."""
-    now = best = consistency(seen)
+    now = best = seen.agreement
     at = {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": 0.0}
     steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
     for _ in range(5):

@@ -42,7 +42,7 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
     starts = np.unique(np.linspace(0, max(0, n - STRETCH), 24).astype(np.int64))
     whole_log = replace(seen, log=_with_trajectory(log, seen.trajectory), scans=np.arange(n))
     near = [consistency(_part(whole_log, np.arange(start, min(start + STRETCH, n)))) for start in starts]
-    far = consistency(seen)
+    far = seen.agreement
     local = float(np.median(near))
     if local <= 0.0 or far >= DRIFT * local:
         return []
@@ -90,7 +90,7 @@ def _endpoints(seen: Examined, geometry: GridGeometry) -> list[NDArray[np.int64]
 
 def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
     """Look for things that were solid in one stretch of the log and passed through in another."""
-    if consistency(seen) < LEAST_CONSISTENT:
+    if seen.agreement < LEAST_CONSISTENT:
         return []
     geometry = geometry_for(seen.log, seen.config)
     edges = np.linspace(0, seen.log.n_scans, STRETCHES + 1).astype(int)

@@ -21,6 +21,9 @@ from server.cli import maps  # noqa: F401
 from server.cli import comparing  # noqa: F401
 
 # isort: split
+from server.cli import measuring  # noqa: F401
+
+# isort: split
 from server.cli.app import app
 from server.cli.common import SHORT_NAMES
 

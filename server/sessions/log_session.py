@@ -6,12 +6,11 @@ import asyncio
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.doctor import Finding, examine
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
@@ -25,6 +24,9 @@ from server.sessions.session import Session
 from server.sessions.view import Moment, as_pose
 from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text
+
+if TYPE_CHECKING:
+    from mapper.doctor import Finding
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
 MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
@@ -111,6 +113,8 @@ class LogSession(Session):
 
         Whoever asks while it is being examined waits for the same answer. Raises as :func:`mapper.doctor.examine`.
         """
+        from mapper.doctor import examine  # noqa: PLC0415 - SciPy, which most visitors do without
+
         name = self.trajectory
         if name not in self._examinations:
             self._examinations[name] = asyncio.ensure_future(asyncio.to_thread(examine, self.log, name))

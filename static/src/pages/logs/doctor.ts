@@ -1,4 +1,4 @@
-/** What the server's examination of a log found: the shape of its answer, checked. */
+/** What the server's examination of a log found. */
 
 import type { Value } from "../../protocol";
 
