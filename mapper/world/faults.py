@@ -1,4 +1,4 @@
-"""What goes wrong with a robot: wheels that drift, and polished walls that swallow beams.
+"""What goes wrong with a robot: wheels that drift, and polished walls that throw beams away.
 
 Both are recorded all the time, beside what is true, and chosen when the map is made: so a fault can be switched on and
 off over a whole recording, and the map with it stands beside the map without it, of the same readings.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
 
@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.errors import ConfigError
-from mapper.scan import LaserScan
+from mapper.world.lidar import SensorConfig, true_ranges
+from mapper.world.sonar import ranges_in_cones, rays_of_cone
 from mapper.world.worlds import Float64Array, World
 
 SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
@@ -29,8 +30,9 @@ class Faults:
     """Which faults the map is made with.
 
     ``drift``: with the poses that :class:`~mapper.world.odometry.Odometer` reports, not the true ones. ``specular``:
-    with the polished walls of :func:`polished_faces`, which send a slanting beam away like a mirror, so that nothing
-    returns. Raises :class:`ConfigError` for a value that is not true or false.
+    with the polished walls of :func:`polished_faces`, which send a slanting beam away like a mirror: nothing returns to
+    a lidar, and to a sonar only what else is in its cone. Raises :class:`ConfigError` for a value that is not true or
+    false.
     """
 
     drift: bool = False
@@ -95,8 +97,35 @@ def swallowed(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_pose: A
     return out
 
 
-def without_swallowed(scan: LaserScan, lost: NDArray[np.bool_]) -> LaserScan:
-    """Return the scan as the sensor reports it when the beams ``lost`` (n_beams,) come back empty: +inf (REP 117)."""
-    ranges = scan.ranges.copy()
-    ranges[lost] = np.inf
-    return replace(scan, ranges=ranges)
+def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> NDArray[np.float16]:
+    """Return by how many metres (n_readings,) each reading is longer because of the polished walls.
+
+    0 where the reading is the true one, +inf where nothing comes back any more; ``sensor_pose`` (3,) is
+    ``T_map_laser``. A lidar's beam returns or it does not. A sonar hears the nearest wall in its cone that it meets
+    within :data:`SPECULAR_ANGLE` of the normal, and whatever is not polished. Half precision, a thousandth of the
+    distance, is less than any sensor's noise.
+    """
+    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    if sensor.kind == "sonar_ring":
+        heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
+        angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)
+    else:
+        heard = true_ranges(world, sensor, (x, y, yaw))[:, np.newaxis]
+        angles = sensor.bearings[:, np.newaxis]
+    lost = swallowed(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)
+    true = heard.min(axis=1)
+    echo = np.where(lost, np.inf, heard).min(axis=1)
+    returned = np.isfinite(true)
+    out = np.zeros(len(true), dtype=np.float16)
+    out[returned] = echo[returned] - true[returned]
+    return out
+
+
+def with_lengthened(ranges: NDArray[np.float32], longer: NDArray[np.float16], range_max: float) -> NDArray[np.float32]:
+    """Return readings, of any shape, as the sensor reports them beside polished walls: see :func:`lengthened`.
+
+    What is longer than ``range_max`` does not return: +inf (REP 117).
+    """
+    reported = ranges + longer
+    reported[reported > range_max] = np.inf
+    return reported

@@ -13,7 +13,7 @@ from mapper.errors import ConfigError
 from mapper.kernels.raycast import cast_rays
 from mapper.parameters import Parameter
 from mapper.scan import LaserScan
-from mapper.world.sonar import nearest_in_cones
+from mapper.world.sonar import ranges_in_cones
 from mapper.world.worlds import Float64Array, World
 
 TURN = 2.0 * np.pi
@@ -110,6 +110,11 @@ class SensorConfig:
         """Bearing of the first beam in the laser frame, radians."""
         return -self.field_of_view / 2.0
 
+    @property
+    def bearings(self) -> Float64Array:
+        """Bearings of the readings (n_readings,) in the laser frame, radians."""
+        return self.angle_min + self.angle_increment * np.arange(self.n_readings, dtype=np.float64)
+
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
         unknown = [name for name in values if name not in BY_NAME]
@@ -129,8 +134,9 @@ def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> F
     """
     x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
     if sensor.kind == "sonar_ring":
-        bearings = np.asarray(sensor.angle_min + sensor.angle_increment * np.arange(sensor.n_readings), np.float64)
-        return nearest_in_cones(world, (x, y, yaw), bearings, sensor.beam_width, sensor.range_max)
+        heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
+        nearest: Float64Array = heard.min(axis=1)
+        return nearest
     out = np.empty(sensor.n_readings)
     cast_rays(world.segments, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
     return out

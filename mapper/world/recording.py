@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from mapper.errors import ConfigError
 from mapper.scan import LaserScan, ScanLog, Trajectory
+from mapper.world.faults import with_lengthened
 from mapper.world.lidar import RANGE_MIN, SensorConfig
 
-CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 8.6 MB with 360 beams
+CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 13 MB with 360 beams
 FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
 PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
 TURNS = 4  # headings that are told apart in each square
@@ -20,8 +21,8 @@ TURNS = 4  # headings that are told apart in each square
 class Recording:
     """Scans and poses of one sensor, in arrays that grow up to ``capacity`` scans.
 
-    Beside the true poses it holds those that odometry reported, and beside the readings which of them a polished wall
-    would have swallowed: see :mod:`mapper.world.faults`.
+    Beside the true poses it holds those that odometry reported, and beside the readings by how much polished walls
+    would have made them longer: see :mod:`mapper.world.faults`.
 
     When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
     only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
@@ -47,7 +48,7 @@ class Recording:
         rows = min(self.capacity, FIRST_ROWS)
         self._n = 0
         self._ranges = np.empty((rows, self.sensor.n_readings), dtype=np.float32)
-        self._swallowed = np.zeros((rows, self.sensor.n_readings), dtype=np.bool_)
+        self._longer = np.zeros((rows, self.sensor.n_readings), dtype=np.float16)
         self._poses = np.empty((rows, 3))
         self._odometry = np.empty((rows, 3))
         self._stamps = np.empty(rows, dtype=np.int64)
@@ -73,12 +74,12 @@ class Recording:
         scan: LaserScan,
         base_pose: Sequence[float] | NDArray[np.float64],
         odometry: Sequence[float] | NDArray[np.float64] | None = None,
-        swallowed: NDArray[np.bool_] | None = None,
+        longer: NDArray[np.float16] | None = None,
     ) -> None:
         """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit.
 
-        ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``swallowed`` (n_beams,) are
-        the beams that a polished wall swallows, None for no beam.
+        ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``longer`` (n_beams,) are the
+        metres by which polished walls lengthen each reading, +inf for no return, None for none of them.
         """
         wanted = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
         given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
@@ -97,18 +98,19 @@ class Recording:
         self._ranges[self._n] = scan.ranges
         self._poses[self._n] = pose
         self._odometry[self._n] = pose if odometry is None else odometry
-        self._swallowed[self._n] = False if swallowed is None else swallowed
+        self._longer[self._n] = 0.0 if longer is None else longer
         self._stamps[self._n] = scan.stamp_ns
         self._n += 1
 
     def as_log(self, *, specular: bool = False) -> ScanLog:
         """Return the recording so far as a log with the trajectories "true" and "odometry".
 
-        Its arrays are views and nothing is copied, except that with ``specular`` the swallowed readings are +inf.
+        Its arrays are views and nothing is copied, except that with ``specular`` the readings are those that polished
+        walls leave.
         """
         ranges = self._ranges[: self._n]
         if specular:
-            ranges = np.where(self._swallowed[: self._n], np.float32(np.inf), ranges)
+            ranges = with_lengthened(ranges, self._longer[: self._n], self.sensor.range_max)
         return ScanLog(
             ranges,
             self.sensor.angle_min,
@@ -154,7 +156,7 @@ class Recording:
 
     def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
         """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
-        for name in ("_ranges", "_swallowed", "_poses", "_odometry", "_stamps"):
+        for name in ("_ranges", "_longer", "_poses", "_odometry", "_stamps"):
             old = getattr(self, name)
             new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)
             new[: len(keep)] = old[keep]

@@ -18,8 +18,8 @@ from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan, RangeScan, ScanLog
 from mapper.suited import suited_parameters
 from mapper.world import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
-from mapper.world.faults import swallowed, without_swallowed
-from mapper.world.lidar import measure, true_ranges
+from mapper.world.faults import lengthened, with_lengthened
+from mapper.world.lidar import measure
 from mapper.world.odometry import Odometer
 from mapper.world.robot import PoseTuple
 from server.sessions.second_map import SecondMap, Vanishing
@@ -208,10 +208,10 @@ class WorldMapper:
         recording = self.recordings[-1]
         generation = recording.generation
         odometry = self._odometer.move(pose)
-        lost = self._swallowed(scan, pose)
-        recording.append(scan, pose, odometry, lost)
-        reported = without_swallowed(scan, lost) if self.faults.specular else scan
-        self.newest, self.newest_pose = reported, pose
+        longer = self._lengthened(pose)
+        recording.append(scan, pose, odometry, longer)
+        reported = with_lengthened(scan.ranges, longer, scan.range_max) if self.faults.specular else scan.ranges
+        self.newest, self.newest_pose = replace(scan, ranges=reported), pose
         self.believed_pose = odometry if self.faults.drift else pose
         self.scans += 1
         if recording.generation != generation:
@@ -234,11 +234,9 @@ class WorldMapper:
                 self.vanishing.look(self.grid, second.grid)
         return change
 
-    def _swallowed(self, scan: LaserScan, pose: PoseTuple) -> NDArray[np.bool_]:
+    def _lengthened(self, pose: PoseTuple) -> NDArray[np.float16]:
         simulation = self.simulation
-        laser = compose(pose, simulation.mount)
-        ranges = true_ranges(simulation.world, simulation.sensor, laser)
-        return swallowed(simulation.world, ranges, scan.angles, laser)
+        return lengthened(simulation.world, simulation.sensor, compose(pose, simulation.mount))
 
     # -- what a person changes --------------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ import pytest
 
 from mapper.errors import ConfigError
 from mapper.world import WORLDS, Faults, Recording, SensorConfig, World
-from mapper.world.faults import SPECULAR_ANGLE, polished_faces, swallowed, without_swallowed
+from mapper.world.faults import SPECULAR_ANGLE, lengthened, polished_faces, swallowed, with_lengthened
 from mapper.world.lidar import measure, true_ranges
 from mapper.world.odometry import Odometer
 from mapper.world.shapes import outer_walls, rect
@@ -54,15 +54,53 @@ def test_every_world_has_polished_walls_and_some_that_are_not() -> None:
         assert 4 <= len(faces) < len(world.segments)
 
 
-def test_a_reported_scan_differs_only_in_the_lost_beams() -> None:
-    scan = measure(HALL, SENSOR, (2.0, 2.0, 0.3), np.random.default_rng(1))
-    before = scan.ranges.copy()
-    lost = np.zeros(360, dtype=bool)
-    lost[[3, 200]] = True
-    reported = without_swallowed(scan, lost)
-    assert np.flatnonzero(np.isinf(reported.ranges)).tolist() == [3, 200]
-    np.testing.assert_array_equal(np.delete(reported.ranges, [3, 200]), np.delete(before, [3, 200]))
-    np.testing.assert_array_equal(scan.ranges, before)
+def echo_in(x: float, y: float, low: float, high: float) -> float:
+    """What a cone in the hall hears between two bearings: ray by ray, each against the post, then the four walls."""
+    nearest = math.inf
+    for bearing in np.linspace(low, high, 1 + round((high - low) / math.radians(0.02))):
+        dx, dy = math.cos(bearing), math.sin(bearing)
+        enter_x, leave_x = sorted(((5.0 - x) / dx, (5.3 - x) / dx))
+        enter_y, leave_y = sorted(((3.0 - y) / dy, (3.3 - y) / dy))
+        if 0.0 < max(enter_x, enter_y) < min(leave_x, leave_y):
+            echo = max(enter_x, enter_y)
+        else:
+            to_x, to_y = ((7.8 if dx > 0 else 0.2) - x) / dx, ((5.8 if dy > 0 else 0.2) - y) / dy
+            off_normal = math.acos(abs(dx)) if to_x < to_y else math.acos(abs(dy))
+            echo = min(to_x, to_y) if off_normal <= SPECULAR_ANGLE else math.inf
+        nearest = min(nearest, echo)
+    return nearest
+
+
+@pytest.mark.parametrize("width", [0.35, 0.8])
+@pytest.mark.parametrize("pose", [(2.0, 2.0, 0.013), (4.2, 2.3, 0.27), (1.0, 5.0, -2.2)])
+def test_a_sonar_hears_the_nearest_of_what_sends_its_sound_back(pose: tuple[float, float, float], width: float) -> None:
+    ring = SensorConfig(kind="sonar_ring", n_sonars=24, beam_width=width, range_max=12.0)
+    true = true_ranges(HALL, ring, pose)
+    heard = true + lengthened(HALL, ring, pose)
+    x, y, yaw = pose
+    expected = np.array([echo_in(x, y, yaw + b - width / 2, yaw + b + width / 2) for b in ring.bearings])
+    # Rays a degree apart miss at most the last one before the edge of what is heard.
+    np.testing.assert_allclose(heard, expected, rtol=0.025)
+    lost, farther = np.isinf(heard), (heard > 1.05 * true) & np.isfinite(heard)
+    assert (lost.sum() >= 2) or width > 0.5
+    assert np.isclose(heard, true).sum() >= 8
+    assert farther.any() or (pose, width) != ((4.2, 2.3, 0.27), 0.8)
+
+
+def test_readings_that_get_too_long_do_not_return() -> None:
+    ranges = np.array([1.0, 2.0, 3.0, np.inf], dtype=np.float32)
+    before = ranges.copy()
+    longer = np.array([0.0, 1.5, 2.5, 0.0], dtype=np.float16)
+    assert with_lengthened(ranges, longer, 5.0).tolist() == [1.0, 3.5, math.inf, math.inf]
+    np.testing.assert_array_equal(ranges, before)
+
+
+def test_a_lidars_beams_return_as_they_are_or_not_at_all() -> None:
+    pose = (2.0, 2.0, 0.3)
+    longer = lengthened(HALL, SENSOR, pose)
+    lost = swallowed(HALL, true_ranges(HALL, SENSOR, pose), ANGLES, pose)
+    assert 100 < lost.sum() < 200
+    np.testing.assert_array_equal(longer, np.where(lost, np.inf, 0.0))
 
 
 def test_wheels_without_faults_report_the_truth() -> None:
@@ -95,7 +133,8 @@ def test_a_recording_holds_truth_and_faults_side_by_side() -> None:
     rng = np.random.default_rng(5)
     for i in range(200):
         scan = measure(HALL, sensor, (2.0 + 0.01 * i, 2.0, 0.0), rng)
-        recording.append(scan, (2.0 + 0.01 * i, 2.0, 0.0), (3.0 + 0.01 * i, 2.5, 0.1), np.arange(30) == i % 30)
+        longer = np.where(np.arange(30) == i % 30, np.inf, 0.0).astype(np.float16)
+        recording.append(scan, (2.0 + 0.01 * i, 2.0, 0.0), (3.0 + 0.01 * i, 2.5, 0.1), longer)
     honest, faulty = recording.as_log(), recording.as_log(specular=True)
     assert recording.generation > 0
     true, odometry = (honest.trajectory(name).poses for name in ("true", "odometry"))

@@ -15,7 +15,7 @@ from mapper.errors import ConfigError, LimitError, MapperError
 from mapper.grid import OccupancyGrid
 from mapper.integrate import integrate_log
 from mapper.parameters import MappingConfig
-from mapper.world import WORLDS, Drawn, Edits, Faults
+from mapper.world import WORLDS, Drawn, Edits, Faults, SensorConfig
 from server.sessions import SessionRegistry, WorldMapper
 from server.sessions.world_commands import retold, story_of
 
@@ -44,6 +44,19 @@ def test_the_map_that_grows_with_faults_is_the_one_made_anew(values: dict[str, b
     np.testing.assert_array_equal(mapper.second.grid.log_odds, right.log_odds)
     mapper.set_up(mapper.config, Faults())
     np.testing.assert_array_equal(mapper.second.grid.observed.sum(), mapper.grid.observed.sum())
+
+
+def test_sonars_beside_polished_walls_hear_farther_and_map_what_they_hear() -> None:
+    mapper = WorldMapper(WORLDS["office"], seed=1, sensor=SensorConfig(kind="sonar_ring"))
+    mapper.set_up(mapper.config, Faults(specular=True))
+    mapper.advance(8.0)
+    recording = mapper.recordings[-1]
+    true, heard = recording.as_log().ranges, recording.as_log(specular=True).ranges
+    assert (heard >= true).all()
+    assert 0.05 < np.mean(np.isinf(heard) & np.isfinite(true)) < 0.7
+    assert np.mean(np.isfinite(heard) & (heard > true + 0.2)) > 0.001
+    expected = by_hand(mapper, mapper.grid, mapper.config, mapper.faults)
+    np.testing.assert_array_equal(mapper.grid.log_odds, expected.log_odds)
 
 
 def test_drift_makes_more_walls_than_there_are() -> None:

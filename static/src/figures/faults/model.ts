@@ -44,7 +44,7 @@ export const FAULTS: readonly Fault[] = [
   {
     name: "specular",
     label: "Polished walls",
-    look: "A beam that meets a long wall at a slant is thrown away and returns nothing; taken as free, it drills through the wall.",
+    look: "A beam that meets a long wall at a slant is thrown away and returns nothing (a sonar hears what else is in its cone); taken as free, it drills through the wall.",
     sets: { no_return: "free" },
     robot: { specular: true },
   },
