@@ -2,16 +2,10 @@ import { decompress } from "fzstd";
 import { describe, expect, test } from "vitest";
 import { logOddsAt } from "./belief";
 import { bresenham } from "./bresenham";
+import { decodeText } from "./decodeText";
+import { decodeTiles } from "./decodeTiles";
 import { cellAt, centreOf, compose, contains } from "./lattice";
-import {
-  type Command,
-  decodeText,
-  decodeTiles,
-  encodeCommand,
-  type Geometry,
-  type Pose,
-  ProtocolError,
-} from "./protocol";
+import { type Command, encodeCommand, type Geometry, type Pose, ProtocolError } from "./protocol";
 import vectors from "./protocol.vectors.json";
 
 const bytes = (hex: string): Uint8Array<ArrayBuffer> =>

@@ -1,6 +1,7 @@
 /** A second map of the same session, beside the first: its picture, and nothing else. */
 
-import type { ServerMessage, TilesFrame } from "./protocol";
+import type { TilesFrame } from "./decodeTiles";
+import type { ServerMessage } from "./protocol";
 import { ShownMap } from "./shownMap";
 import type { Progress, Receiver, Stream } from "./stream";
 

@@ -3,8 +3,9 @@
 import { batch, type ReadonlySignal, signal } from "@preact/signals";
 import { decompress } from "fzstd";
 import { byteAt } from "./belief";
+import type { TilesFrame } from "./decodeTiles";
 import { Cells, type OnBloom } from "./gl/cells";
-import { type Geometry, ProtocolError, TILE, type TilesFrame } from "./protocol";
+import { type Geometry, ProtocolError, TILE } from "./protocol";
 import type { Progress } from "./stream";
 
 /** A map to be drawn: its cells, and where they lie. */

@@ -1,9 +1,10 @@
 import { beforeEach, describe, expect, test, vi } from "vitest";
 import { beamAt, beamToward, cellsOf } from "./beams";
+import { decodeTiles, type TilesFrame } from "./decodeTiles";
 import { velocity } from "./figures/picture/keys";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
-import { type Command, decodeTiles, type Frame, type Geometry, type Hello, type TilesFrame } from "./protocol";
+import type { Command, Frame, Geometry, Hello } from "./protocol";
 import vectors from "./protocol.vectors.json";
 import { Store } from "./state";
 

@@ -1,5 +1,6 @@
 import { beforeEach, expect, test } from "vitest";
-import type { ServerMessage, TilesFrame } from "./protocol";
+import type { TilesFrame } from "./decodeTiles";
+import type { ServerMessage } from "./protocol";
 import vectors from "./protocol.vectors.json";
 import { type Progress, type Receiver, type Socket, Stream, type Surroundings } from "./stream";
 

@@ -4,16 +4,9 @@
  */
 
 import { signal } from "@preact/signals";
-import {
-  type Command,
-  decodeText,
-  decodeTiles,
-  encodeCommand,
-  ProtocolError,
-  type ServerMessage,
-  SUBPROTOCOL,
-  type TilesFrame,
-} from "./protocol";
+import { decodeText } from "./decodeText";
+import { decodeTiles, type TilesFrame } from "./decodeTiles";
+import { type Command, encodeCommand, ProtocolError, type ServerMessage, SUBPROTOCOL } from "./protocol";
 
 export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone";
 

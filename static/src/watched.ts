@@ -2,6 +2,7 @@
 
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, turnedOver } from "./beams";
+import type { TilesFrame } from "./decodeTiles";
 import { Editing } from "./editing/editing";
 import type { Walk } from "./figures/steps/model";
 import type { OnBloom } from "./gl/cells";
@@ -19,7 +20,6 @@ import type {
   Point,
   Pose,
   ServerMessage,
-  TilesFrame,
   Touch,
   Trajectory,
   Values,
