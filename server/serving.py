@@ -16,6 +16,7 @@ import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from server.app import create_app
+from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.settings import Settings
 
@@ -82,13 +83,24 @@ def make_server(settings: Settings) -> uvicorn.Server:
 
 
 def run(settings: Settings) -> None:
-    """Serve until interrupted. Exits with status 1 and one sentence where the address or the folder cannot be had."""
+    """Serve until interrupted. Exits with status 1 and one sentence where the address or a store cannot be had."""
     settings = settings.with_token()
     configure_logging(settings.log_format, settings.log_level)
-    with _or_exit(f"cannot keep data in {settings.data_dir}", "Choose another folder with --data-dir."):
-        settings.data_dir.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=settings.data_dir):
-            pass
+    with contextlib.ExitStack() as held:
+        with _or_exit(f"cannot keep data in {settings.data_dir}", "Choose another folder with --data-dir."):
+            settings.data_dir.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=settings.data_dir):
+                pass
+            held.enter_context(claimed(settings.data_dir))
+        try:
+            check_stores(settings)
+        except StorageError as error:
+            print(f"gridbloom: {error.message}", file=sys.stderr)
+            raise SystemExit(1) from None
+        _serve(settings)
+
+
+def _serve(settings: Settings) -> None:
     address = f"{settings.host} port {settings.port}"
     with _or_exit(f"cannot listen on {address}", "Choose another with --port, or --port 0 for a free one."):
         bound = listen(settings.host, settings.port)
@@ -108,8 +120,9 @@ def _or_exit(what: str, advice: str) -> Iterator[None]:
     """End the process with one sentence where the system refuses something."""
     try:
         yield
-    except OSError as error:
-        print(f"gridbloom: {what}: {error.strerror or error}. {advice}", file=sys.stderr)
+    except (OSError, StorageError) as error:
+        reason = error.message if isinstance(error, StorageError) else error.strerror or error
+        print(f"gridbloom: {what}: {reason}. {advice}", file=sys.stderr)
         raise SystemExit(1) from None
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import os
+import re
 import secrets
 from pathlib import Path
 from typing import Annotated, Literal
@@ -36,6 +37,15 @@ class Settings(BaseSettings):
         "* allows every name (then set a token).",
     )
     data_dir: Path = Field(default_factory=_default_data_dir, description="Folder for uploaded logs and their records.")
+    blobs: str | None = Field(
+        default=None,
+        description="Where the bytes of uploaded logs are kept: a folder, or s3://BUCKET/PREFIX with AWS_… in the "
+        "environment; by default the data folder.",
+    )
+    database: SecretStr | None = Field(
+        default=None,
+        description="Database of the records: sqlite:///FILE or postgresql://…; by default a file in the data folder.",
+    )
     logs_dir: Path | None = Field(default=None, description="Folder whose logs everybody sees, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Live sessions at one time.")
     max_sessions_per_visitor: int = Field(default=8, ge=1, description="Live sessions of one browser at one time.")
@@ -62,12 +72,36 @@ class Settings(BaseSettings):
     def _split(cls, value: object) -> object:
         return tuple(name.strip() for name in value.split(",") if name.strip()) if isinstance(value, str) else value
 
+    @field_validator("blobs")
+    @classmethod
+    def _some_store(cls, value: str | None) -> str | None:
+        if value is None:
+            return None
+        if value.startswith("s3://"):
+            if not re.fullmatch(r"s3://[a-z0-9][a-z0-9.-]{2,62}(/[^?#]*)?", value):
+                raise ValueError("a bucket is named as s3://BUCKET/PREFIX")
+        elif "://" in value or not value:
+            raise ValueError("it is a folder, or begins with s3://")
+        return value
+
+    @field_validator("database")
+    @classmethod
+    def _some_database(cls, value: SecretStr | None) -> SecretStr | None:
+        if value is not None and not value.get_secret_value().startswith(("sqlite:///", "postgresql://")):
+            raise ValueError("it begins with sqlite:/// or postgresql://")
+        return value
+
     @field_validator("token")
     @classmethod
     def _some_token(cls, value: SecretStr | None) -> SecretStr | None:
         if value is not None and len(value.get_secret_value()) < 8:
             raise ValueError("a token has at least 8 characters")
         return value
+
+    @property
+    def database_url(self) -> str | None:
+        """The database's address, with its password; None for the usual file."""
+        return None if self.database is None else self.database.get_secret_value()
 
     @property
     def is_loopback(self) -> bool:

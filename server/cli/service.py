@@ -16,6 +16,10 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on. [127.0.0.1]")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on; 0 takes a free one. [8000]")] = None,
     data_dir: Annotated[Path | None, typer.Option(help="Folder for uploaded logs.")] = None,
+    blobs: Annotated[str | None, typer.Option(help="Folder or s3://BUCKET/PREFIX of the logs' bytes.")] = None,
+    database: Annotated[
+        str | None, typer.Option(help="Database of their records, sqlite:/// or postgresql://.")
+    ] = None,
     logs_dir: Annotated[Path | None, typer.Option(help="Folder whose logs everybody sees, read-only.")] = None,
 ) -> None:
     """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
@@ -24,7 +28,14 @@ def serve(
     from server.serving import run  # noqa: PLC0415 - start-up
     from server.settings import Settings  # noqa: PLC0415 - start-up
 
-    options: dict[str, Any] = {"host": host, "port": port, "data_dir": data_dir, "logs_dir": logs_dir}
+    options: dict[str, Any] = {
+        "host": host,
+        "port": port,
+        "data_dir": data_dir,
+        "blobs": blobs,
+        "database": database,
+        "logs_dir": logs_dir,
+    }
     if logs_dir is not None and not logs_dir.is_dir():
         fail(f"--logs-dir: {logs_dir} is no folder.")
     try:

@@ -1,9 +1,10 @@
 """Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
 
 from server.library.intake import Part
-from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError
+from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError, check_stores
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
+from server.library.storage import StorageError, claimed
 
 __all__ = [
     "SAMPLE_ID",
@@ -13,4 +14,7 @@ __all__ = [
     "LogReadOnlyError",
     "Part",
     "Record",
+    "StorageError",
+    "check_stores",
+    "claimed",
 ]

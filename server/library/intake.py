@@ -1,4 +1,4 @@
-"""Taking in uploads: to a temporary file, counted and digested on the way, there whole or not at all.
+"""Taking in uploads: into the store of blobs, counted and digested on the way, there whole or not at all.
 
 An upload that names itself (by a key of the sender's choice) may come in parts: what came before a cut is kept for a
 while, and the next part goes on from there. One without a key is forgotten when it breaks off.
@@ -7,19 +7,16 @@ while, and the next part goes on from there. One without a key is forgotten when
 from __future__ import annotations
 
 import asyncio
-import hashlib
-import os
 import time
-import uuid
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 from mapper.errors import LimitError, MapperError, ReadError
+from server.library.blobs import Blobs, Incoming
+from server.library.storage import StorageError
 
-BATCH_BYTES = 1 << 20  #: bytes that go to the disk at a time, in a thread
+BATCH_BYTES = 1 << 20  #: bytes that go to the store at a time
 KEEP_PARTIAL_S = 3600.0  #: seconds after its last byte at which a cut upload is forgotten
 MAX_PARTIALS_PER_OWNER = 4
 MAX_PARTIALS = 64
@@ -40,52 +37,38 @@ class Part:
 
 @dataclass(slots=True)
 class Received:
-    """An upload on the disk, not yet in its place: ``size`` bytes of it so far, of ``total`` where that is known."""
+    """An upload that comes in, of ``total`` bytes where that is known."""
 
-    path: Path
+    incoming: Incoming
     total: int | None = None
-    size: int = 0
-    digest: Any = field(default_factory=hashlib.sha256)
     busy: bool = False
     touched_s: float = field(default_factory=time.monotonic)
-    given_up: bool = False
 
     @property
-    def sha256(self) -> str:
-        """Digest of the bytes so far."""
-        return str(self.digest.hexdigest())
+    def size(self) -> int:
+        """Bytes that have come so far."""
+        return self.incoming.size
 
-    def give_up(self) -> None:
-        """Remove the file; nothing more is written."""
-        self.given_up = True
-        self.path.unlink(missing_ok=True)
-
-    def write(self, data: bytes) -> None:
-        """Append ``data`` to the file, which is there. Runs in a thread, and may outlive the upload when that ends."""
+    async def write(self, data: bytes | bytearray) -> None:
+        """Append ``data``; once begun it is done, also when whoever waits for it is cancelled."""
+        job = asyncio.ensure_future(self.incoming.write(data))
         try:
-            file = self.path.open("r+b", buffering=0)
-        except FileNotFoundError:
-            if self.given_up:
-                return  # what comes late must not make the file again
+            await asyncio.shield(job)
+        except asyncio.CancelledError:
+            await asyncio.wait([job])
             raise
-        with file:
-            file.seek(0, os.SEEK_END)
-            view = memoryview(data)
-            while view:
-                view = view[file.write(view) or 0 :]
-        self.digest.update(data)
-        self.size += len(data)
         self.touched_s = time.monotonic()
 
 
 class Intake:
     """The uploads that are under way, or were cut and may go on. Used from the event loop only."""
 
-    def __init__(self, folder: Path, *, max_bytes: int, idle_s: float) -> None:
-        self._folder = folder
+    def __init__(self, blobs: Blobs, *, max_bytes: int, idle_s: float) -> None:
+        self._blobs = blobs
         self._max_bytes = max_bytes
         self._idle_s = idle_s
         self._partial: dict[tuple[str, str], Received] = {}  #: by owner and key
+        self._leaving: set[asyncio.Task[None]] = set()
 
     @property
     def reserved(self) -> int:
@@ -98,10 +81,11 @@ class Intake:
         known = self._partial.get((owner, key))
         return 0 if known is None else known.size
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Forget every cut upload."""
         for name in list(self._partial):
             self._forget(name)
+        await asyncio.gather(*self._leaving)
 
     @asynccontextmanager
     async def receive(
@@ -109,16 +93,16 @@ class Intake:
     ) -> AsyncIterator[Received | None]:
         """Take ``chunks`` in and hand the whole upload over, or None while parts of it are missing.
 
-        On leaving with a whole one, its temporary file is gone or was moved. Raises :class:`UploadOffsetError`;
-        :class:`LimitError` as soon as there is more than there may be, when nothing comes for some seconds, and where
-        the disk is full; and :class:`ReadError` for an upload without a byte, or one with more bytes than it said.
+        On leaving with a whole one it was given its place, or is gone. Raises :class:`UploadOffsetError`;
+        :class:`LimitError` as soon as there is more than there may be, and when nothing comes for some seconds;
+        :class:`StorageError` where the store refuses; and :class:`ReadError` for an upload without a byte, or one with
+        more bytes than it said.
         """
         self._forget_old()
         upload = self._begin(owner, part)
         upload.busy = True
         finished = False
         try:
-            upload.path.touch(0o600)
             await self._take(upload, chunks)
             finished = part is None or upload.size == part.total
             if finished and upload.size == 0:
@@ -127,7 +111,7 @@ class Intake:
         except LimitError as error:
             finished = finished or error.code != "log.stalled"  # nothing else gets better by going on
             raise
-        except ReadError:
+        except (ReadError, StorageError):
             finished = True
             raise
         finally:
@@ -135,12 +119,11 @@ class Intake:
             if part is not None and finished:
                 self._partial.pop((owner, part.key), None)
             if part is None or finished:
-                upload.give_up()
+                await upload.incoming.drop()
 
     def _begin(self, owner: str, part: Part | None) -> Received:
-        path = self._folder / f"{uuid.uuid4().hex}.part"
         if part is None:
-            return Received(path)
+            return Received(self._blobs.incoming())
         name = (owner, part.key)
         known = self._partial.get(name)
         if known is not None and known.busy:
@@ -156,7 +139,7 @@ class Intake:
         if known is None:
             self._make_room([one for one in self._partial if one[0] == owner], MAX_PARTIALS_PER_OWNER)
             self._make_room(list(self._partial), MAX_PARTIALS)
-            known = self._partial[name] = Received(path, part.total)
+            known = self._partial[name] = Received(self._blobs.incoming(), part.total)
         return known
 
     def _make_room(self, names: list[tuple[str, str]], most: int) -> None:
@@ -169,7 +152,7 @@ class Intake:
         self._forget(min(waiting, key=lambda name: self._partial[name].touched_s))
 
     async def _take(self, upload: Received, chunks: AsyncIterator[bytes]) -> None:
-        """Append the chunks; after a cut, too, all that came is on the disk."""
+        """Append the chunks; after a cut, too, all that came is taken in."""
         batch = bytearray()
         try:
             async for chunk in _with_patience(chunks, self._idle_s):
@@ -184,11 +167,11 @@ class Intake:
                     )
                 batch += chunk
                 if len(batch) >= BATCH_BYTES:
-                    full, batch = bytes(batch), bytearray()
-                    await _on_disk(upload.write, full)
+                    full, batch = batch, bytearray()
+                    await upload.write(full)
         finally:
             if batch:
-                await _on_disk(upload.write, bytes(batch))
+                await upload.write(batch)
 
     def _forget_old(self) -> None:
         oldest = time.monotonic() - KEEP_PARTIAL_S
@@ -197,24 +180,14 @@ class Intake:
                 self._forget(name)
 
     def _forget(self, name: tuple[str, str]) -> None:
-        self._partial.pop(name).give_up()
+        leaving = asyncio.ensure_future(self._partial.pop(name).incoming.drop())
+        self._leaving.add(leaving)
+        leaving.add_done_callback(self._leaving.discard)
 
 
 def too_large(max_bytes: int) -> LimitError:
     """Return the error for an upload over the cap."""
     return LimitError("log.too_large", f"A log may have at most {max_bytes / 1e6:,.0f} MB; this one has more.")
-
-
-async def _on_disk(write: Callable[[bytes], None], data: bytes) -> None:
-    """Run ``write`` in a thread; a cancelled upload waits for it, so that its file is not closed under it."""
-    job = asyncio.ensure_future(asyncio.to_thread(write, data))
-    try:
-        await asyncio.shield(job)
-    except asyncio.CancelledError:
-        await asyncio.wait([job])
-        raise
-    except OSError as error:
-        raise LimitError("log.storage", "The server could not store the log; its disk may be full.") from error
 
 
 async def _with_patience(chunks: AsyncIterator[bytes], idle_s: float) -> AsyncIterator[bytes]:

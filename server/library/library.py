@@ -12,26 +12,25 @@ import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-
-import structlog
 
 from mapper.errors import LimitError, MapperError, ReadError
 from mapper.logs.summary import summarise
 from mapper.scan import ScanLog
+from server.library.blobs import Blobs
 from server.library.cache import LogCache
+from server.library.catalogue import Catalogue
 from server.library.folder import FolderLog, LogFolder
 from server.library.intake import Intake, Part, Received, too_large
+from server.library.jobs import Jobs, full, unstored, without_paths
 from server.library.names import display_name
 from server.library.packed import StalePackError, read_pack
 from server.library.reading import Reader
-from server.library.records import Failure, JsonRecords, Record, Records
+from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
+from server.library.storage import StorageError, private_folder
 from server.settings import Settings
 
 DAY_S = 86_400.0
-
-_log = structlog.get_logger(__name__)
 
 
 class LogNotFoundError(MapperError):
@@ -57,34 +56,34 @@ class LibraryLimits:
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
 
 
-class Library:
-    """The logs of one server. Call :meth:`start` before and :meth:`close` after use.
+def check_stores(settings: Settings) -> None:
+    """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
+    from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
 
-    ``reader`` is one that outlives the library; without it the library has its own.
+    root = settings.data_dir / "library"
+    private_folder(root)
+    Blobs.at(settings.blobs, root)
+    Database.open(settings.database_url, root).close()
+
+
+class Library:
+    """The logs of one server. Making it opens its stores and may take a while; then call :meth:`start`, and in the end
+    :meth:`close`.
+
+    ``reader`` is one that outlives the library; without it the library has its own. Raises :class:`StorageError` where
+    the stores cannot be opened.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        limits: LibraryLimits | None = None,
-        records: Records | None = None,
-        reader: Reader | None = None,
-    ) -> None:
+    def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
+        from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
+        from server.library.log_rows import LogRows  # noqa: PLC0415
+
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
         self._folder = None if settings.logs_dir is None else LogFolder(settings.logs_dir)
-        root = settings.data_dir / "library"
-        self._blobs, self._packs, self._incoming = root / "blobs", root / "packs", root / "incoming"
-        for folder in (self._blobs, self._packs, self._incoming):
-            folder.mkdir(parents=True, exist_ok=True)
-        self._store: Records = records or JsonRecords(root / "records")
-        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
-        self._folder_logs: dict[str, FolderLog] = {}
         self._looking = asyncio.Lock()  #: held while the folder is looked through
-        self._jobs: dict[str, asyncio.Task[None]] = {}
         self._survey_job: asyncio.Task[None] | None = None
         self._uploads = 0
-        self._intake = Intake(self._incoming, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
         self._own_reader = reader is None
         self._reader = reader or Reader(
             timeout_s=self._limits.read_timeout_s,
@@ -94,52 +93,45 @@ class Library:
         self._cache = LogCache(self._limits.cache_bytes)
         self._unpacking = asyncio.Lock()
         self._sample = Sample(self._cache)
+        root = settings.data_dir / "library"
+        self._scratch = root / "incoming"
+        for folder in (root, root / "packs", self._scratch):
+            private_folder(folder)
+        blobs = Blobs.at(settings.blobs, root)
+        self._database = Database.open(settings.database_url, root)
+        self._intake = Intake(blobs, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
+        self._jobs = Jobs(self._catalogue, self._reader, self._room)
 
     async def start(self) -> None:
-        """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end."""
+        """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end.
+
+        Raises :class:`StorageError`.
+        """
         await self._look_into_folder()
-        for record in await asyncio.to_thread(lambda: list(self._store.load())):
-            kept = record
-            if not (record.id in self._folder_logs if record.source == "folder" else self._blob(record.id).is_file()):
-                self._store.delete(record.id)
-                continue
-            if record.source == "upload" and record.state in ("queued", "reading"):
-                failure = Failure("log.interrupted", "Reading was interrupted by a restart of the server.")
-                kept = replace(record, state="failed", progress=0.0, error=failure)
-                self._store.put(kept)
-            self._records[kept.id] = kept
-        self._expire()
-        await asyncio.to_thread(self._sweep)
+        await self._catalogue.start()
+        await self._expire()
         self._begin_survey()
 
-    def _expire(self) -> None:
-        """Delete the uploads that nobody has used for a long time."""
-        oldest = time.time() - self._limits.keep_s
-        for record in self._uploaded():
-            if record.used_s < oldest and record.id not in self._jobs:
-                self._forget(record.id)
-
-    def _sweep(self) -> None:
-        """Remove half uploads, half packs, and blobs and packs that belong to no record."""
-        for path in self._incoming.iterdir():
-            path.unlink(missing_ok=True)
-        for path in self._blobs.iterdir():
-            if path.name not in self._records:
-                path.unlink(missing_ok=True)
-        for path in self._packs.iterdir():
-            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self._folder_logs):
-                path.unlink(missing_ok=True)
-
     async def close(self) -> None:
-        """End the jobs and the reading process."""
-        jobs = [*self._jobs.values(), *([] if self._survey_job is None else [self._survey_job])]
-        for job in jobs:
-            job.cancel()
-        await asyncio.gather(*jobs, return_exceptions=True)
-        self._intake.close()
+        """End the jobs and the reading process, and let go of the stores."""
+        if self._survey_job is not None:
+            self._survey_job.cancel()
+            await asyncio.gather(self._survey_job, return_exceptions=True)
+        await self._jobs.close()
+        await self._intake.close()
         await self._sample.close()
         if self._own_reader:
             await self._reader.close()
+        await asyncio.to_thread(self._database.close)
+
+    async def _expire(self) -> None:
+        """Delete the uploads that nobody has used for a long time."""
+        await self._catalogue.expire(time.time() - self._limits.keep_s, self._jobs.busy)
+
+    def _room(self) -> int:
+        """Bytes that uploads may still take on the disk."""
+        return self._limits.max_total_bytes - self._catalogue.bytes
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
@@ -161,7 +153,7 @@ class Library:
         ``size`` is what the sender says the upload has, so that one that is too large is refused at once. Bytes that
         the owner has uploaded before give the record that is there; one that failed is read again. Raises
         :class:`LimitError` for an upload over a cap and :class:`ReadError` for an empty one, and for one whose digest
-        is not the ``sha256`` that was stated; nothing is left of it.
+        is not the ``sha256`` that was stated, and :class:`StorageError`; nothing is left of it.
         """
         record = await self._put(owner, name, chunks, size, None, sha256)
         assert record is not None  # noqa: S101 - for the type checker: without parts an upload is whole
@@ -186,105 +178,80 @@ class Library:
         sha256: str | None,
     ) -> Record | None:
         limits = self._limits
-        self._expire()
+        await self._expire()
         if size is not None and size > self._max_upload_bytes:
             raise too_large(self._max_upload_bytes)
         if self._uploads >= limits.max_uploads_at_once:
             raise LimitError("library.busy", "Too many uploads are under way; try again in a moment.")
-        if sum(record.owner == owner for record in self._uploaded()) >= limits.max_logs_per_owner:
+        if sum(record.owner == owner for record in self._catalogue.uploaded()) >= limits.max_logs_per_owner:
             raise LimitError(
                 "library.too_many",
                 f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
             )
         if self._room() - self._intake.reserved < (size or 0) - (part.start if part else 0):
-            raise _full()
+            raise full()
         self._uploads += 1
         try:
             async with self._intake.receive(owner, chunks, part) as received:
                 if received is None:
                     return None
-                if sha256 is not None and received.sha256 != sha256.lower():
+                if sha256 is not None and received.incoming.sha256 != sha256.lower():
                     raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
-                return self._take(owner, display_name(name), received)
+                return await self._take(owner, display_name(name), received)
         finally:
             self._uploads -= 1
 
-    def _take(self, owner: str, name: str, received: Received) -> Record:
-        """Give the received bytes their place, unless the owner has them. No ``await``: two uploads cannot mix here."""
-        for record in self._uploaded():
-            if record.owner == owner and record.sha256 == received.sha256:
-                return self._queue(record) if record.state == "failed" else record
-        record = Record(
-            id=secrets.token_hex(10),
-            owner=owner,
-            name=name,
-            source="upload",
-            state="queued",
-            bytes=received.size,
-            sha256=received.sha256,
-            created_s=time.time(),
-            used_s=time.time(),
+    async def _take(self, owner: str, name: str, received: Received) -> Record:
+        """Give the received bytes their place, unless the owner has them."""
+        record = await self._catalogue.add(
+            Record(
+                id=secrets.token_hex(10),
+                owner=owner,
+                name=name,
+                source="upload",
+                state="queued",
+                bytes=received.size,
+                sha256=received.incoming.sha256,
+                created_s=time.time(),
+                used_s=time.time(),
+            ),
+            received.incoming,
         )
-        try:
-            received.path.rename(self._blob(record.id))
-            self._store.put(record)
-        except OSError as error:
-            self._forget(record.id)
-            raise LimitError("log.storage", "The server could not store the log; its disk may be full.") from error
-        return self._queue(record)
-
-    def _uploaded(self) -> Sequence[Record]:
-        return [record for record in self._records.values() if record.source == "upload"]
-
-    def _room(self) -> int:
-        """Bytes that uploads may still take on the disk."""
-        return self._limits.max_total_bytes - sum(record.stored_bytes for record in self._uploaded())
+        return self._jobs.queue(record) if record.state in ("queued", "failed") else record
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
 
-        Raises :class:`LogNotFoundError`, and :class:`LogReadOnlyError` for a log that is not an upload.
+        Raises :class:`LogNotFoundError`, :class:`StorageError`, and :class:`LogReadOnlyError` for a log that is not an
+        upload.
         """
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        self._forget(record.id)
-        job = self._jobs.pop(record.id, None)
-        if job is not None:
-            job.cancel()
-            await asyncio.gather(job, return_exceptions=True)
-            self._pack(record.id).unlink(missing_ok=True)
+        await self._catalogue.forget(record.id)
+        if await self._jobs.stop(record.id):
+            self._catalogue.pack(record.id).unlink(missing_ok=True)
 
     async def cancel(self, owner: str, log_id: str) -> Record:
         """Stop reading an upload of ``owner``; its bytes stay, and it can be read again. Return its record."""
-        record = self._own_upload(owner, log_id)
-        job = self._jobs.pop(record.id, None)  # one that has not begun yet does not do it itself
-        if job is None:
-            return record
-        job.cancel()
-        await asyncio.gather(job, return_exceptions=True)
-        if self._records.get(log_id) is not None and self._records[log_id].state in ("queued", "reading"):
+        self._own_upload(owner, log_id)
+        await self._jobs.stop(log_id)
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state in ("queued", "reading"):
             failure = Failure("log.cancelled", "Reading was stopped.")
-            self._save(replace(self._records[log_id], state="failed", progress=0.0, error=failure))
+            self._catalogue.save(replace(record, state="failed", progress=0.0, error=failure))
         return self.get(owner, log_id)
 
     def read_again(self, owner: str, log_id: str) -> Record:
         """Queue an upload of ``owner`` that failed for another reading; return its record."""
         record = self._own_upload(owner, log_id)
-        return self._queue(record) if record.state == "failed" else record
+        return self._jobs.queue(record) if record.state == "failed" else record
 
     def _own_upload(self, owner: str, log_id: str) -> Record:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and is read as it needs to be.")
         return record
-
-    def _forget(self, log_id: str) -> None:
-        self._records.pop(log_id, None)
-        self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
-        self._store.delete(log_id)
-        self._blob(log_id).unlink(missing_ok=True)
-        self._pack(log_id).unlink(missing_ok=True)
 
     # -- looking ------------------------------------------------------------------------------------------------
 
@@ -293,17 +260,19 @@ class Library:
         await self._look_into_folder()
         self._begin_survey()
         self._sample.begin()
-        uploads = sorted((r for r in self._uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True)
-        folder = [self._folder_record(log) for log in self._folder_logs.values()]
+        uploads = sorted(
+            (r for r in self._catalogue.uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True
+        )
+        folder = [self._folder_record(log) for log in self._catalogue.folder_logs.values()]
         return [*(self._with_progress(record) for record in [*uploads, *folder]), self._sample.record]
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
             return self._sample.record
-        record = self._records.get(log_id)
-        if log_id in self._folder_logs:
-            record = self._folder_record(self._folder_logs[log_id])
+        record = self._catalogue.get(log_id)
+        if log_id in self._catalogue.folder_logs:
+            record = self._folder_record(self._catalogue.folder_logs[log_id])
         elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
             record = None
         if record is None:
@@ -319,21 +288,25 @@ class Library:
         if self._folder is None:
             return
         async with self._looking:
-            self._folder_logs = {log.id: log for log in await asyncio.to_thread(self._folder.logs)}
-        for record in [r for r in self._records.values() if r.source == "folder" and r.id not in self._folder_logs]:
-            if record.id not in self._jobs:
-                self._forget(record.id)
+            self._catalogue.folder_logs = {log.id: log for log in await asyncio.to_thread(self._folder.logs)}
+        gone = [r for r in self._catalogue.all() if r.source == "folder" and r.id not in self._catalogue.folder_logs]
+        for record in gone:
+            if record.id not in self._jobs.busy:
+                with contextlib.suppress(StorageError):  # at the next look
+                    await self._catalogue.forget(record.id)
 
     def _folder_record(self, log: FolderLog) -> Record:
-        known = self._records.get(log.id)
+        known = self._catalogue.get(log.id)
         if known is not None:
             return known
         return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
 
     def _unknown(self) -> Record | None:
         """Return a log of which it is not known what it holds although nobody has asked for it; None where all are."""
-        folder = (self._folder_record(log) for log in self._folder_logs.values() if log.id not in self._records)
-        unsaid = (record for record in self._records.values() if record.state == "ready" and record.summary is None)
+        known = self._catalogue.all()
+        ids = {record.id for record in known}
+        folder = (self._folder_record(log) for log in self._catalogue.folder_logs.values() if log.id not in ids)
+        unsaid = (record for record in known if record.state == "ready" and record.summary is None)
         return next(folder, None) or next(unsaid, None)
 
     def _begin_survey(self) -> None:
@@ -347,8 +320,8 @@ class Library:
         """
         try:
             while (record := self._unknown()) is not None:
-                self._queue(record, pack=False)
-                await asyncio.wait([self._jobs[record.id]])
+                self._jobs.queue(record, pack=False)
+                await self._jobs.settled(record.id)
         finally:
             self._survey_job = None
 
@@ -362,8 +335,7 @@ class Library:
         """
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = replace(self._records[log_id], used_s=time.time())
-            self._save(record)
+            record = self._catalogue.used(record)
         if record.source == "sample":
             return await self._sample.load()
         if topic is not None:
@@ -378,8 +350,8 @@ class Library:
             try:
                 return await self._unpack(record)
             except StalePackError:
-                self._queue(self.get(owner, log_id))
-        raise ReadError("log.storage", "What was read of the log could not be stored; try again.")
+                self._jobs.queue(self.get(owner, log_id))
+        raise unstored()
 
     async def _load_sensor(self, record: Record, topic: str) -> ScanLog:
         """Return another sensor's scans than the log was packed with: read for who asks, and kept in memory only."""
@@ -388,26 +360,25 @@ class Library:
             kept = self._cache.get(key)
             if kept is not None:
                 return kept
-            source = self._folder_logs[record.id].path if record.source == "folder" else self._blob(record.id)
-            pack = self._incoming / f"{secrets.token_hex(10)}.npz"
+            pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
-                await self._reader.read(source, pack, topic)
+                async with self._catalogue.source(record) as source:
+                    try:
+                        await self._reader.read(source, pack, topic)
+                    except MapperError as error:
+                        raise without_paths(error, source, record.name) from None
                 log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
-            except MapperError as error:
-                raise _without_paths(error, source, record.name) from None
             except StalePackError:
-                raise ReadError("log.storage", "What was read of the log could not be stored; try again.") from None
+                raise unstored() from None
             finally:
-                for half in self._incoming.glob(f"{pack.name}*"):
+                for half in self._scratch.glob(f"{pack.name}*"):
                     half.unlink(missing_ok=True)
             self._cache.put(key, log)
         return log
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""
-        job = self._jobs.get(log_id)
-        if job is not None:
-            await asyncio.wait([job])  # not the job itself: it may be cancelled, and that is not ours to be
+        await self._jobs.settled(log_id)
         record = self.get(owner, log_id)
         if record.error is not None:
             raise ReadError(record.error.code, record.error.message)
@@ -418,71 +389,9 @@ class Library:
             kept = self._cache.get(record.id)
             if kept is not None:
                 return kept
-            log = await asyncio.to_thread(read_pack, self._pack(record.id))
+            log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id))
             log = replace(log, name=record.name)
             self._cache.put(record.id, log)
         if record.summary is None:
-            self._save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
+            self._catalogue.save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
         return log
-
-    # -- jobs ---------------------------------------------------------------------------------------------------
-
-    def _queue(self, record: Record, *, pack: bool = True) -> Record:
-        """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
-        if record.id in self._jobs:
-            return self._records[record.id]
-        queued = replace(record, state="queued", progress=0.0, error=None)
-        self._save(queued)
-        source = self._folder_logs[record.id].path if record.source == "folder" else self._blob(record.id)
-        target = self._pack(record.id) if pack else None
-        self._jobs[record.id] = asyncio.create_task(self._read(queued, source, target))
-        return queued
-
-    async def _read(self, record: Record, source: Path, pack: Path | None) -> None:
-        """The job: wait for the reader, read, and say how it went."""
-        started = time.monotonic()
-        try:
-            async with self._reader.turn(record.owner):
-                if self._room() < 0:
-                    raise _full()
-                self._save(replace(record, state="reading"))
-                started = time.monotonic()
-                summary = await self._reader.read(source, pack)
-            done = replace(record, state="ready", progress=1.0, summary=summary)
-            _log.info("log read", log=record.id, scans=summary.scans, seconds=round(time.monotonic() - started, 3))
-        except MapperError as error:
-            told = _without_paths(error, source, record.name)
-            done = replace(record, state="failed", error=Failure(told.code, told.message))
-            _log.info("log refused", log=record.id, code=told.code, message=told.message)
-        except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this log alone
-            # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
-            done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
-            _log.exception("log reader failed", log=record.id)
-        finally:
-            self._jobs.pop(record.id, None)
-            for half in self._packs.glob(f"{record.id}.npz.*.new"):
-                half.unlink(missing_ok=True)
-        if record.id in self._records:  # not deleted meanwhile
-            self._save(done)
-
-    def _save(self, record: Record) -> None:
-        self._records[record.id] = record
-        # Of the folder's logs only what was found out is worth keeping: all else is found out again.
-        if record.source == "upload" or record.state == "ready":
-            with contextlib.suppress(OSError):  # a full disk must not stop a log that is in memory
-                self._store.put(record)
-
-    def _blob(self, log_id: str) -> Path:
-        return self._blobs / log_id
-
-    def _pack(self, log_id: str) -> Path:
-        return self._packs / f"{log_id}.npz"
-
-
-def _without_paths(error: MapperError, source: Path, name: str) -> MapperError:
-    """Return the error as its owner may see it: with the log's name in the place of the file's."""
-    return type(error)(error.code, error.message.replace(str(source), name).replace(source.name, name))
-
-
-def _full() -> LimitError:
-    return LimitError("library.full", "The server's room for logs is used up; try again later.")

@@ -97,7 +97,11 @@ def read_job(source: str, pack: str | None, timeout_s: float, cpu_s: float, topi
 def _read(source: str, pack: str | None, topic: str | None) -> LogSummary:
     log = open_log(Path(source), topic=topic, progress=_note_progress)
     if pack is not None:
-        write_pack(log, Path(pack))
+        try:
+            write_pack(log, Path(pack))
+        except OSError as error:
+            message = "What was read of the log could not be stored; the server's disk may be full."
+            raise LimitError("log.storage", message) from error
     return summarise(log)
 
 
@@ -118,20 +122,19 @@ class Reader:
         self._memory_bytes = memory_bytes
         self._turns = Turns()
         self._pool: ProcessPoolExecutor | None = None
-        context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the server's sockets
-        self._context = context
-        self._progress: Synchronized[float] = context.Value(ctypes.c_double, 0.0)
-        self._pid: Synchronized[int] = context.Value(ctypes.c_int64, 0)
+        self._context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the sockets
+        self._progress: Synchronized[float] | None = None
+        self._pid: Synchronized[int] | None = None
 
     @property
     def progress(self) -> float:
         """How far the log that is being read is, from 0 to 1."""
-        return float(self._progress.value)
+        return 0.0 if self._progress is None else float(self._progress.value)
 
     @property
     def worker_pid(self) -> int:
         """The worker's process, 0 before there is one."""
-        return int(self._pid.value)
+        return 0 if self._pid is None else int(self._pid.value)
 
     def turn(self, owner: str) -> AbstractAsyncContextManager[None]:
         """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
@@ -142,7 +145,8 @@ class Reader:
 
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
-        self._progress.value = 0.0
+        if self._progress is not None:
+            self._progress.value = 0.0
         try:
             job = self._submit(source, pack, topic)
         except BrokenProcessPool:  # the worker died while it had nothing to do: no fault of this log
@@ -165,6 +169,9 @@ class Reader:
 
     def _submit(self, source: Path, pack: Path | None, topic: str | None) -> asyncio.Future[LogSummary]:
         if self._pool is None:
+            # Of its own: a worker that was ended before it began may still note who it is.
+            self._progress = self._context.Value(ctypes.c_double, 0.0)
+            self._pid = self._context.Value(ctypes.c_int64, 0)
             self._pool = ProcessPoolExecutor(
                 1,
                 mp_context=self._context,
@@ -185,10 +192,9 @@ class Reader:
         """End the worker at once; the next job gets a new one."""
         pool, self._pool = self._pool, None
         if pool is not None:
-            if self.worker_pid:
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(self.worker_pid, signal.SIGKILL)
-                self._pid.value = 0
+            for worker in list((pool._processes or {}).values()):  # noqa: SLF001 - public only from Python 3.14 on
+                worker.kill()
+            self._progress = self._pid = None
             pool.shutdown(wait=False, cancel_futures=True)
         return pool
 

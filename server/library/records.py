@@ -1,14 +1,9 @@
-"""What is known of each log, and where that is kept: one small JSON file per log.
-
-:class:`Records` is all that the library asks of a store, so that a database can take the place of the files.
-"""
+"""What is known of each log, and what the library asks of the store that keeps it."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, fields
-from pathlib import Path
+from collections.abc import Awaitable, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
 from mapper.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
@@ -48,9 +43,9 @@ class Record:
     summary: LogSummary | None = field(default=None, repr=False)
 
     @property
-    def stored_bytes(self) -> int:
-        """Bytes on the disk: what was uploaded, and its readings once read, which may be a thousand times that."""
-        return self.bytes + (0 if self.summary is None else 4 * self.summary.scans * self.summary.beams)
+    def packed_bytes(self) -> int:
+        """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
+        return 0 if self.summary is None else 4 * self.summary.scans * self.summary.beams
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -77,59 +72,22 @@ class Record:
 
 
 class Records(Protocol):
-    """A store of the records of logs."""
+    """A store of the records of logs. What is asked of it is done in the order in which it was asked.
 
-    def load(self) -> Iterable[Record]:
-        """Return every record that can be read."""
+    All of it raises :class:`server.library.storage.StorageError`.
+    """
 
-    def put(self, record: Record) -> None:
+    def load(self) -> Awaitable[Sequence[Record]]:
+        """Return every record, oldest first."""
+
+    def put(self, record: Record) -> Awaitable[None]:
         """Keep ``record`` in the place of any older one with its id, wholly or not at all."""
 
-    def delete(self, record_id: str) -> None:
+    def delete(self, record_id: str) -> Awaitable[None]:
         """Forget a record; one that is not there is no error."""
 
 
-class JsonRecords:
-    """:class:`Records` as files ``{id}.json`` in a folder, each replaced atomically."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        folder.mkdir(parents=True, exist_ok=True)
-
-    def load(self) -> list[Record]:
-        """Return the records, oldest first; files that are no records are left alone and left out."""
-        found = []
-        for path in self._folder.glob("*.json"):
-            try:
-                record = _from_json(json.loads(path.read_text(encoding="utf-8")))
-            except (OSError, ValueError, TypeError, KeyError):
-                continue
-            if record.id == path.stem:
-                found.append(record)
-        return sorted(found, key=lambda record: record.created_s)
-
-    def put(self, record: Record) -> None:
-        """Write the record beside its place and move it there."""
-        path = self._folder / f"{record.id}.json"
-        fresh = path.with_suffix(".new")
-        fresh.write_text(json.dumps(asdict(record), ensure_ascii=False, indent=1), encoding="utf-8")
-        fresh.replace(path)
-
-    def delete(self, record_id: str) -> None:
-        """Remove the record's file."""
-        (self._folder / f"{record_id}.json").unlink(missing_ok=True)
-
-
-def _from_json(data: dict[str, Any]) -> Record:
-    """Return the record that ``asdict`` made ``data`` of; keys that a newer version added are dropped."""
-    values = {f.name: data[f.name] for f in fields(Record) if f.name in data}
-    if values.get("error") is not None:
-        values["error"] = Failure(**values["error"])
-    values["summary"] = _summary(values.get("summary"))
-    return Record(**values)
-
-
-def _summary(data: dict[str, Any] | None) -> LogSummary | None:
+def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
     """Return the summary that ``asdict`` made ``data`` of; None for one of another version: it can be made again."""
     try:
         values = dict(data or {})

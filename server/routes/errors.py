@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.errors import ConfigError, LimitError, MapperError, ReadError
-from server.library import LogNotFoundError, LogReadOnlyError
+from server.library import LogNotFoundError, LogReadOnlyError, StorageError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 
 CLOSE_REFUSED = 4404  #: close code of a socket whose session or scene there is not; the reason is the error's code
@@ -27,6 +27,7 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (LogNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
+    (StorageError, 503),
     (LimitError, 413),
     (ConfigError, 422),
     (ReadError, 422),
@@ -39,6 +40,7 @@ _STATUS_OF_CODE = {
     "library.busy": 503,
     "library.full": 507,
     "library.too_many": 409,
+    "log.gone": 410,
     "log.stalled": 408,
     "log.storage": 507,
 }

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from server.library import claimed
+from server.library.database import Database
 
 ROOT = Path(__file__).parents[2]
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
@@ -65,7 +70,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
     assert process.returncode == 0
     assert "Traceback" not in errors
     assert "session ended" in errors
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["library.db"]
 
 
 @pytest.mark.parametrize("folder", ["file/below", "file"])
@@ -78,3 +83,26 @@ def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str
     assert done.stdout == ""
     assert len(done.stderr.splitlines()) == 1
     assert done.stderr.startswith("gridbloom: cannot keep data in ")
+
+
+def test_a_folder_that_another_service_uses_is_one_sentence(tmp_path: Path) -> None:
+    with claimed(tmp_path):
+        done = subprocess.run(
+            [*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+        )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == (
+        f"gridbloom: cannot keep data in {tmp_path}: another Gridbloom is using it. "
+        "Choose another folder with --data-dir.\n"
+    )
+
+
+def test_records_that_cannot_be_used_are_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "library").mkdir()
+    Database.open(None, tmp_path / "library").close()
+    with contextlib.closing(sqlite3.connect(tmp_path / "library" / "library.db")) as connection, connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+    done = subprocess.run([*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith("gridbloom: The records were written by a newer Gridbloom")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gzip
+import hashlib
 import time
 import zlib
 from collections.abc import Callable
@@ -70,9 +71,10 @@ def open_log(service: Service, log: dict[str, Any]) -> httpx.Response:
 
 
 def left(service: Service) -> list[str]:
-    """Files of uploads, packs and records."""
+    """Files of uploads and packs."""
     folder = service.state.settings.data_dir / "library"
-    return [str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()]
+    found = [str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()]
+    return [name for name in found if not name.startswith("library.db")]
 
 
 async def test_each_bad_log_fails_alone_with_its_own_error(service: Service, undisturbed: Undisturbed) -> None:
@@ -136,7 +138,8 @@ async def test_a_log_whose_map_is_too_large_is_read_and_not_opened(service: Serv
 def test_a_name_is_only_shown(service: Service, name: str, shown: str) -> None:
     log = sent(service, carmen(3), name)
     assert (log["state"], log["name"]) == ("ready", shown)
-    assert not [path for path in left(service) if log["id"] not in path]
+    digest = hashlib.sha256(carmen(3)).hexdigest()
+    assert sorted(left(service)) == [f"blobs/{digest}", f"packs/{log['id']}.npz"]
     service.http.delete(f"/api/logs/{log['id']}")
 
 

@@ -181,8 +181,8 @@ def test_a_browser_that_leaves_half_way_leaves_nothing(service: Service, folder:
         with socket.create_connection(("127.0.0.1", service.port), timeout=20) as raw:
             raw.sendall(
                 f"PUT /api/logs?name=half HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n"
-                f"Content-Length: 1000000\r\n\r\n".encode()
-                + b"x" * 300_000
+                f"Content-Length: 1900000\r\n\r\n".encode()
+                + b"x" * 1_800_000
             )
             time.sleep(0.1)
             assert unfinished(folder)
@@ -190,7 +190,7 @@ def test_a_browser_that_leaves_half_way_leaves_nothing(service: Service, folder:
     while unfinished(folder):
         assert time.monotonic() < deadline
         time.sleep(0.02)
-    assert not [r for r in service.state.library._records.values() if r.name == "half"]
+    assert not [r for r in service.state.library._catalogue.all() if r.name == "half"]
 
 
 def test_two_uploads_at_once(visitor: Callable[[], httpx.Client]) -> None:

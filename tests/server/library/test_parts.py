@@ -78,8 +78,7 @@ def test_in_ten_parts(client: httpx.Client, folder: Path) -> None:
     assert answer.status_code == 202
     log = ready(client, answer.json()["id"])
     assert (log["state"], log["scans"], log["bytes"]) == ("ready", 3000, len(DATA))
-    blob = folder / "library" / "blobs" / log["id"]
-    assert hashlib.sha256(blob.read_bytes()).digest() == hashlib.sha256(DATA).digest()
+    assert (folder / "library" / "blobs" / hashlib.sha256(DATA).hexdigest()).read_bytes() == DATA
     assert incoming(folder) == []
 
 
@@ -100,7 +99,6 @@ def test_cut_at_each_tenth_and_gone_on_with(service: Service, client: httpx.Clie
     while offset(client) != expected:
         assert time.monotonic() < deadline
         time.sleep(0.02)
-    assert len(incoming(folder)) == (1 if tenth < 10 else 0) or sent == 0
     if tenth < 10:
         # The connection may still be known as busy for a moment.
         while (answer := part(client, expected, len(DATA) - 1)).status_code == 409:
@@ -179,16 +177,16 @@ def test_cut_uploads_are_few_and_leave_in_time(
     for key in keys:
         assert part(client, 0, 99, key=key).status_code == 200
     assert [offset(client, key) for key in keys] == [0, 0] + [100] * intake.MAX_PARTIALS_PER_OWNER
-    assert len(incoming(folder)) == intake.MAX_PARTIALS_PER_OWNER
     monkeypatch.setattr(intake, "KEEP_PARTIAL_S", 0.0)
     assert offset(client, keys[-1]) == 0
     assert incoming(folder) == []
 
 
-def test_a_restart_forgets_cut_uploads(tmp_path: Path, client: httpx.Client) -> None:
+def test_a_restart_forgets_cut_uploads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.library.blobs.LOCAL_PART_BYTES", 100)  # what is held in memory leaves no file
     new: Callable[[], Any] = lambda: running(settings_for(tmp_path))  # noqa: E731
     with new() as first:
-        part(first.http, 0, 999)
+        assert part(first.http, 0, 999).json()["offset"] == 1000
         assert len(incoming(tmp_path)) == 1
     assert incoming(tmp_path) == []
     with new() as second:

@@ -1,0 +1,202 @@
+"""The bytes of uploaded logs, through obstore: a folder, or a bucket of S3. Each file is kept once, by its digest.
+
+Bytes come in under a name that nobody knows and get their place, ``blobs/SHA-256``, when the last of them is there: a
+rename in a folder, a copy on the server's side in a bucket. What is half written is never seen, and the next start
+removes it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import uuid
+from collections.abc import AsyncIterator, Collection, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from datetime import timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import obstore
+import structlog
+from obstore.exceptions import BaseError
+from obstore.store import LocalStore, S3Store
+
+from server.library.storage import StorageError, disk_full, private_folder
+
+if TYPE_CHECKING:
+    from obstore.store import ObjectStore, RetryConfig
+
+BLOBS, INCOMING = "blobs", "incoming"
+LOCAL_PART_BYTES = 1 << 18  #: bytes of an upload that are held back in memory
+REMOTE_PART_BYTES = 5 << 20  #: S3 takes no smaller parts
+HASHED_AT_ONCE = 1 << 16  #: bytes that are not worth another thread
+PIECE_BYTES = 1 << 20
+RETRY: RetryConfig = {"max_retries": 3, "retry_timeout": timedelta(seconds=30)}  #: what S3 did not answer
+
+_log = structlog.get_logger(__name__)
+
+
+class Incoming:
+    """An upload on its way into a store: ``size`` bytes so far. Used from the event loop, one call at a time."""
+
+    def __init__(self, store: ObjectStore) -> None:
+        self.name = uuid.uuid4().hex
+        self.size = 0
+        self._store = store
+        self._digest = hashlib.sha256()
+        part_bytes = LOCAL_PART_BYTES if isinstance(store, LocalStore) else REMOTE_PART_BYTES
+        self._writer = obstore.open_writer_async(store, self._key, buffer_size=part_bytes)
+        self._ended = False
+
+    @property
+    def _key(self) -> str:
+        return f"{INCOMING}/{self.name}"
+
+    @property
+    def sha256(self) -> str:
+        """Digest of the bytes so far."""
+        return self._digest.hexdigest()
+
+    async def write(self, data: bytes | bytearray) -> None:
+        """Append ``data``, which nobody changes afterwards. Raises :class:`StorageError`."""
+        if self._ended:
+            return  # what comes late of an upload that was given up
+        with _told(away=not isinstance(self._store, LocalStore)):
+            if len(data) <= HASHED_AT_ONCE:
+                self._digest.update(data)
+                await self._writer.write(data)
+            else:
+                hashing = asyncio.ensure_future(asyncio.to_thread(self._digest.update, data))
+                try:
+                    await self._writer.write(data)
+                finally:
+                    await hashing
+        self.size += len(data)
+
+    async def place(self) -> None:
+        """Give the bytes their place. Raises :class:`StorageError`; then nothing is left of them."""
+        try:
+            with _told(away=not isinstance(self._store, LocalStore)):
+                await self._writer.close()
+                await obstore.rename_async(self._store, self._key, f"{BLOBS}/{self.sha256}")
+        except BaseException:
+            await self.drop()
+            raise
+        self._ended = True
+
+    async def drop(self) -> None:
+        """Let go of the bytes."""
+        if self._ended:
+            return
+        self._ended = True
+        reason = RuntimeError("the upload was given up")
+        with contextlib.suppress(OSError, BaseError):  # what cannot be removed now is removed at the next start
+            if not await self._writer.closed():
+                await self._writer.__aexit__(RuntimeError, reason, None)
+        with contextlib.suppress(OSError, BaseError):
+            await obstore.delete_async(self._store, self._key)
+
+
+class Blobs:
+    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies."""
+
+    def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path) -> None:
+        self._store = store
+        self._folder = folder
+        self._scratch = scratch
+
+    @classmethod
+    def at(cls, place: str | None, root: Path) -> Blobs:
+        """Return the store at ``place``, a folder or ``s3://BUCKET/PREFIX``; None is the folder ``root``."""
+        scratch = root / INCOMING
+        if place is not None and place.startswith("s3://"):
+            with _told(away=True):
+                return cls(S3Store.from_url(place, retry_config=RETRY), None, scratch)
+        folder = root if place is None else Path(place)
+        with _told(away=False):
+            for name in (BLOBS, INCOMING):
+                private_folder(folder / name)
+            return cls(LocalStore(prefix=folder), folder, scratch)
+
+    def incoming(self) -> Incoming:
+        """Return where an upload goes."""
+        return Incoming(self._store)
+
+    async def names(self) -> set[str]:
+        """Return the digests of all blobs. Raises :class:`StorageError`."""
+        found: set[str] = set()
+        with _told(away=not isinstance(self._store, LocalStore)):
+            async for entries in obstore.list(self._store, BLOBS):
+                found |= {entry["path"].rsplit("/", 1)[-1] for entry in entries}
+        return found
+
+    async def delete(self, name: str) -> None:
+        """Remove a blob; one that is not there is no error, and one that stays is removed at the next start."""
+        try:
+            await obstore.delete_async(self._store, f"{BLOBS}/{name}")
+        except FileNotFoundError:
+            pass
+        except (OSError, BaseError) as error:
+            _log.warning("a blob could not be removed", blob=name, error=str(error).partition("\n")[0])
+
+    @asynccontextmanager
+    async def file(self, name: str) -> AsyncIterator[Path]:
+        """Yield a path at which a blob can be read: its own in a folder, that of a copy otherwise."""
+        if self._folder is not None:
+            yield self._folder / BLOBS / name
+            return
+        copy = self._scratch / f"{uuid.uuid4().hex}.copy"
+        try:
+            with _told(away=not isinstance(self._store, LocalStore)):
+                await self._copy(name, copy)
+            yield copy
+        finally:
+            copy.unlink(missing_ok=True)
+
+    async def _copy(self, name: str, path: Path) -> None:
+        try:
+            answer = await obstore.get_async(self._store, f"{BLOBS}/{name}")
+        except FileNotFoundError:
+            raise StorageError("log.gone", "The bytes of this log are no longer in the server's store.") from None
+        with path.open("xb") as file:
+            async for piece in answer.stream(PIECE_BYTES):
+                await asyncio.to_thread(file.write, piece)
+
+    async def take(self, path: Path, name: str) -> None:
+        """Move a file of this machine into the store. Raises :class:`StorageError`."""
+        with _told(away=not isinstance(self._store, LocalStore)):
+            if self._folder is not None:
+                await asyncio.to_thread(path.replace, self._folder / BLOBS / name)
+                return
+            await obstore.put_async(self._store, f"{BLOBS}/{name}", path)
+            await asyncio.to_thread(path.unlink)
+
+    async def sweep(self, keep: Collection[str]) -> None:
+        """Remove what an earlier run left half written, and the blobs that are not among ``keep``."""
+        for name in await self.names() - set(keep):
+            await self.delete(name)
+        with _told(away=not isinstance(self._store, LocalStore)):
+            async for entries in obstore.list(self._store, INCOMING):
+                await obstore.delete_async(self._store, [entry["path"] for entry in entries])
+        folders = {self._scratch} if self._folder is None else {self._scratch, self._folder / INCOMING}
+        for folder in folders:
+            await asyncio.to_thread(_empty, folder)
+
+
+def _empty(folder: Path) -> None:
+    for path in folder.iterdir():  # not by obstore: it does not list the parts of an upload
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def _told(*, away: bool) -> Iterator[None]:
+    """Raise what a store refuses as one sentence, ``away`` for one elsewhere; the reasons go to the service's log."""
+    try:
+        yield
+    except (OSError, BaseError) as error:
+        _log.warning("the store of blobs failed", error=str(error).partition("\n")[0])
+        if away:
+            message = "The server cannot reach its store of logs just now; try again later."
+            raise StorageError("log.store", message) from error
+        raise disk_full() from error

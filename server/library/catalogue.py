@@ -1,0 +1,166 @@
+"""The catalogue: every record in memory, and what belongs to it: its row, its blob, its pack. Gone is gone everywhere.
+
+All methods run on the event loop. What two visitors uploaded alike is one blob, which stays as long as one of them
+keeps it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import structlog
+
+from server.library.blobs import Blobs, Incoming
+from server.library.cache import LogCache
+from server.library.folder import FolderLog
+from server.library.older import take_over
+from server.library.records import Failure, Record, Records
+from server.library.storage import StorageError
+
+_log = structlog.get_logger(__name__)
+
+
+class Catalogue:
+    """The records of one library, kept in ``store``; ``root`` is the folder of its packs."""
+
+    def __init__(self, store: Records, blobs: Blobs, cache: LogCache, root: Path) -> None:
+        self._store = store
+        self._blobs = blobs
+        self._cache = cache
+        self._root = root
+        self._packs = root / "packs"
+        self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
+        self._shelving = asyncio.Lock()  #: held while a blob comes or goes
+        self.folder_logs: dict[str, FolderLog] = {}
+
+    async def start(self) -> None:
+        """Take up what an earlier run left, and remove the traces of what it did not end. Raises ``StorageError``."""
+        await take_over(self._root, self._store, self._blobs)
+        found = await self._store.load()
+        try:
+            there = await self._blobs.names()
+        except StorageError:  # a bucket that is away for a moment must not cost anybody a log
+            there = {record.sha256 for record in found}
+        for record in found:
+            if record.id not in self.folder_logs if record.source == "folder" else record.sha256 not in there:
+                await self._store.delete(record.id)
+            elif record.source == "upload" and record.state in ("queued", "reading"):
+                failure = Failure("log.interrupted", "Reading was interrupted by a restart of the server.")
+                self.save(replace(record, state="failed", error=failure))
+            else:
+                self._records[record.id] = record
+        await self._sweep(is_new=not found)
+
+    async def _sweep(self, *, is_new: bool) -> None:
+        """Remove half uploads, half packs, and blobs and packs that belong to no record."""
+        try:
+            names = await self._blobs.names()
+            if is_new and names:  # perhaps the database is another than the one that knows them
+                _log.warning("the database knows none of the blobs: they are left alone", blobs=len(names))
+            await self._blobs.sweep(names if is_new else {record.sha256 for record in self.uploaded()})
+        except StorageError:
+            _log.warning("the store of blobs could not be tidied")
+        await asyncio.to_thread(self._sweep_packs)
+
+    def _sweep_packs(self) -> None:
+        for path in self._packs.iterdir():
+            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self.folder_logs):
+                path.unlink(missing_ok=True)
+
+    # -- looking ------------------------------------------------------------------------------------------------
+
+    def get(self, log_id: str) -> Record | None:
+        """Return a record, None where there is none."""
+        return self._records.get(log_id)
+
+    def all(self) -> Sequence[Record]:
+        """Return all records."""
+        return list(self._records.values())
+
+    def uploaded(self) -> Sequence[Record]:
+        """Return the records of uploads."""
+        return [record for record in self._records.values() if record.source == "upload"]
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all uploads, each counted once, and of what was read of them."""
+        uploads = self.uploaded()
+        return sum({one.sha256: one.bytes for one in uploads}.values()) + sum(one.packed_bytes for one in uploads)
+
+    def pack(self, log_id: str) -> Path:
+        """Return where the pack of a log is, or will be."""
+        return self._packs / f"{log_id}.npz"
+
+    def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
+        """Yield the path at which a log's file can be read."""
+        return self._folder_file(record) if record.source == "folder" else self._blobs.file(record.sha256)
+
+    @asynccontextmanager
+    async def _folder_file(self, record: Record) -> AsyncIterator[Path]:
+        yield self.folder_logs[record.id].path
+
+    # -- changing -----------------------------------------------------------------------------------------------
+
+    async def add(self, record: Record, incoming: Incoming) -> Record:
+        """Keep a new upload and its bytes; return the record of the same bytes and owner where there is one.
+
+        Raises ``StorageError``; then there is nothing of it.
+        """
+        async with self._shelving:
+            for known in self.uploaded():
+                if known.owner == record.owner and known.sha256 == record.sha256:
+                    return known
+            await incoming.place()
+            try:
+                await self._store.put(record)
+            except BaseException:
+                await self._drop_blob(record.sha256)
+                raise
+            self._records[record.id] = record
+        return record
+
+    def save(self, record: Record) -> None:
+        """Keep a changed record; where it cannot be written it counts until the next start."""
+        self._records[record.id] = record
+        # Of the folder's logs only what was found out is worth keeping: all else is found out again.
+        if record.source == "upload" or record.state == "ready":
+            asyncio.ensure_future(self._store.put(record)).add_done_callback(_noted)
+
+    async def forget(self, log_id: str) -> None:
+        """Remove a log's record, pack and, unless it is another's too, blob. Raises ``StorageError``."""
+        record = self._records.get(log_id)
+        async with self._shelving:
+            await self._store.delete(log_id)
+            self._records.pop(log_id, None)
+            self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
+            self.pack(log_id).unlink(missing_ok=True)
+            if record is not None and record.source == "upload":
+                await self._drop_blob(record.sha256)
+
+    async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
+        """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""
+        for record in self.uploaded():
+            if record.used_s < oldest_s and record.id not in busy:
+                with contextlib.suppress(StorageError):  # another time
+                    await self.forget(record.id)
+
+    def used(self, record: Record) -> Record:
+        """Note that an upload is in use."""
+        record = replace(record, used_s=time.time())
+        self.save(record)
+        return record
+
+    async def _drop_blob(self, sha256: str) -> None:
+        if all(record.sha256 != sha256 for record in self.uploaded()):
+            await self._blobs.delete(sha256)
+
+
+def _noted(written: asyncio.Future[None]) -> None:
+    if not written.cancelled():
+        written.exception()  # it stands in the service's log already, and a full disk must not stop a log in memory

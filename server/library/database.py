@@ -1,0 +1,147 @@
+"""The database of the records, through SQLAlchemy: SQLite in a file, or PostgreSQL by its URL.
+
+One writer: whatever is asked of it runs on one thread, one after the other in the order in which it was asked, each in
+a transaction of its own. Its tables are brought up to date by alembic when it is opened.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sqlite3
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+import structlog
+from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+
+from server.library.migrations import HEAD
+from server.library.storage import StorageError, disk_full
+
+BUSY_S = 5.0  #: how long to wait for a lock that another program holds
+MIGRATIONS = Path(__file__).parent / "migrations"
+
+T = TypeVar("T")
+
+_log = structlog.get_logger(__name__)
+
+
+class Database:
+    """An open database. :meth:`open` blocks and may be called from any thread, the rest from one event loop."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="records")
+
+    @classmethod
+    def open(cls, url: str | None, folder: Path) -> Database:
+        """Open the database at ``url``, None for a file of SQLite in ``folder``, and bring its tables up to date.
+
+        Raises :class:`StorageError`, also for one that a newer program has written.
+        """
+        engine = _engine(url, folder)
+        try:
+            _attempt(engine, _check)
+            _attempt(engine, _migrate)
+        except BaseException:
+            engine.dispose()
+            raise
+        return cls(engine)
+
+    def run(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
+        """Have ``work`` done in a transaction; it begins after all that was asked for before.
+
+        The future raises :class:`StorageError` where the database refuses; then nothing of it was done.
+        """
+        return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
+
+    def close(self) -> None:
+        """Finish what was asked for, which may take a while, and let go of the database."""
+        self._thread.shutdown()
+        self._engine.dispose()
+
+
+def _engine(url: str | None, folder: Path) -> Engine:
+    where = URL.create("sqlite", database=str(folder / "library.db")) if url is None else make_url(url)
+    if where.get_backend_name() == "sqlite":
+        options: dict[str, Any] = {"timeout": BUSY_S, "check_same_thread": False}
+        engine = create_engine(where, pool_size=1, max_overflow=0, connect_args=options)
+        event.listen(engine, "connect", _configure_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+        return engine
+    where = where.set(drivername="postgresql+psycopg")
+    try:
+        return create_engine(where, pool_size=1, max_overflow=0, pool_pre_ping=True)
+    except ImportError:
+        raise StorageError(
+            "library.driver", "PostgreSQL needs the package psycopg: pip install 'gridbloom[postgres]'."
+        ) from None
+
+
+def _configure_sqlite(connection: sqlite3.Connection, _: object) -> None:
+    connection.isolation_level = None  # SQLAlchemy begins the transactions, so that those that alter tables are whole
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+        connection.execute(f"PRAGMA {pragma}").close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    connection.exec_driver_sql("BEGIN IMMEDIATE")  # who finds it locked waits here, and not half-way
+
+
+def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
+    try:
+        with engine.begin() as connection:
+            return work(connection)
+    except SQLAlchemyError as error:
+        raise _told(error) from error
+
+
+def _told(error: SQLAlchemyError) -> StorageError:
+    """Return what happened as one sentence; the reasons go to the service's log."""
+    reason = str(error.orig if isinstance(error, DBAPIError) else error).partition("\n")[0]
+    _log.warning("the database of records failed", error=reason)
+    if "disk is full" in reason or "disk I/O error" in reason or "No space left" in reason:
+        return disk_full()
+    if "locked" in reason:
+        return StorageError("library.locked", "The records are in use by another program; try again in a moment.")
+    if "malformed" in reason or "not a database" in reason:
+        return StorageError("library.damaged", "The database of the records is damaged; put its backup in its place.")
+    return StorageError("library.unreachable", "The database of the records cannot be used just now; try again later.")
+
+
+def _check(connection: Connection) -> None:
+    """Raise where the database is damaged: to go on would damage more."""
+    if connection.dialect.name == "sqlite":
+        found = connection.execute(text("PRAGMA quick_check(1)")).scalar()
+        if found != "ok":
+            raise StorageError(
+                "library.damaged", "The database of the records is damaged; put its backup in its place."
+            )
+
+
+def _migrate(connection: Connection) -> None:
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(1196574018)"))  # two services that start at once
+    known = inspect(connection).has_table("alembic_version")
+    version = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+    if version == HEAD:
+        return
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # its steps are nobody's news
+    from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
+    from alembic.config import Config  # noqa: PLC0415
+    from alembic.script import ScriptDirectory  # noqa: PLC0415
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    revisions = {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
+    if version is not None and version not in revisions:
+        raise StorageError(
+            "library.newer",
+            f"The records were written by a newer Gridbloom (their revision is {version}, this one knows {HEAD}): "
+            "install the newer one, or choose another database.",
+        )
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")

@@ -1,0 +1,45 @@
+"""The folders where logs are kept, and what can be wrong with them, each in one sentence for visitors."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mapper.errors import MapperError
+
+
+class StorageError(MapperError):
+    """A store cannot take, give or keep what it should. Nothing half-written is left of it."""
+
+
+def disk_full() -> StorageError:
+    """Return the error for what cannot be written."""
+    return StorageError("log.storage", "The server could not store the log; its disk may be full.")
+
+
+def private_folder(folder: Path) -> None:
+    """Make a folder that no other account of the machine looks into, if it is not there. Raises :class:`OSError`."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with contextlib.suppress(OSError):  # another account's folder, which it has opened to this one
+        folder.chmod(0o700)
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """Hold ``folder`` for this process alone: two services would remove each other's uploads.
+
+    Raises :class:`StorageError` where another holds it, and :class:`OSError`.
+    """
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise StorageError("library.claimed", "another Gridbloom is using it") from None
+        yield
+    finally:
+        os.close(handle)

@@ -1,0 +1,27 @@
+"""The tables of the records, as the newest migration leaves them; a test compares the two."""
+
+from __future__ import annotations
+
+from sqlalchemy import BigInteger, Column, Double, Index, MetaData, String, Table, Text
+
+metadata = MetaData()
+
+#: One row for each uploaded log, and for each log of the folder of which is known what it holds.
+logs = Table(
+    "logs",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("name", Text, nullable=False),
+    Column("source", String(16), nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("sha256", String(64), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("used_s", Double, nullable=False),
+    Column("error_code", String(64)),
+    Column("error_message", Text),
+    Column("summary", Text),  # JSON; PostgreSQL's own type refuses what is infinite
+    Index("logs_by_owner", "owner"),
+    Index("logs_by_sha256", "sha256"),
+)

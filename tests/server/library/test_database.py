@@ -1,0 +1,161 @@
+"""The records in their database: up to date, whole, and with one sentence for each thing that is wrong with it.
+
+``GRIDBLOOM_TEST_DATABASE`` names an empty PostgreSQL database on which the first of these tests run too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import sqlite3
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import event, text
+
+from mapper.logs.summary import summarise
+from mapper.world import sample_log
+from server.library.database import MIGRATIONS, Database
+from server.library.log_rows import LogRows
+from server.library.migrations import HEAD
+from server.library.records import Failure, Record
+from server.library.storage import StorageError
+from server.library.tables import metadata
+
+RECORD = Record("a", "ann", "Café 地図.log", "upload", "queued", 1 << 40, "0" * 64, 12.5, 13.5)
+
+
+@pytest_asyncio.fixture(params=["sqlite", "postgresql"])
+async def database(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Database]:
+    url = None if request.param == "sqlite" else os.environ.get("GRIDBLOOM_TEST_DATABASE")
+    if request.param != "sqlite" and url is None:
+        pytest.skip("GRIDBLOOM_TEST_DATABASE does not name a PostgreSQL database")
+    opened = Database.open(url, tmp_path)
+    yield opened
+    await opened.run(lambda connection: [connection.execute(table.delete()) for table in metadata.sorted_tables])
+    opened.close()
+
+
+async def test_the_revisions_make_the_tables(database: Database) -> None:
+    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD]
+    differences = await database.run(
+        lambda connection: compare_metadata(MigrationContext.configure(connection), metadata)
+    )
+    assert differences == []
+
+
+async def test_records_come_back_as_they_went_in(database: Database) -> None:
+    rows = LogRows(database)
+    summary = summarise(sample_log(5))
+    records = [
+        RECORD,
+        replace(RECORD, id="b", state="ready", progress=1.0, created_s=1.0, summary=summary),
+        replace(RECORD, id="c", created_s=2.0, state="failed", error=Failure("log.binary", "It holds “\0” and 地図.")),
+        replace(RECORD, id="d", created_s=3.0, state="ready", progress=1.0, summary=replace(summary, range_max=1e999)),
+    ]
+    for record in [replace(records[1], state="reading"), *records]:
+        await rows.put(record)
+    plain = replace(records[2], error=Failure("log.binary", "It holds “” and 地図."))
+    assert await rows.load() == [records[1], plain, records[3], records[0]]
+    await rows.delete("b")
+    await rows.delete("b")
+    assert [record.id for record in await rows.load()] == ["c", "d", "a"]
+
+
+async def test_what_is_asked_is_done_in_its_order(database: Database) -> None:
+    rows = LogRows(database)
+    asked: list[asyncio.Future[Any]] = []
+    for n in range(20):
+        asked += [rows.put(replace(RECORD, name=str(n))), rows.delete("a")]
+    asked.append(rows.put(replace(RECORD, name="last")))
+    await asyncio.gather(*asked)
+    assert [record.name for record in await rows.load()] == ["last"]
+
+
+# -- SQLite ------------------------------------------------------------------------------------------------------------
+
+
+def refusal(folder: Path, url: str | None = None) -> StorageError:
+    with pytest.raises(StorageError) as caught:
+        Database.open(url, folder).close()
+    assert caught.value.message.endswith(".")
+    assert str(folder) not in caught.value.message
+    return caught.value
+
+
+def with_file(folder: Path, statement: str) -> None:
+    with contextlib.closing(sqlite3.connect(folder / "library.db")) as connection, connection:
+        connection.execute(statement)
+
+
+async def test_it_is_configured_as_it_should_be(tmp_path: Path) -> None:
+    database = Database.open(None, tmp_path)
+    pragmas = ("journal_mode", "foreign_keys", "busy_timeout", "synchronous")
+    found = await database.run(
+        lambda connection: [connection.execute(text(f"PRAGMA {pragma}")).scalar() for pragma in pragmas]
+    )
+    database.close()
+    assert found == ["wal", 1, 5000, 1]
+    assert os.listdir(tmp_path) == ["library.db"]  # noqa: PTH208 - which is what an async function may not do
+
+
+async def test_a_newer_one_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+    Database.open(None, tmp_path).close()
+    with_file(tmp_path, "UPDATE alembic_version SET version_num = '9999'")
+    before = (tmp_path / "library.db").read_bytes()
+    error = refusal(tmp_path)
+    assert error.code == "library.newer"
+    assert "9999" in error.message
+    assert (tmp_path / "library.db").read_bytes() == before
+
+
+async def test_a_damaged_one_is_refused(tmp_path: Path) -> None:
+    database = Database.open(None, tmp_path)
+    rows = LogRows(database)
+    await asyncio.gather(*(rows.put(replace(RECORD, id=str(n), name="n" * 500)) for n in range(40)))
+    database.close()
+    whole = (tmp_path / "library.db").read_bytes()
+    for damage in (b"no database" * 100, whole[:4096] + os.urandom(8192) + whole[12288:], whole[: len(whole) // 2]):
+        (tmp_path / "library.db").write_bytes(damage)
+        assert refusal(tmp_path).code == "library.damaged"
+
+
+async def test_a_locked_one_is_waited_for_and_then_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.library.database.BUSY_S", 0.05)
+    database = Database.open(None, tmp_path)
+    with contextlib.closing(sqlite3.connect(tmp_path / "library.db", isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(StorageError) as caught:
+            await LogRows(database).put(RECORD)
+        assert caught.value.code == "library.locked"
+        assert refusal(tmp_path).code == "library.locked"
+        other.execute("ROLLBACK")
+    await LogRows(database).put(RECORD)
+    database.close()
+
+
+async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> None:
+    database = Database.open(None, tmp_path)
+    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 12"))
+    rows = LogRows(database)
+    ends = await asyncio.gather(
+        *(rows.put(replace(RECORD, id=str(n), name="n" * 5000)) for n in range(30)), return_exceptions=True
+    )
+    kept = ends.index(next(end for end in ends if end is not None))
+    assert {end.code for end in ends[kept:] if isinstance(end, StorageError)} == {"log.storage"}
+    assert 0 < kept == len(await rows.load()) < 30
+    database.close()
+
+
+async def test_an_address_that_leads_nowhere_is_one_sentence(tmp_path: Path) -> None:
+    assert refusal(tmp_path, "sqlite:////no/such/folder/library.db").code == "library.unreachable"
+    pytest.importorskip("psycopg", reason="the driver of PostgreSQL is not installed")
+    assert refusal(tmp_path, "postgresql://127.0.0.1:1/none?connect_timeout=2").code == "library.unreachable"
