@@ -74,8 +74,6 @@ export class Watched implements Receiver {
 
   /** Where the hand has the robot while it drags it. */
   readonly carried = signal<Point | null>(null);
-  /** Counts the moves of the keyboard's cursor: what it looks at is then spoken. */
-  readonly cursorMoved = signal(0);
 
   /** The place whose cell is explained; null while nobody asks why. */
   readonly asked = signal<Point | null>(null);

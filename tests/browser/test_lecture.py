@@ -14,6 +14,11 @@ from tests.browser.looking import centre, drag, until
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
 
+# Of each section: whether its figure is still awaited, and the height that it takes.
+PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
+  place => [place.classList.contains("figure-awaited"), place.offsetHeight])"""
+
+
 def open_section(page: Page, server: str, name: str) -> Locator:
     """Open the lecture at a section, and return the section."""
     page.goto(f"{server}/lecture.html#{name}")
@@ -36,15 +41,22 @@ def test_the_lecture_opens_whole(page: Page, server: str, scheme) -> None:
     page.goto(f"{server}/lecture.html")
     sections = page.locator(".lesson")
     expect(sections.first).to_be_visible()
+    # Figures far from the window are not set up yet; the place that is kept for them is as high as they will be.
+    expect(page.locator(".figure-awaited")).not_to_have_count(0)
+    kept = page.evaluate(PLACES)
+    assert sum(waits for waits, _ in kept) >= 10
     for i in range(sections.count()):
         section = sections.nth(i)
-        expect(section.locator("figure, .dropzone")).not_to_have_count(0)
         section.scroll_into_view_if_needed()
+        expect(section.locator("figure, .dropzone")).not_to_have_count(0)
         assert page.evaluate(WIDER) is False
         right = section.evaluate(
             "e => Math.max(...[...e.querySelectorAll(':not(svg *)')].map(x => x.getBoundingClientRect().right))"
         )
         assert right <= page.evaluate("innerWidth") + 1, section.get_attribute("id")
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    for (_, before), (_, after) in zip(kept, page.evaluate(PLACES), strict=True):
+        assert after == pytest.approx(before, abs=40)
 
 
 def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
@@ -53,11 +65,18 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
         " for (const shift of list.getEntries()) window.moved += shift.value;"
         "}).observe({ type: 'layout-shift', buffered: true });"
     )
-    page.goto(f"{server}/lecture.html")
-    page.wait_for_timeout(800)
-    for _ in range(40):
-        page.mouse.wheel(0, 600)
-        page.wait_for_timeout(30)
+    section = open_section(page, server, "sonar")
+    page.wait_for_timeout(800)  # the figures around it come
+    # The anchor is where it belongs, though all that is far above it is not set up, and stays there.
+    at = section.evaluate("e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)")
+    assert abs(at) < 2
+    assert page.locator(".figure-awaited").count() >= 4
+    page.mouse.move(700, 500)
+    for way in (-700, 700):
+        for _ in range(30):
+            page.mouse.wheel(0, way)
+            page.wait_for_timeout(30)
+    expect(page.locator("#sonar .figure-awaited, #forgetting .figure-awaited, #cell .figure-awaited")).to_have_count(0)
     assert page.evaluate("window.moved") < 0.02
 
 
@@ -143,6 +162,7 @@ def test_the_profile_feeds_the_cell(page: Page, server: str) -> None:
     handle.focus()
     page.keyboard.press("ArrowUp")
     expect(handle).to_have_attribute("aria-valuenow", "0.9")
+    page.locator("#cell").scroll_into_view_if_needed()
     expect(page.locator("#cell").get_by_role("button", name="hit +0.90")).to_be_attached()
     for model in ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting"):
         section.get_by_label("Model", exact=True).select_option(model)
@@ -464,9 +484,30 @@ def test_the_page_leads_into_the_lecturers_mode_and_the_front_page_here(page: Pa
     expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_attached()
 
 
-def test_printed_it_shows_figures_without_controls(page: Page, server: str) -> None:
+def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: Page, server: str) -> None:
+    page.emulate_media(color_scheme="dark")
+    # What there is when the printer takes its picture: figures that are set up, and canvases with light paint on them.
+    page.add_init_script("""addEventListener("afterprint", () => {
+      const light = canvas => {
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        return data.reduce((sum, value) => sum + value, 0) / data.length > 128;
+      };
+      const canvases = [...document.querySelectorAll(".stage canvas")];
+      window.printed = {
+        figures: document.querySelectorAll(".lesson-figure figure").length,
+        canvases: canvases.length,
+        light: canvases.filter(light).length,
+      };
+    })""")
     page.goto(f"{server}/lecture.html")
+    expect(page.locator("#grid figure")).to_be_visible()
+    page.pdf()
+    printed = page.evaluate("printed")
+    assert printed["figures"] == page.locator(".lesson").count()
+    assert printed["light"] == printed["canvases"] >= 14
+    expect(page.locator("html")).not_to_have_attribute("data-theme", "light")
     page.emulate_media(media="print")
+    expect(page.locator(".section-list")).to_be_hidden()
     expect(page.locator("#rays .stage")).to_be_visible()
     expect(page.locator("#rays .rays-controls")).to_be_hidden()
     expect(page.locator("#cell .cell-buttons")).to_be_hidden()

@@ -3,24 +3,15 @@
 import { signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { cellsOf } from "../beams";
-import { MapRenderer } from "../gl/renderer";
 import { centreOf } from "../lattice";
 import type { Point } from "../protocol";
 import type { Store } from "../state";
 import { paintBeamCells } from "./picture/beamCells";
-import {
-  type Brush,
-  brushOn,
-  paintBeam,
-  paintBeams,
-  paintCell,
-  paintCrosshair,
-  paintPath,
-  paintRobot,
-} from "./picture/brush";
+import { type Brush, paintBeam, paintBeams, paintCell, paintCrosshair, paintPath, paintRobot } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
-import { type Picture, sized } from "./picture/Picture";
+import { mapSurface } from "./picture/mapSurface";
+import type { Picture } from "./picture/Picture";
 import { pulse, stillness } from "./picture/pulse";
 import { paintWalk } from "./steps/paint";
 import { paintWhy } from "./why/paint";
@@ -49,19 +40,19 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
       onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
       {...(onPicture ? { onPicture } : {})}
       setUp={(canvas, invalidate) => {
-        const overlay = document.createElement("canvas");
-        let renderer: MapRenderer | null = null;
-        try {
-          renderer = new MapRenderer(canvas, invalidate);
-        } catch (error) {
-          failure.value = error instanceof Error ? error.message : String(error);
-        }
-        const glow = renderer?.glow;
+        const beat = pulse();
+        const surface = mapSurface(
+          store,
+          canvas,
+          invalidate,
+          () => store.map.peek(),
+          (brush, now) => paintOverlay(store, brush, beat, now),
+        );
+        failure.value = surface.failure;
+        const glow = surface.renderer?.glow;
         store.onBloom = (row, col) => {
           if (!stillness.peek()) glow?.add(row, col, performance.now());
         };
-        const beat = pulse();
-        let colours: unknown = null;
         return {
           watch: () => {
             void store.map.value;
@@ -77,19 +68,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
             void store.inspected.value;
             void inks.value;
           },
-          paint: (size, ratio, now) => {
-            const view = store.view.peek();
-            if (!view || !renderer) return false;
-            if (colours !== inks.peek()) {
-              colours = inks.peek();
-              renderer.recolour();
-            }
-            sized(overlay, canvas.width, canvas.height);
-            const brush = brushOn(overlay, size, ratio, view, inks.peek());
-            brush?.ctx.clearRect(0, 0, size.width, size.height);
-            const moves = brush !== null && paintOverlay(store, brush, beat, now);
-            return renderer.draw(store.map.peek(), overlay, view, size, now) || moves;
-          },
+          paint: surface.paint,
           dispose: () => {
             store.onBloom = null;
           },

@@ -2,14 +2,13 @@
 
 import { useEffect, useMemo } from "preact/hooks";
 import { connectSecond } from "../connect";
-import { MapRenderer } from "../gl/renderer";
 import { centreOf } from "../lattice";
 import type { Pose } from "../protocol";
 import type { Store } from "../state";
-import { brushOn, paintCell, paintCrosshair, paintRobot } from "./picture/brush";
+import { type Brush, paintCell, paintCrosshair, paintRobot } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
-import { sized } from "./picture/Picture";
+import { mapSurface } from "./picture/mapSurface";
 
 interface BesideProps {
   readonly store: Store;
@@ -37,14 +36,14 @@ export function Beside({ store, session }: BesideProps) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       setUp={(canvas, invalidate) => {
-        const overlay = document.createElement("canvas");
-        let renderer: MapRenderer | null = null;
-        try {
-          renderer = new MapRenderer(canvas, invalidate);
-        } catch {
-          renderer = null; // the belief beside it says what is the matter
-        }
-        let colours: unknown = null;
+        // Where there is no WebGL the belief beside it says what is the matter.
+        const { paint } = mapSurface(
+          store,
+          canvas,
+          invalidate,
+          () => shown.map.peek(),
+          (brush) => paintOverlay(store, brush),
+        );
         return {
           watch: () => {
             void shown.map.value;
@@ -53,29 +52,21 @@ export function Beside({ store, session }: BesideProps) {
             void store.probe.value;
             void inks.value;
           },
-          paint: (size, ratio, now) => {
-            const view = store.view.peek();
-            if (!view || !renderer) return false;
-            if (colours !== inks.peek()) {
-              colours = inks.peek();
-              renderer.recolour();
-            }
-            sized(overlay, canvas.width, canvas.height);
-            const brush = brushOn(overlay, size, ratio, view, inks.peek());
-            const map = shown.map.peek();
-            brush?.ctx.clearRect(0, 0, size.width, size.height);
-            const pose = robotPose(store);
-            if (brush && pose) paintRobot(brush, pose, false);
-            const cell = store.cell.peek();
-            const geometry = store.map.peek()?.geometry;
-            if (brush && cell && geometry) {
-              paintCell(brush, geometry, cell.row, cell.col, brush.inks.ink);
-              paintCrosshair(brush, centreOf(geometry, cell));
-            }
-            return renderer.draw(map, overlay, view, size, now);
-          },
+          paint,
         };
       }}
     />
   );
+}
+
+function paintOverlay(store: Store, brush: Brush): boolean {
+  const pose = robotPose(store);
+  if (pose) paintRobot(brush, pose, false);
+  const cell = store.cell.peek();
+  const geometry = store.map.peek()?.geometry;
+  if (cell && geometry) {
+    paintCell(brush, geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(geometry, cell));
+  }
+  return false;
 }

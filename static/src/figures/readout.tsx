@@ -1,12 +1,13 @@
 /** The cell that is looked at, in numbers. */
 
-import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, probability, stateAt } from "../belief";
 import type { CellState } from "../protocol";
 import type { Store } from "../state";
 import { Button } from "../ui/Button";
 import { signed, written } from "../ui/numbers";
+import { Spoken } from "../ui/Spoken";
 import "./readout.css";
 
 /** What is believed of the cell that is looked at. */
@@ -43,10 +44,23 @@ function readingOf(store: Store): ReadonlySignal<Reading> {
 /** How often the exact value of a cell is asked for while it changes. */
 const ASK_MS = 150;
 
-/** The cell that is looked at, in numbers, in a place that does not jump; spoken when the keyboard moves it. */
+/** A cell in words. */
+function wordsOf({ row, col, state, logOdds, p }: Reading): string {
+  if (row === "–") return "";
+  const value = logOdds === "–" ? "" : `, log-odds ${logOdds}, probability ${p}`;
+  return `Row ${row}, column ${col}: ${state}${value}`;
+}
+
+/** Says the cell that is looked at when it becomes another one, not each time that its value changes. */
+function Voice({ reading }: { readonly reading: ReadonlySignal<Reading> }) {
+  const place = useMemo(() => computed(() => `${reading.value.row} ${reading.value.col}`), [reading]);
+  void place.value;
+  return <Spoken text={wordsOf(reading.peek())} />;
+}
+
+/** The cell that is looked at, in numbers, in a place that does not jump, and spoken. */
 export function Readout({ store }: { readonly store: Store }) {
   const reading = useMemo(() => readingOf(store), [store]);
-  const spoken = useMemo(() => signal(""), []);
   useEffect(() => {
     let asked = "";
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -64,18 +78,11 @@ export function Readout({ store }: { readonly store: Store }) {
         store.inspect(cell);
       }, ASK_MS);
     });
-    const speak = effect(() => {
-      if (store.cursorMoved.value === 0) return;
-      const words = reading.peek();
-      const value = words.logOdds === "–" ? "" : `, log-odds ${words.logOdds}, probability ${words.p}`;
-      spoken.value = `Row ${words.row}, column ${words.col}: ${words.state}${value}`;
-    });
     return () => {
       clearTimeout(timer);
       ask();
-      speak();
     };
-  }, [store, reading, spoken]);
+  }, [store, reading]);
   const field = (name: keyof Reading): ReadonlySignal<string> => computed(() => reading.value[name]);
   const texts = useMemo(
     () => ({ row: field("row"), col: field("col"), logOdds: field("logOdds"), p: field("p"), state: field("state") }),
@@ -107,9 +114,7 @@ export function Readout({ store }: { readonly store: Store }) {
         </div>
       </dl>
       <WhyButton store={store} />
-      <p class="visually-hidden" role="status" aria-live="polite">
-        {spoken}
-      </p>
+      <Voice reading={reading} />
     </div>
   );
 }

@@ -7,7 +7,6 @@ import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
-import { Contents } from "./lecture/Contents";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { FileSection } from "./lecture/FileSection";
@@ -20,6 +19,7 @@ import { MountSection } from "./lecture/MountSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
+import { SectionList } from "./lecture/SectionList";
 import { SonarSection } from "./lecture/SonarSection";
 
 interface Part extends Lesson {
@@ -71,14 +71,16 @@ function usePresenterKeys(): void {
 /** What the address says at the start and when it is changed by hand. */
 function useAddress(): void {
   useEffect(() => {
-    const follow = (): void => {
+    const follow = (behavior: ScrollBehavior): void => {
       const index = PARTS.findIndex(({ id }) => `#${id}` === location.hash);
       if (index >= 0) slide.value = index;
-      if (index >= 0 && !presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView();
+      if (index >= 0 && !presenting.peek())
+        document.getElementById(location.hash.slice(1))?.scrollIntoView({ behavior });
     };
-    follow();
-    addEventListener("hashchange", follow);
-    return () => removeEventListener("hashchange", follow);
+    const onHash = (): void => follow("auto");
+    follow("instant"); // the page did not have its sections yet when the browser looked for the anchor
+    addEventListener("hashchange", onHash);
+    return () => removeEventListener("hashchange", onHash);
   }, []);
 }
 
@@ -123,6 +125,7 @@ function Page() {
   return (
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      {!presenting.value && <SectionList />}
       <main class="lecture">
         {!presenting.value && (
           <div class="lecture-head">
@@ -139,7 +142,6 @@ function Page() {
               </Button>
               <Button href="/lab.html">Open the lab</Button>
             </div>
-            <Contents />
           </div>
         )}
         {PARTS.map(({ id, title, body: Body }, i) => (

@@ -20,12 +20,13 @@ interface ChoiceProps {
 /** One of a few: side by side while they are few and short, a select otherwise. */
 export function Choice({ label, options, value, sentence, disabled = false, bare = false, onChange }: ChoiceProps) {
   const id = useId();
+  const described = sentence ? { "aria-describedby": `${id}-says` } : {};
   const segmented = options.length <= 4 && options.reduce((n, option) => n + option.label.length, 0) <= 44;
   return (
-    <div class="field" {...(segmented ? { role: "radiogroup", "aria-labelledby": `${id}-label` } : {})}>
+    <div class="field" {...(segmented ? { role: "radiogroup", "aria-labelledby": `${id}-label`, ...described } : {})}>
       <span class={bare ? "visually-hidden" : "field-label"}>
         {segmented ? <span id={`${id}-label`}>{label}</span> : <label for={id}>{label}</label>}
-        {sentence && <Tooltip text={sentence} about={label} />}
+        {sentence && <Tooltip id={`${id}-says`} text={sentence} about={label} />}
       </span>
       {segmented ? (
         <span class="choice">
@@ -47,6 +48,7 @@ export function Choice({ label, options, value, sentence, disabled = false, bare
         <select
           id={id}
           class="select"
+          {...described}
           value={value}
           disabled={disabled}
           onChange={(event) => onChange(event.currentTarget.value)}

@@ -1,9 +1,11 @@
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
 
 interface ScrubProps extends Range {
   readonly label: string;
+  /** One sentence on what it does. */
+  readonly sentence: string;
   readonly value: number;
   readonly unit?: string;
   readonly tone?: Tone;
@@ -17,7 +19,9 @@ interface ScrubProps extends Range {
 const PX_PER_STEP = 6;
 
 /** A number in a sentence that can be dragged sideways, or moved by the arrow keys. After Bret Victor's Tangle. */
-export function Scrub({ label, value, unit, tone = "accent", text, low, high, step, after, onInput }: ScrubProps) {
+export function Scrub(props: ScrubProps) {
+  const { label, sentence, value, unit, tone = "accent", text, low, high, step, after, onInput } = props;
+  const id = useId();
   const range = { low, high, step };
   const grip = useRef<{ readonly x: number; readonly from: number } | null>(null);
   const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
@@ -34,7 +38,8 @@ export function Scrub({ label, value, unit, tone = "accent", text, low, high, st
       aria-valuemin={low}
       aria-valuemax={high}
       aria-valuetext={shown}
-      title={`${label}: drag sideways, or use the arrow keys`}
+      aria-describedby={id}
+      title={`${label}: drag sideways, or use the arrow keys. ${sentence}`}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.preventDefault();
@@ -60,10 +65,12 @@ export function Scrub({ label, value, unit, tone = "accent", text, low, high, st
       {shown}
     </span>
   );
-  if (!after) return number;
   return (
     <span class="scrub-phrase">
       {number}
+      <span id={id} hidden>
+        {sentence}
+      </span>
       {after}
     </span>
   );

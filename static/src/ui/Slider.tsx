@@ -12,7 +12,7 @@ interface SliderProps extends Range {
   readonly initial: number;
   readonly unit?: string;
   /** One sentence on what it does. */
-  readonly sentence?: string;
+  readonly sentence: string;
   readonly tone?: Tone;
   readonly disabled?: boolean;
   readonly onInput: (value: number) => void;
@@ -48,7 +48,7 @@ export function Slider(props: SliderProps) {
     <div class={`field slider tone-${tone}${value === initial ? "" : " changed"}`}>
       <span class="field-label">
         <label for={`${id}-range`}>{label}</label>
-        {sentence && <Tooltip text={sentence} about={label} />}
+        <Tooltip id={`${id}-says`} text={sentence} about={label} />
       </span>
       <span class="slider-value">
         <input
@@ -74,6 +74,7 @@ export function Slider(props: SliderProps) {
         value={Math.round(fraction * POSITIONS)}
         disabled={disabled}
         aria-valuetext={text}
+        aria-describedby={`${id}-says`}
         title={`${text} (double-click: back to ${written(initial, places)})`}
         style={{ "--filled": `${fraction * 100}%` }}
         onPointerDown={() => {

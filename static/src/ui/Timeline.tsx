@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 
 interface TimelineProps {
@@ -15,6 +15,7 @@ const SLOP_TOUCH = 6;
 
 /** A seek bar over scans. While it is dragged the thumb stays under the finger, whatever the server has reached. */
 export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
+  const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
   const touched = useRef<number | null>(null); // where a finger came down that does not drag yet
@@ -61,6 +62,7 @@ export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
       role="slider"
       tabIndex={0}
       aria-label="Scans in the map"
+      aria-describedby={id}
       aria-valuemin={0}
       aria-valuemax={count}
       aria-valuenow={shown}
@@ -79,6 +81,9 @@ export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
         onSeek(next);
       }}
     >
+      <span id={id} hidden>
+        How much of the log is in the map: what comes later is left out.
+      </span>
       <div class="timeline-track">
         <div class="timeline-done" style={{ transform: `scaleX(${place})` }} />
       </div>

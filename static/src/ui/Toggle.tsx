@@ -1,3 +1,4 @@
+import { useId } from "preact/hooks";
 import { Tooltip } from "./Tooltip";
 
 interface ToggleProps {
@@ -10,11 +11,12 @@ interface ToggleProps {
 
 /** A switch: on or off, at once. */
 export function Toggle({ label, checked, sentence, disabled = false, onChange }: ToggleProps) {
+  const id = useId();
   return (
     <div class="field">
       <span class="field-label">
         <span>{label}</span>
-        {sentence && <Tooltip text={sentence} about={label} />}
+        {sentence && <Tooltip id={id} text={sentence} about={label} />}
       </span>
       <span class="toggle">
         <input
@@ -22,6 +24,7 @@ export function Toggle({ label, checked, sentence, disabled = false, onChange }:
           role="switch"
           aria-checked={checked}
           aria-label={label}
+          {...(sentence ? { "aria-describedby": id } : {})}
           checked={checked}
           disabled={disabled}
           onChange={(event) => onChange(event.currentTarget.checked)}

@@ -1,9 +1,15 @@
-import { useId, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import { Icon } from "./Icon";
 
+interface TooltipProps {
+  readonly text: string;
+  readonly about: string;
+  /** The sentence's id, for a control that is described by it. */
+  readonly id: string;
+}
+
 /** A small "i" that says one sentence: on hover, on focus and on tap. */
-export function Tooltip({ text, about }: { text: string; about: string }) {
-  const id = useId();
+export function Tooltip({ text, about, id }: TooltipProps) {
   const tip = useRef<HTMLSpanElement>(null);
   const button = useRef<HTMLButtonElement>(null);
 

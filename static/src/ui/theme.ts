@@ -22,14 +22,27 @@ deviceDark.addEventListener("change", () => {
   device.value = deviceDark.matches;
 });
 
+/** Whether the page is being printed: paper is light, whatever the person chose. */
+export const printing = signal(false);
+addEventListener("beforeprint", () => {
+  printing.value = true;
+});
+addEventListener("afterprint", () => {
+  printing.value = false;
+});
+
 /** Whether the page is dark right now: what paints with token colours repaints when it changes. */
 export const isDark = signal(false);
 
 effect(() => {
+  const shown = printing.value ? "light" : theme.value;
+  if (shown === "system") delete document.documentElement.dataset.theme;
+  else document.documentElement.dataset.theme = shown;
+  isDark.value = shown === "system" ? device.value : shown === "dark";
+});
+
+effect(() => {
   const choice = theme.value;
-  if (choice === "system") delete document.documentElement.dataset.theme;
-  else document.documentElement.dataset.theme = choice;
-  isDark.value = choice === "system" ? device.value : choice === "dark";
   try {
     if (choice === "system") localStorage.removeItem(KEY);
     else localStorage.setItem(KEY, choice);

@@ -63,6 +63,7 @@ export function Counting({ beams, scans }: CountingProps) {
                       place={place}
                       at={probe.value}
                       label={`Cell to look at, map ${name}`}
+                      sentence="Chooses the cell whose numbers stand under both maps."
                       text={`${written(distanceOf(cell), 2)} metres from the sensor: ${seen ? `log-odds ${written(l, 2)}` : "not observed"}`}
                       tone="ink"
                       step={GEOMETRY.resolution}
@@ -95,6 +96,7 @@ export function Counting({ beams, scans }: CountingProps) {
       <div class="figure-controls no-print">
         <Slider
           label="Beams of a scan"
+          sentence="How many beams the lidar sends all round in one scan."
           value={beams.value}
           initial={180}
           low={36}

@@ -60,6 +60,7 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
       </Plot>
       <Slider
         label="Look at the belief after reading"
+        sentence="Chooses the reading after which the table below states the three numbers."
         value={at}
         initial={total}
         low={0}

@@ -76,6 +76,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
       <div class="figure-controls no-print">
         <Slider
           label="I say: with the clamp, forgotten after"
+          sentence="Your prediction: how many scans the map with the clamp needs to forget the table."
           value={prediction.value}
           initial={20}
           low={1}

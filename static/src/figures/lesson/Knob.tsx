@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import type { Point } from "../../protocol";
 import type { Place } from "./Stage";
 
@@ -7,6 +7,8 @@ interface KnobProps {
   readonly place: Place;
   readonly at: Point;
   readonly label: string;
+  /** One sentence on what it does. */
+  readonly sentence: string;
   /** Where it is, in words. */
   readonly text: string;
   readonly tone?: "robot" | "beam" | "hit" | "miss" | "ink";
@@ -21,7 +23,8 @@ interface KnobProps {
 const WAYS: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 /** A thing in the world that a mouse, a finger or the arrow keys can move. */
-export function Knob({ place, at, label, text, tone = "robot", step, onMove, onTurn, children }: KnobProps) {
+export function Knob({ place, at, label, sentence, text, tone = "robot", step, onMove, onTurn, children }: KnobProps) {
+  const id = useId();
   const grip = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
   const [x, y] = [place.x(at[0]), place.y(at[1])];
   const end = (): void => {
@@ -38,6 +41,7 @@ export function Knob({ place, at, label, text, tone = "robot", step, onMove, onT
       aria-valuemin={Number(place.world(0, 0)[0].toFixed(3))}
       aria-valuemax={Number(place.world(place.width, 0)[0].toFixed(3))}
       aria-valuetext={text}
+      aria-describedby={id}
       transform={`translate(${x} ${y})`}
       onClick={(event) => event.stopPropagation()}
       onPointerDown={(event) => {
@@ -65,6 +69,7 @@ export function Knob({ place, at, label, text, tone = "robot", step, onMove, onT
         else onMove([at[0] + by * step * way[0], at[1] + by * step * way[1]]);
       }}
     >
+      <desc id={id}>{sentence}</desc>
       <circle class="knob-grab" r={22} />
       {children ?? <circle class="knob-dot" r={9} />}
     </g>

@@ -1,6 +1,6 @@
-import { type ReadonlySignal, useSignalEffect } from "@preact/signals";
+import { effect, type ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { byteAt } from "../../belief";
 import { mapColours, palette } from "../../gl/palette";
 import { fromLattice, toLattice } from "../../lattice";
@@ -83,11 +83,16 @@ export function Stage({ geometry, label, grid, greys, lines, children }: StagePr
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useWidth(box, 480);
-  useSignalEffect(() => {
-    void isDark.value;
-    if (canvas.current && grid) paint(canvas.current, grid.value);
-    if (canvas.current && greys) paintGreys(canvas.current, greys.value);
-  });
+  // Before it is shown, and before it is printed.
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        void isDark.value;
+        if (canvas.current && grid) paint(canvas.current, grid.value);
+        if (canvas.current && greys) paintGreys(canvas.current, greys.value);
+      }),
+    [grid, greys],
+  );
   const now = placeOf(geometry, width.value);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>

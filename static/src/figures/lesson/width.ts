@@ -1,16 +1,18 @@
 import { type ReadonlySignal, useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 
-/** The width of an element in whole pixels; `first` until it was measured. */
+/** The width of an element without padding, in whole pixels, from its first paint on; `first` until it has one. */
 export function useWidth(element: RefObject<Element | null>, first: number): ReadonlySignal<number> {
   const width = useSignal(first);
-  useEffect(() => {
+  useLayoutEffect(() => {
     const target = element.current;
     if (!target) return;
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry && entry.contentRect.width > 0) width.value = Math.round(entry.contentRect.width);
-    });
+    const take = (px: number): void => {
+      if (px > 0) width.value = Math.round(px);
+    };
+    take(target.clientWidth);
+    const observer = new ResizeObserver(([entry]) => take(entry?.contentRect.width ?? 0));
     observer.observe(target);
     return () => observer.disconnect();
   }, [element, width]);

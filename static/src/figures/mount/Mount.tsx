@@ -147,6 +147,7 @@ function Robot({ place, correction, set }: RobotProps) {
         place={place}
         at={[believed[0], believed[1]]}
         label="Sensor: where it is on the robot"
+        sentence="Moves the sensor to where the map believes it to be; the readings stay the same."
         text={`${signed(x)} metres forward and ${signed(y)} metres left of its true place`}
         tone="beam"
         step={0.05}
@@ -158,6 +159,7 @@ function Robot({ place, correction, set }: RobotProps) {
         place={place}
         at={tip}
         label="Sensor: which way it looks"
+        sentence="Turns the sensor as the map believes it to look; the readings stay the same."
         text={`turned by ${degrees(yaw)}`}
         tone="beam"
         step={0.05}

@@ -29,6 +29,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
       <div class="figure-controls no-print">
         <Slider
           label="Max range of the lidar"
+          sentence="How far the lidar sees: what is farther away gives no return."
           value={rangeMax.value}
           initial={3}
           low={1}
@@ -65,6 +66,7 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
               place={place}
               at={at.value}
               label={`Robot, map with no returns ${NAMES[policy]}`}
+              sentence="Moves the robot: its scans are taken anew from there, for all three maps."
               text={where}
               step={0.2}
               onMove={(point) => {

@@ -55,7 +55,6 @@ export function moveCursor(store: Store, row: number, col: number, size: Size): 
   if (!next || next.row < 0 || next.col < 0 || next.row >= geometry.rows || next.col >= geometry.cols) return;
   const point = centreOf(geometry, next);
   store.pinned.value = point;
-  store.cursorMoved.value++;
   const view = store.view.peek();
   if (!view) return;
   const [x, y] = toScreen(view, size, ...point);

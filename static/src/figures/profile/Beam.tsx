@@ -1,5 +1,6 @@
 import { written } from "../../ui/numbers";
 import type { Controls } from "./controls";
+import { RangeMaxFlag } from "./grips";
 import { Handle } from "./Handle";
 import { ticks, toPixel } from "./layout";
 import { halfWindow } from "./model";
@@ -57,28 +58,18 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
           </text>
         </g>
       ))}
-      <Handle
-        label="Max range"
-        axis="x"
-        tone="tone-range"
-        now={values.range_max}
-        low={controls.bounds("range_max").low}
-        high={controls.bounds("range_max").high}
-        text={`${written(values.range_max, 1)} metres`}
-        grab={{ x: rangeX - 22, y: -2, width: 44, height: 40 }}
-        {...controls.rangeMax("beam")}
-      >
-        <line class="range-line" x1={rangeX} x2={rangeX} y1={14} y2={beam.bottom} />
-        <path class="knob" d={`M${rangeX - 7} 6h14v8l-7 7l-7 -7z`} />
-        <text
-          class="label-range"
-          x={rangeX + (labelEnd ? -12 : 12)}
-          y={16}
-          text-anchor={labelEnd ? "end" : "start"}
-        >{`max range ${written(values.range_max, 1)} m`}</text>
-      </Handle>
+      <RangeMaxFlag
+        view={view}
+        controls={controls}
+        on="beam"
+        x={rangeX}
+        y={6}
+        down={beam.bottom}
+        label={labelEnd ? { x: rangeX - 12, anchor: "end" } : { x: rangeX + 12, anchor: "start" }}
+      />
       <Handle
         label="Measured range z, on the whole beam"
+        sentence="Moves the reading along the whole beam; the lens follows."
         axis="x"
         tone="tone-beam"
         now={noReturn ? values.range_max : z}

@@ -3,6 +3,7 @@ import { tokenRgb } from "../../style/colour";
 import { signed, written } from "../../ui/numbers";
 import { isDark } from "../../ui/theme";
 import type { Controls } from "./controls";
+import { ReadingPill, WindowEdges } from "./grips";
 import { Handle } from "./Handle";
 import { type Box, ticks, toPixel } from "./layout";
 import { beamModel, halfWindow, increment, type ProfileParameters } from "./model";
@@ -129,6 +130,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       </text>
       <Handle
         label="Opening angle"
+        sentence="Opens the cone in which the echo may have arisen, or closes it."
         axis="y"
         tone="tone-robot"
         now={values.opening}
@@ -145,42 +147,18 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       </Handle>
       {!noReturn && (
         <>
-          {(["near", "far"] as const).map((side) => {
-            const edgeX = x(z + (side === "near" ? -half : half));
-            const out = side === "near" ? -1 : 1;
-            return (
-              <Handle
-                key={side}
-                label={`${side === "near" ? "Near" : "Far"} edge of the arc`}
-                axis="x"
-                tone="tone-hit"
-                now={z + out * half}
-                low={side === "near" ? z - controls.bounds("window").high / 2 : z}
-                high={side === "near" ? z : z + controls.bounds("window").high / 2}
-                text={`arc ${written(2 * half, 2)} metres thick`}
-                grab={{ x: side === "near" ? edgeX - 40 : edgeX - 4, y: axis - 22, width: 44, height: 44 }}
-                {...controls.edge(side)}
-              >
-                <path class="knob" d={`M${edgeX + out * 4} ${axis - 11}l${out * 11} 11l${-out * 11} 11z`} />
-              </Handle>
-            );
-          })}
-          <Handle
-            label="Measured range z"
-            axis="x"
-            tone="tone-beam"
-            now={z}
-            low={0}
-            high={view.total.value}
-            text={`${written(z, 2)} metres`}
-            grab={{ x: zx - 26, y: box.bottom - 22, width: 52, height: 48 }}
-            {...controls.reading("curve")}
-          >
-            <rect class="pill" x={zx - 38} y={box.bottom - 9} width={76} height={22} rx={11} />
-            <text class="label-pill" x={zx} y={box.bottom + 6} text-anchor="middle">
-              {`z ${written(z, 2)} m`}
-            </text>
-          </Handle>
+          <WindowEdges
+            view={view}
+            controls={controls}
+            name="arc"
+            near={x(z - half)}
+            far={x(z + half)}
+            y={axis}
+            top={axis - 22}
+            height={44}
+            widest={controls.bounds("window").high / 2}
+          />
+          <ReadingPill view={view} controls={controls} x={zx} y={box.bottom + 2} above={24} height={48} />
         </>
       )}
       {noReturn && (

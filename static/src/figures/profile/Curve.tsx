@@ -1,5 +1,6 @@
 import { signed, written } from "../../ui/numbers";
 import type { Controls } from "./controls";
+import { RangeMaxFlag, ReadingPill, WindowEdges } from "./grips";
 import { Handle } from "./Handle";
 import { level } from "./handles";
 import { ticks, toPixel } from "./layout";
@@ -169,6 +170,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       {freeTo > curve.left + 30 && (
         <Handle
           label={NAMES[values.model]?.miss ?? "Miss increment"}
+          sentence="How strongly a cell before the reading is argued to be free."
           axis="y"
           tone="tone-miss"
           now={miss.value}
@@ -193,6 +195,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
         <>
           <Handle
             label={NAMES[values.model]?.hit ?? "Hit increment"}
+            sentence="How strongly a cell at the reading is argued to be occupied."
             axis="y"
             tone="tone-hit"
             now={hit.value}
@@ -217,26 +220,17 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
               {hitText}
             </text>
           </Handle>
-          {(["near", "far"] as const).map((side) => {
-            const at = side === "near" ? hitFrom : hitTo;
-            const out = side === "near" ? -1 : 1;
-            return (
-              <Handle
-                key={side}
-                label={`${side === "near" ? "Near" : "Far"} edge of the ${isRamp ? "ramp" : "hit window"}`}
-                axis="x"
-                tone="tone-hit"
-                now={z + (side === "near" ? -half : half)}
-                low={side === "near" ? z - widest : z}
-                high={side === "near" ? z : z + widest}
-                text={`window ${written(2 * half, 2)} metres wide`}
-                grab={{ x: side === "near" ? at - 40 : at - 4, y: edgeTop, width: 44, height: edgeHeight }}
-                {...controls.edge(side)}
-              >
-                <path class="knob" d={`M${at + out * 4} ${edgeAt - 11}l${out * 11} 11l${-out * 11} 11z`} />
-              </Handle>
-            );
-          })}
+          <WindowEdges
+            view={view}
+            controls={controls}
+            name={isRamp ? "ramp" : "hit window"}
+            near={hitFrom}
+            far={hitTo}
+            y={edgeAt}
+            top={edgeTop}
+            height={edgeHeight}
+            widest={widest}
+          />
           <text
             class="label-window"
             x={(hitFrom + hitTo) / 2}
@@ -245,22 +239,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           >
             {half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`}
           </text>
-          <Handle
-            label="Measured range z"
-            axis="x"
-            tone="tone-beam"
-            now={z}
-            low={0}
-            high={view.total.value}
-            text={`${written(z, 2)} metres`}
-            grab={{ x: zx - 26, y: curve.bottom - 26, width: 52, height: 54 }}
-            {...controls.reading("curve")}
-          >
-            <rect class="pill" x={zx - 38} y={curve.bottom + 3} width={76} height={22} rx={11} />
-            <text class="label-pill" x={zx} y={curve.bottom + 18} text-anchor="middle">
-              {`z ${written(z, 2)} m`}
-            </text>
-          </Handle>
+          <ReadingPill view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
         </>
       )}
       {noReturn && (
@@ -268,21 +247,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           {narrow ? "no return" : "no return: the beam found nothing within the max range"}
         </text>
       )}
-      {rangeShown && (
-        <Handle
-          label="Max range, on the curve"
-          axis="x"
-          tone="tone-range"
-          now={values.range_max}
-          low={controls.bounds("range_max").low}
-          high={controls.bounds("range_max").high}
-          text={`${written(values.range_max, 1)} metres`}
-          grab={{ x: rangeX - 20, y: curve.top - 10, width: 40, height: 40 }}
-          {...controls.rangeMax("curve")}
-        >
-          <path class="knob" d={`M${rangeX - 7} ${curve.top}h14v8l-7 7l-7 -7z`} />
-        </Handle>
-      )}
+      {rangeShown && <RangeMaxFlag view={view} controls={controls} on="curve" x={rangeX} y={curve.top} />}
     </g>
   );
 }

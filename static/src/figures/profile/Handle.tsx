@@ -1,8 +1,10 @@
 import type { ComponentChildren } from "preact";
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 
 interface HandleProps {
   readonly label: string;
+  /** One sentence on what it does. */
+  readonly sentence: string;
   readonly now: number;
   readonly low: number;
   readonly high: number;
@@ -21,6 +23,7 @@ interface HandleProps {
 
 /** A thing in an SVG figure that a mouse, a finger or a key can move. */
 export function Handle(props: HandleProps) {
+  const id = useId();
   const start = useRef<{ x: number; y: number } | null>(null);
   const end = (): void => {
     if (start.current) props.onEnd();
@@ -36,6 +39,7 @@ export function Handle(props: HandleProps) {
       aria-valuemin={props.low}
       aria-valuemax={props.high}
       aria-valuetext={props.text}
+      aria-describedby={id}
       aria-orientation={props.axis === "x" ? "horizontal" : "vertical"}
       data-axis={props.axis}
       onPointerDown={(event) => {
@@ -57,6 +61,7 @@ export function Handle(props: HandleProps) {
         if (props.onKey(event.key, event.shiftKey)) event.preventDefault();
       }}
     >
+      <desc id={id}>{props.sentence}</desc>
       <rect class="handle-grab" {...props.grab} />
       {props.children}
     </g>

@@ -1,7 +1,8 @@
-import type { ReadonlySignal } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { effect, type ReadonlySignal } from "@preact/signals";
+import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import type { Range } from "../../ui/numbers";
+import { useWidth } from "../lesson/width";
 import { Beam } from "./Beam";
 import { Cone, ConeCells } from "./Cone";
 import { Curve } from "./Curve";
@@ -50,15 +51,14 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
     return controlsFor(view, bounds, setParameter);
   }, [view, setParameter]);
   const frame = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    const box = frame.current;
-    if (!box) return;
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry && entry.contentRect.width > 0) view.width.value = Math.max(280, Math.round(entry.contentRect.width));
-    });
-    observer.observe(box);
-    return () => observer.disconnect();
-  }, [view]);
+  const measured = useWidth(frame, 720);
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        view.width.value = Math.max(280, measured.value);
+      }),
+    [view, measured],
+  );
 
   const { width, height, curve, strip } = view.layout.value;
   const hover = (event: PointerEvent): void => {

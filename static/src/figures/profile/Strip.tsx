@@ -1,3 +1,4 @@
+import { useId } from "preact/hooks";
 import { keyed, signed, written } from "../../ui/numbers";
 import { ticks, toPixel } from "./layout";
 import { beamModel, cellAt, cellIncrement, cellZone, hitCells, isStepped, type Zone } from "./model";
@@ -8,6 +9,7 @@ const CLASS: Record<Zone, string> = { free: "cells-miss", hit: "cells-hit", beyo
 
 /** The same beam on a row of real cells, each in the colour of the evidence that it gets. */
 export function Strip({ view }: { view: ProfileView }) {
+  const id = useId();
   const { strip, curve } = view.layout.value;
   const values = view.values.value;
   const z = view.z.value;
@@ -103,11 +105,13 @@ export function Strip({ view }: { view: ProfileView }) {
           {`${written(tick, decimalsOf(places))}${tick === places[places.length - 1] ? " m" : ""}`}
         </text>
       ))}
+      <desc id={id}>Goes along the beam from cell to cell and says what each one gains.</desc>
       <rect
         class="strip-cursor"
         role="slider"
         tabindex={0}
         aria-label="Cell along the beam"
+        aria-describedby={id}
         aria-valuemin={first}
         aria-valuemax={last}
         aria-valuenow={marked ?? cellAt(z, resolution)}

@@ -88,6 +88,7 @@ export function Program() {
                 place={place}
                 at={at.value}
                 label="Robot"
+                sentence="Moves the robot: the program then runs on the scan from there."
                 text={`${written(at.value[0], 2)} m, ${written(at.value[1], 2)} m`}
                 step={0.05}
                 onMove={(point) => {

@@ -1,5 +1,5 @@
 import { computed, useSignal } from "@preact/signals";
-import { useMemo, useRef } from "preact/hooks";
+import { useId, useMemo, useRef } from "preact/hooks";
 import { amanatidesWoo } from "../../amanatidesWoo";
 import type { Cell } from "../../lattice";
 import type { Point } from "../../protocol";
@@ -76,6 +76,7 @@ export function Rays() {
               place={place}
               at={from.value}
               label="Where the sensor is"
+              sentence="Moves the cell in which the line begins."
               text={named(from.value)}
               step={1}
               onMove={(point) => {
@@ -86,6 +87,7 @@ export function Rays() {
               place={place}
               at={to.value}
               label="Where the beam ends"
+              sentence="Moves the cell in which the line ends; all the way round the sensor are the eight octants."
               text={named(to.value)}
               tone="beam"
               step={1}
@@ -172,6 +174,7 @@ const CHART = { width: 720, height: 92, left: 34, middle: 46 };
 
 /** ∇ at every cell as a bar: at or above zero the next step is diagonal. A bar can be chosen. */
 function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: number) => void }) {
+  const id = useId();
   const count = Math.max(1, line.steps.length);
   const wide = (CHART.width - CHART.left) / Math.max(count, 12);
   const most = Math.max(1, ...line.steps.map(({ nabla }) => Math.abs(nabla ?? 0)));
@@ -186,6 +189,7 @@ function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: numbe
       role="slider"
       tabIndex={0}
       aria-label="Step of the line"
+      aria-describedby={id}
       aria-valuenow={at + 1}
       aria-valuemin={1}
       aria-valuemax={line.steps.length}
@@ -201,6 +205,9 @@ function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: numbe
         onGo(next);
       }}
     >
+      <span id={id} hidden>
+        Goes through the cells of the line, and shows how far it has come at each.
+      </span>
       <svg viewBox={`0 0 ${CHART.width} ${CHART.height}`} role="presentation">
         <text class="axis-title" x={8} y={CHART.middle + 6}>
           ∇

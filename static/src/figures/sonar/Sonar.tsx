@@ -104,6 +104,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
                     place={place}
                     at={probe.value}
                     label={`Cell to look at, ${name}`}
+                    sentence="Chooses the cell whose numbers stand under both maps."
                     text={text}
                     tone="ink"
                     step={GEOMETRY.resolution}
@@ -125,6 +126,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
       <div class="figure-controls no-print">
         <Slider
           label="Readings taken in"
+          sentence="How many of the robot’s sonar readings both maps are made of, in the order in which they came."
           value={count.value}
           initial={ALL}
           low={1}

@@ -118,6 +118,7 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
       </p>
       <Slider
         label="My guess"
+        sentence="After how many scans without the table the map with the clamp will hold its cells free."
         unit="scans"
         value={guess ?? FIRST_GUESS}
         initial={FIRST_GUESS}

@@ -76,6 +76,7 @@ export function Thresholds() {
       <div class="figure-controls no-print">
         <Slider
           label="free_thresh that the reader uses"
+          sentence="Below this occupancy the reader takes a cell for free; an unknown cell is written as 0.196."
           value={readFree.value}
           initial={STATED.free}
           low={0.1}
@@ -157,6 +158,11 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
           <Handle
             key={which}
             label={which === "free" ? "Free below" : "Occupied above"}
+            sentence={
+              which === "free"
+                ? "A cell less probable than this is written as free."
+                : "A cell more probable than this is written as occupied."
+            }
             axis="x"
             tone={which === "free" ? "tone-miss" : "tone-hit"}
             now={now}

@@ -1,7 +1,7 @@
 /** Why a cell is what it is: every beam that touched it, and what each of them added. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import type { Touch, WhyMessage } from "../../protocol";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
@@ -100,6 +100,7 @@ interface StoryProps {
 }
 
 function Story({ store, hitWindow, scrub }: StoryProps) {
+  const id = useId();
   const why = store.why.value;
   const touch = store.touch.value;
   const total = why?.total ?? 0;
@@ -120,12 +121,16 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
           ref={scrub}
           type="range"
           aria-label="Touches of this cell"
-          aria-valuetext={touch ? `touch ${n} of ${total}: ${describe(touch, hitWindow.value)}` : ""}
+          aria-describedby={id}
+          aria-valuetext={touch ? `touch ${n} of ${total}: ${describe(touch, hitWindow.value)}` : "no touch yet"}
           min={1}
           max={Math.max(1, total)}
           value={n}
           onInput={(event) => choose(Number(event.currentTarget.value))}
         />
+        <span id={id} hidden>
+          Goes through the beams that touched this cell, first to last, and says what each did to its log-odds.
+        </span>
         <Button
           kind="quiet"
           icon="stepForward"

@@ -258,6 +258,7 @@ export function CellSection({ id, number, title }: { id: string; number: number;
         Feed the cell. A <b class="noun-hit">hit</b> adds{" "}
         <Scrub
           label="evidence of a hit"
+          sentence="By how much a hit raises the log-odds of the cell."
           value={log_odds_hit}
           text={signed(log_odds_hit)}
           tone="hit"
@@ -270,6 +271,7 @@ export function CellSection({ id, number, title }: { id: string; number: number;
         a <b class="noun-miss">miss</b> adds{" "}
         <Scrub
           label="evidence of a miss"
+          sentence="By how much a miss lowers the log-odds of the cell."
           value={log_odds_miss}
           text={signed(log_odds_miss)}
           tone="miss"

@@ -34,6 +34,7 @@ export function CountingSection({ id, number, title }: { id: string; number: num
         Log-odds may be added when the readings are independent, given the map. Are the{" "}
         <Scrub
           label="beams of a scan"
+          sentence="How many beams the lidar sends all round in one scan."
           value={beams.value}
           text={`${beams.value} beams`}
           tone="beam"
@@ -47,6 +48,7 @@ export function CountingSection({ id, number, title }: { id: string; number: num
         of one scan? Here is a map after{" "}
         <Scrub
           label="scans"
+          sentence="How many times the robot looks from the same place."
           value={scans.value}
           text={scans.value === 1 ? "1 scan" : `${scans.value} scans`}
           tone="beam"

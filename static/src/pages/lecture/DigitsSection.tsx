@@ -34,6 +34,7 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         Here a cell is hit{" "}
         <Scrub
           label="hits"
+          sentence="How many readings in a row say that the cell is occupied."
           value={hits}
           tone="hit"
           low={0}
@@ -48,6 +49,7 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         then the wall is torn down and{" "}
         <Scrub
           label="misses"
+          sentence="How many readings after them say that it is free."
           value={misses}
           tone="miss"
           low={0}
@@ -61,6 +63,7 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         pass. One reading alone says{" "}
         <Scrub
           label="probability that one hit gives"
+          sentence="How sure one reading alone is; a miss is as sure of the opposite."
           value={pHit}
           tone="hit"
           low={0.55}

@@ -34,6 +34,7 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
         The second assumption said that the world stands still. It does not. Here a table has stood before the robot for{" "}
         <Scrub
           label="scans with the table"
+          sentence="For how many scans the table was seen before it goes."
           value={seen.value}
           text={`${seen.value} scans`}
           tone="hit"
@@ -48,6 +49,7 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
         The mapper’s clamp keeps ℓ between{" "}
         <Scrub
           label="lower clamp"
+          sentence="The least log-odds that a cell can have."
           value={low}
           text={signed(low, 1)}
           tone="miss"
@@ -61,6 +63,7 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
         and{" "}
         <Scrub
           label="upper clamp"
+          sentence="The greatest log-odds that a cell can have."
           value={high}
           text={signed(high, 1)}
           tone="hit"

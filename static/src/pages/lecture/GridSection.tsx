@@ -58,6 +58,7 @@ export function GridSection({ id, number, title }: { id: string; number: number;
         with{" "}
         <Scrub
           label="prior of a cell"
+          sentence="How probable it was, before any reading, that a cell is occupied."
           value={100 * prior}
           unit="%"
           tone="prior"
@@ -69,6 +70,7 @@ export function GridSection({ id, number, title }: { id: string; number: number;
         before. The sonar is wrong in{" "}
         <Scrub
           label="error of the sonar"
+          sentence="How often the sonar hears an echo from an empty arc, or none from an occupied one."
           value={100 * sonarError}
           unit="%"
           tone="beam"
@@ -80,6 +82,7 @@ export function GridSection({ id, number, title }: { id: string; number: number;
         of its answers. Then a narrow beam, wrong in{" "}
         <Scrub
           label="error of the narrow beam"
+          sentence="How often the narrow beam is wrong about a cell."
           value={100 * beamError}
           unit="%"
           tone="beam"

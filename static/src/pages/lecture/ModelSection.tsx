@@ -63,6 +63,7 @@ export function ModelSection({ id, number, title }: { id: string; number: number
         everything before z, so those cells get evidence for <b class="noun-miss">free</b>. Around z, in a window{" "}
         <Scrub
           label="hit window r"
+          sentence="How wide the zone around the reading is that counts as hit."
           value={r}
           unit="m"
           tone="hit"
@@ -75,6 +76,7 @@ export function ModelSection({ id, number, title }: { id: string; number: number
         the beam says nothing. And what comes from beyond{" "}
         <Scrub
           label="max range"
+          sentence="A reading from farther away counts as no return."
           value={range_max}
           unit="m"
           tone="prior"

@@ -36,6 +36,7 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
         Some beams come back with nothing: the hall is larger than the sensor’s reach of{" "}
         <Scrub
           label="reach of the lidar"
+          sentence="How far the lidar sees: what is farther away gives no return."
           value={rangeMax.value}
           unit="m"
           tone="beam"

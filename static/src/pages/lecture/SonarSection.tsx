@@ -86,6 +86,7 @@ export function SonarSection({ id, number, title }: { id: string; number: number
         A laser beam is thin; a sonar’s is a cone, here{" "}
         <Scrub
           label="opening of the cone"
+          sentence="The angle, from edge to edge, in which a sonar hears an echo."
           value={Math.round(opening / DEGREE)}
           text={`${Math.round(opening / DEGREE)}° wide`}
           tone="beam"
@@ -99,6 +100,7 @@ export function SonarSection({ id, number, title }: { id: string; number: number
         to z, and somewhere on the arc at z, within a window of{" "}
         <Scrub
           label="hit window of the cone"
+          sentence="How thick the arc is that counts as hit."
           value={r}
           unit="m"
           tone="hit"

@@ -20,19 +20,16 @@ export function show(lessons: readonly Lesson[], index: number): void {
 
 /** Begin with the section that is in sight, or end. */
 export function setPresenting(lessons: readonly Lesson[], on: boolean): void {
-  if (on) slide.value = sectionInSight(lessons);
+  if (on) slide.value = Math.max(0, sectionInSight(lessons));
   presenting.value = on;
   show(lessons, slide.peek());
 }
 
-/** The last section whose head is above the middle of the window. */
-export function sectionInSight(lessons: readonly Lesson[]): number {
+/** The last section whose head is above the middle of the window; −1 above the first. */
+export function sectionInSight(lessons: readonly { readonly id: string }[]): number {
   const middle = innerHeight / 2;
   const tops = lessons.map(({ id }) => document.getElementById(id)?.getBoundingClientRect().top ?? Number.MAX_VALUE);
-  return Math.max(
-    0,
-    tops.findLastIndex((top) => top < middle),
-  );
+  return tops.findLastIndex((top) => top < middle);
 }
 
 /** What a key does while presenting; null where the key is not ours. */

@@ -1,0 +1,77 @@
+import { useSignal } from "@preact/signals";
+import { useEffect, useId, useRef } from "preact/hooks";
+import { Icon } from "../../ui/Icon";
+import { LESSONS } from "./lessons";
+import { sectionInSight } from "./present";
+import "./sectionList.css";
+
+/** All sections, the one in sight marked: beside the lecture where there is room, else a bar that unfolds. */
+export function SectionList() {
+  const id = useId();
+  const root = useRef<HTMLElement>(null);
+  const here = useSignal(-1);
+  const open = useSignal(false);
+  useEffect(() => {
+    let frame = 0;
+    const look = (): void => {
+      frame ||= requestAnimationFrame(() => {
+        frame = 0;
+        here.value = sectionInSight(LESSONS);
+      });
+    };
+    look();
+    const stop = new AbortController();
+    addEventListener("scroll", look, { passive: true, signal: stop.signal });
+    addEventListener("resize", look, { passive: true, signal: stop.signal });
+    const away = (event: Event): void => {
+      if (!root.current?.contains(event.target as Node)) open.value = false;
+    };
+    addEventListener("pointerdown", away, { signal: stop.signal });
+    addEventListener("focusin", away, { signal: stop.signal });
+    return () => {
+      stop.abort();
+      cancelAnimationFrame(frame);
+    };
+  }, [here, open]);
+  const now = LESSONS[here.value];
+  return (
+    <nav
+      class={`section-list no-print${open.value ? " open" : ""}`}
+      ref={root}
+      aria-label="Sections of the lecture"
+      onKeyDown={(event) => {
+        if (event.key !== "Escape" || !open.value) return;
+        open.value = false;
+        root.current?.querySelector("button")?.focus();
+      }}
+    >
+      <button
+        type="button"
+        aria-expanded={open.value}
+        aria-controls={id}
+        onClick={() => {
+          open.value = !open.value;
+        }}
+      >
+        <span class="section-list-word">Sections</span>
+        <span class="section-list-now">{now ? `${here.value + 1} ${now.title}` : ""}</span>
+        <Icon name="unfold" />
+      </button>
+      <ol id={id}>
+        {LESSONS.map(({ id: anchor, title }, i) => (
+          <li key={anchor}>
+            <a
+              href={`#${anchor}`}
+              {...(i === here.value ? { "aria-current": "location" as const } : {})}
+              onClick={() => {
+                open.value = false;
+              }}
+            >
+              <span class="section-list-number">{i + 1}</span> {title}
+            </a>
+          </li>
+        ))}
+      </ol>
+    </nav>
+  );
+}
