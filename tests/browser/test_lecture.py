@@ -70,6 +70,9 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     # The anchor is where it belongs, though all that is far above it is not set up, and stays there.
     at = section.evaluate("e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)")
     assert abs(at) < 2
+    # The section in sight is marked in the list beside the lecture, and another one is a key press away.
+    sections = page.get_by_role("navigation", name="Sections of the lecture")
+    expect(sections.locator("[aria-current]")).to_have_text(re.compile(r"7\s+Sonar and its cone"))
     assert page.locator(".figure-awaited").count() >= 4
     page.mouse.move(700, 500)
     for way in (-700, 700):
@@ -78,6 +81,10 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
             page.wait_for_timeout(30)
     expect(page.locator("#sonar .figure-awaited, #forgetting .figure-awaited, #cell .figure-awaited")).to_have_count(0)
     assert page.evaluate("window.moved") < 0.02
+    sections.get_by_role("link", name="Rays on a grid").focus()
+    page.keyboard.press("Enter")
+    expect(sections.locator("[aria-current]")).to_have_text(re.compile("Rays on a grid"))
+    expect(page.locator("#rays h2")).to_be_in_viewport()
 
 
 # --- 1: independence -------------------------------------------------------------------------------------------------

@@ -181,7 +181,7 @@ function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
           <button
             key={`cell-${i + 1}`}
             type="button"
-            class="cone-cell"
+            class="cone-cell printed"
             aria-label={`Cell ${i + 1}: ${WORDS[look]}. Grid map ${percent(grid[i] ?? 0)}, joint ${percent(marginals[i] ?? 0)}. Press to change what the beam saw`}
             style={{
               left: `${(100 * x) / WIDTH}%`,
