@@ -51,6 +51,8 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
             )
         )
     forward = steps[steps > 0.0]
+    if not forward.size:
+        return found
     usual = float(np.median(forward))
     gap = steps > max(GAP_S, 5.0 * usual)
     if gap.any():

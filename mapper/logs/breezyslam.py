@@ -22,8 +22,9 @@ from mapper.errors import LimitError, ReadError
 from mapper.geometry import wrap_angle
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
-from mapper.logs.lines import Progress, TextLines, take_lines
+from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
 
 WHEEL_RADIUS = 0.077  #: metres
@@ -92,7 +93,7 @@ def wheel_poses(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
 def read_breezyslam(
     path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the BreezySLAM log at ``path``, plain or gzip.
+    """Return the BreezySLAM log at ``path``, plain or packed.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """

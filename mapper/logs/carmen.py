@@ -34,8 +34,9 @@ from mapper.geometry import compose, inverse, wrap_angle
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
 from mapper.logs.interpolation import poses_at_scans, restarts, without_restarts
-from mapper.logs.lines import Progress, TextLines, take_lines
+from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack, note_on_largest_reading
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Topic, Trajectory
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
@@ -350,7 +351,7 @@ def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Be
 def read_carmen(
     path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CARMEN log at ``path``, plain or gzip; ``topic`` is the word of the sensor's lines.
+    """Return the CARMEN log at ``path``, plain or packed; ``topic`` is the word of the sensor's lines.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """

@@ -28,8 +28,9 @@ import numpy as np
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
-from mapper.logs.lines import Progress, TextLines, take_lines
+from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
 
 COLUMNS = ("stamp", "x", "y", "theta")
@@ -100,7 +101,7 @@ class _Reader:
 def read_csv_scans(
     path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the CSV log at ``path``, plain or gzip.
+    """Return the CSV log at ``path``, plain or packed.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """

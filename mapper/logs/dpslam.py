@@ -12,8 +12,9 @@ from mapper.errors import ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
 from mapper.logs.carmen import front_laser_beams
-from mapper.logs.lines import Progress, TextLines, take_lines
+from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
 
 WORDS = frozenset({"Odometry", "Laser"})
@@ -56,7 +57,7 @@ class _DpslamReader:
 def read_dpslam(
     path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
-    """Return the DP-SLAM log at ``path``, plain or gzip; its stamps are zero.
+    """Return the DP-SLAM log at ``path``, plain or packed; its stamps are zero.
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """

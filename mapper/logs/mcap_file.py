@@ -26,8 +26,8 @@ from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs.bytestream import ByteStream, byte_stream
 from mapper.logs.inflate import inflate
-from mapper.logs.lines import Progress, opened
 from mapper.logs.recording import Recording
+from mapper.logs.unpacking import Progress, opened
 from mapper.scan import ScanLog
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -37,6 +37,7 @@ SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")  #: channel, sequence, log time, publish time
 _END = struct.Struct("<BQQQI8s")  #: the footer record (summary start, summary offset start, CRC) and the magic bytes
+_AFTER_CRC = 12  #: bytes of the file's end from the summary's checksum on
 MAX_SUMMARY_BYTES = 1 << 24
 _BAD_RECORD = (struct.error, ValueError, McapError, MemoryError, OverflowError)
 
@@ -56,6 +57,8 @@ def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
         if at + 9 > n:
             raise _CutError
         opcode, size = _RECORD.unpack_from(data, at)
+        if opcode == 0:
+            raise _DamagedError
         end = at + 9 + size
         if end > n:
             raise _CutError
@@ -70,6 +73,7 @@ class _Mcap:
         self.limits = limits
         self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
         self.expanded = 0
+        self.records = 0
 
     def read(self) -> None:
         """Hand everything to the recording that can be read; note what cannot."""
@@ -93,11 +97,15 @@ class _Mcap:
         end = file.read(_END.size)
         if len(end) < _END.size or not end.endswith(MAGIC):
             return
-        opcode, length, start, _, _, _ = _END.unpack(end)
-        if opcode != Opcode.FOOTER or length != 20 or not len(MAGIC) < start < size:
+        opcode, length, start, _, stated, _ = _END.unpack(end)
+        if opcode != Opcode.FOOTER or length != 20 or not len(MAGIC) < start < size - _END.size:
             return
         file.seek(start)
         summary = file.read(min(size - start, MAX_SUMMARY_BYTES))
+        # The checksum is that of the summary and of the footer up to where it stands itself.
+        if stated and len(summary) == size - start and zlib.crc32(summary[:-_AFTER_CRC]) != stated:
+            self._note("The summary at the file's end has not the checksum that it states, and is not used.")
+            return
         with contextlib.suppress(_CutError, _DamagedError):
             for opcode, at, stop in _records(summary):
                 if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
@@ -112,6 +120,7 @@ class _Mcap:
         opcode, size = _RECORD.unpack(head)
         if opcode == 0:
             raise _DamagedError
+        self._count_record()
         if opcode in (Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.DATA_END):
             at = self.stream.at
             content = self.stream.read(size)
@@ -159,12 +168,18 @@ class _Mcap:
             return
         try:
             for opcode, start, end in _records(data):
+                self._count_record()
                 self._content(opcode, data, start, end)
         except _DamagedError:
             self._note(damaged)
         except _CutError:
             if not cut:
                 self._note(damaged)
+
+    def _count_record(self) -> None:
+        self.records += 1
+        if self.records > self.limits.max_messages:
+            raise LimitError("log.too_many_messages", f"The file has more than {self.limits.max_messages} records.")
 
     def _content(self, opcode: int, data: bytes, start: int, end: int) -> None:
         """Take a message, a channel or a schema."""

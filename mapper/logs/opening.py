@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import os
-import zlib
 from collections.abc import Callable
 from pathlib import Path
-
-import zstandard
 
 from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
-from mapper.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
-from mapper.logs.lines import GZIP_MAGIC, Progress, opened
+from mapper.logs.inflate import ZSTD_MAGIC
+from mapper.logs.lines import BOM
+from mapper.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
 from mapper.scan import ScanLog
 
 HEAD = 1 << 16  #: bytes that the kind is read from
-PACKED_HEAD = 1 << 18  #: bytes read for it: a whole block of Zstandard data, which gives nothing before its end
 
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
@@ -29,6 +26,10 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BM", "a BMP picture"),
     (b"P5", "a PGM picture"),
     (b"%PDF", "a PDF document"),
+    (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
+    (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
+    (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
+    (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
 )
 
 Reader = Callable[[Path, Limits, Progress | None, str | None], ScanLog]
@@ -98,36 +99,25 @@ def _reader_for(file: Path) -> Reader:
     for format_words, reader in TEXT:
         if words & format_words:
             return reader
-    for begins, reader in NUMBERS:
-        if begins(head):
-            return reader
-    if cut and b"\n" not in head:
-        raise ReadError("log.truncated", "The compressed data ends early, before the first line of a log.")
+    if not cut or b"\n" in head:  # half a line of numbers looks like another format's
+        for begins, reader in NUMBERS:
+            if begins(head):
+                return reader
+    if cut:
+        raise ReadError("log.truncated", "The packed data ends early, before it tells what kind of log it is.")
     raise _not_a_log(head)
 
 
 def _head(file: Path) -> tuple[bytes, bool]:
-    """Return the log's first bytes, and whether they are compressed data that ends early."""
+    """Return the log's first bytes, and whether they are all of packed data that ends early."""
+    head = b""
     with opened(file) as stream:
-        try:
-            head = stream.read(PACKED_HEAD)
-        except OSError as error:
-            raise ReadError("log.unreadable", f"The file {file.name!r} cannot be read: {error.strerror}.") from error
-    if head.startswith(ZSTD_MAGIC):
-        unzstd = zstandard.ZstdDecompressor(max_window_size=MAX_WINDOW).stream_reader(head, read_across_frames=True)
-        try:
-            text = unzstd.read(HEAD)
-        except zstandard.ZstdError as error:
-            raise ReadError("log.compression", f"The zstd data is damaged at its beginning: {error}.") from error
-        return text, not text and zstandard.frame_content_size(head) != 0
-    if not head.startswith(GZIP_MAGIC):
-        return head[:HEAD], False
-    unzip = zlib.decompressobj(zlib.MAX_WBITS | 16)
-    try:
-        text = unzip.decompress(head, HEAD)
-    except zlib.error as error:
-        raise ReadError("log.gzip", f"The gzip data is damaged at its beginning: {error}.") from error
-    return text, len(head) < PACKED_HEAD and not unzip.eof
+        unpacked = Unpacked(stream, lambda: "at the beginning")
+        for piece in unpacked:
+            head += piece
+            if len(head) >= HEAD:
+                break
+    return head[:HEAD].removeprefix(BOM), unpacked.cut
 
 
 def _first_words(head: bytes) -> set[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
 from mapper.logs.inflate import ZSTD_MAGIC, inflate
-from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, Beams, plain_type
+from mapper.logs.names import printable
+from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, Beams, StampedPose, plain_type
 from mapper.logs.transforms import FrameTree, Poses3, Timeline
 from mapper.scan import ScanLog, Topic, Trajectory
 
@@ -40,11 +41,11 @@ class _Channel:
 class _Sensor:
     """The scans of one sensor, as they come."""
 
-    def __init__(self, topic: str, kind: str, first: Beams) -> None:
+    def __init__(self, topic: str, kind: str, frame: str, beam_width: float) -> None:
         self.topic = topic
         self.kind = kind
-        self.frame = first.frame
-        self.beam_width = max(0.0, first.beam_width)
+        self.frame = frame
+        self.beam_width = max(0.0, beam_width)
         self.stamps = array("q")
         self._numbers: dict[_Geometry, int] = {}
         self._of_scan = array("q")  #: the number of each scan's geometry
@@ -148,7 +149,7 @@ class Recording:
         """
         if len(self._channels) >= self.limits.max_topics and key not in self._channels:
             raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
-        name, kind = topic[:200], plain_type(kind)[:200]
+        name, kind = printable(topic[:200]), printable(plain_type(kind)[:200])
         known = self._channels.get(key)
         if known is not None and (known.topic, known.kind, known.cdr) == (name, kind, cdr):
             return
@@ -209,13 +210,14 @@ class Recording:
             )
         name = channel.topic
         sensor = self._sensors.get(name)
-        if sensor is not None and sensor.frame != beams.frame:  # several sonars may share a topic
-            name = f"{channel.topic}#{beams.frame[:100]}"
+        frame = printable(beams.frame)
+        if sensor is not None and sensor.frame != frame:  # several sonars may share a topic
+            name = f"{channel.topic}#{frame[:100]}"
             sensor = self._sensors.get(name)
         if sensor is None:
             if len(self._sensors) >= self.limits.max_topics:
                 raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} sensors.")
-            sensor = self._sensors[name] = _Sensor(name, channel.kind, beams)
+            sensor = self._sensors[name] = _Sensor(name, channel.kind, frame, beams.beam_width)
         sensor.add(_stamp(beams.stamp_ns, stamp_ns), beams)
 
     def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
@@ -224,11 +226,12 @@ class Recording:
                 self._poses[channel.topic] = (channel.kind, Timeline(self.limits))
             self._poses[channel.topic][1].add(_stamp(one.stamp_ns, stamp_ns), one.pose)
             if one.child and len(self._children) < 100:
-                self._children.add(one.child)
+                self._children.add(printable(one.child))
 
     def _take_transforms(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in TRANSFORMS[channel.kind](data, cdr=channel.cdr):
-            self._tf.add(replace(one, stamp_ns=_stamp(one.stamp_ns, stamp_ns)))
+            at = _stamp(one.stamp_ns, stamp_ns)
+            self._tf.add(StampedPose(at, printable(one.frame), printable(one.child), one.pose))
 
     # -- the log ------------------------------------------------------------------------------------------------
 

@@ -19,8 +19,8 @@ from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs.bytestream import ByteStream, byte_stream
 from mapper.logs.inflate import inflate
-from mapper.logs.lines import Progress
 from mapper.logs.recording import Recording
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog
 
 MAGIC = b"#ROSBAG V"
@@ -71,7 +71,10 @@ def _records(data: bytes) -> Iterator[tuple[dict[bytes, bytes], bytes]]:
         at = body + 4 + size
         if at > len(data):
             raise _CutError
-        yield _fields(header), data[body + 4 : at]
+        fields = _fields(header)
+        if b"op" not in fields:
+            raise _DamagedError
+        yield fields, data[body + 4 : at]
 
 
 class _Bag:
@@ -80,6 +83,7 @@ class _Bag:
         self.recording = recording
         self.limits = limits
         self.expanded = 0
+        self.records = 0
 
     def read(self) -> None:
         """Hand everything to the recording that can be read; note what cannot."""
@@ -114,6 +118,9 @@ class _Bag:
         fields = _fields(self._exactly(n))
         (n,) = _U32.unpack(self._exactly(4))
         op = fields.get(b"op")
+        if op is None:
+            raise _DamagedError
+        self._count_record()
         if op == CHUNK:
             at = self.stream.at
             data = self.stream.read(n)
@@ -148,12 +155,18 @@ class _Bag:
             )
         try:
             for fields, content in _records(data):
+                self._count_record()
                 self._content(fields, content)
         except _DamagedError:
             self._note(damaged)
         except _CutError:
             if not cut:
                 self._note(damaged)
+
+    def _count_record(self) -> None:
+        self.records += 1
+        if self.records > self.limits.max_messages:
+            raise LimitError("log.too_many_messages", f"The bag has more than {self.limits.max_messages} records.")
 
     def _content(self, fields: dict[bytes, bytes], content: bytes) -> None:
         """Take a connection or a message."""

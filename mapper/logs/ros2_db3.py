@@ -18,8 +18,9 @@ from urllib.parse import quote
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs.bytestream import byte_stream
-from mapper.logs.lines import Progress
+from mapper.logs.names import printable
 from mapper.logs.recording import Recording
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog
 
 MAGIC = b"SQLite format 3\0"
@@ -42,8 +43,8 @@ def read_ros2_db3(
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if not recording.n_scans:
-            raise ReadError("log.sqlite", f"The SQLite file cannot be read: {str(error)[:100]}.") from error
-        recording.notes.append(f"The SQLite file is damaged ({str(error)[:100]}): what stands before is there.")
+            raise _unreadable(error) from error
+        recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): what stands before is there.")
     finally:
         connection.close()
     return recording.log(path.name, "ROS 2 bag (SQLite)", topic)
@@ -63,10 +64,9 @@ def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
             )
         else:
             with byte_stream(path, limits) as stream:
-                pieces = []
+                data = bytearray()
                 while piece := stream.read(1 << 20):
-                    pieces.append(piece)
-            data = bytearray().join(pieces)
+                    data += piece
             cut = _is_cut(data, len(data))
             data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
             if cut:
@@ -84,8 +84,17 @@ def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
         for pragma in ("trusted_schema=OFF", "query_only=ON", "cell_size_check=ON", "mmap_size=0", "temp_store=MEMORY"):
             connection.execute(f"PRAGMA {pragma}")
     except (sqlite3.Error, OverflowError) as error:
-        raise ReadError("log.sqlite", f"The SQLite file cannot be read: {str(error)[:100]}.") from error
+        raise _unreadable(error) from error
     return connection, cut
+
+
+def _reason(error: Exception) -> str:
+    """Return what SQLite says, which may quote the file."""
+    return printable(" ".join(str(error).split())[:100]).rstrip(".")
+
+
+def _unreadable(error: Exception) -> ReadError:
+    return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}.")
 
 
 def _page_bytes(head: bytes | bytearray) -> int:

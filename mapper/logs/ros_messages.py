@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 
 Pose7 = tuple[float, float, float, float, float, float, float]  #: x y z, and the quaternion x y z w
 
+MOST_ECHOES = 1 << 21  #: of one message, with its intensities: what is more is no scan, and would take gigabytes
+MOST_TRANSFORMS = 1 << 14  #: of one message
+
 
 class BadMessageError(Exception):
     """The bytes are no message of the type that they are said to have."""
@@ -139,6 +142,8 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
 def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
     n = fields.count(4)
     rest = (len(fields.data) - fields.pos) // 4
+    if rest >= MOST_ECHOES:
+        raise BadMessageError
     readings = np.frombuffer(fields.data, fields.order + "f4", rest, fields.pos)
     lengths = np.frombuffer(fields.data, fields.order + "u4", rest, fields.pos).tolist()
     firsts = np.zeros(n, dtype=np.int64)  #: where each beam's first echo stands, after the number of its echoes
@@ -190,7 +195,10 @@ def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
     fields = _Fields(data, cdr=cdr)
     found = []
-    for _ in range(fields.count(72)):
+    n = fields.count(72)
+    if n > MOST_TRANSFORMS:
+        raise BadMessageError
+    for _ in range(n):
         stamp, frame = fields.header()
         child = fields.frame()
         found.append(StampedPose(stamp, frame, child, fields.pose()))

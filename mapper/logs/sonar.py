@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
-from mapper.logs.lines import Progress, TextLines, take_lines
+from mapper.logs.lines import TextLines, take_lines
+from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
 
 READINGS, POSES = "measurement.txt", "poses.txt"
@@ -107,6 +108,7 @@ def read_sonar(
             "which must have the same times.",
         )
     metres = np.where(ranges >= NO_RETURN_MM, np.inf, ranges / 1000.0).astype(np.float32)
+    metres[metres <= 0.0] = np.nan
     pose = np.column_stack([where[:, 1:3] / 1000.0, np.unwrap(np.radians(where[:, 3] / 10.0))])
     if np.abs(pose[:, :2]).max() > limits.max_pose or np.abs(stamps).max() > 1e15:
         raise ReadError("log.pose", f"A pose or a time in {POSES} is absurdly far away.")

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from mapper.errors import LimitError, MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
@@ -232,53 +230,3 @@ def test_a_line_of_100_megabytes_is_refused_without_being_held(tmp_path, peak_me
         open_log(path)
     assert peak_memory() < 12 << 20
     assert caught.value.code == "log.line_too_long"
-
-
-VALID = "".join(
-    [
-        "PARAM robot_frontlaser_offset 0.2 nohost 0\n",
-        *(f"{ODOM}\n{GOOD}\nNEFF 12\nTRUEPOS 1 2 3 4 5 6 7 host 7\n{ROBOT}\n" for _ in range(4)),
-    ]
-).encode()
-CSV = b"angle_min,-1\nangle_increment,0.5\nrange_max,9\nstamp,x,y,theta,ranges\n" + b"1,2,3,0.5,1.5,,inf\n" * 5
-BREEZY = b"1000 0 5 6 " + b"1 " * 20 + b"100 200 0 300 1\n"
-DPSLAM = b"Odometry 1 2 0.5\nLaser 3 1.0 2.0 3.0\n" * 6
-
-
-@st.composite
-def _damaged(draw: st.DrawFn) -> bytes:
-    data = bytearray(draw(st.sampled_from([VALID, DPSLAM, CSV, BREEZY * 5, gzip.compress(VALID, mtime=0)])))
-    for _ in range(draw(st.integers(0, 6))):
-        position = draw(st.integers(0, max(0, len(data) - 1)))
-        kind = draw(st.sampled_from(["flip", "replace", "cut", "insert", "remove"]))
-        if kind == "flip" and data:
-            data[position] ^= 1 << draw(st.integers(0, 7))
-        elif kind == "replace" and data:
-            data[position] = draw(st.integers(0, 255))
-        elif kind == "cut":
-            del data[position:]
-        elif kind == "insert":
-            data[position:position] = draw(st.binary(max_size=8))
-        else:
-            del data[position : position + draw(st.integers(0, 30))]
-    return bytes(data)
-
-
-@settings(max_examples=400)
-@given(data=_damaged())
-def test_nothing_but_our_own_errors_escapes(tmp_path_factory, data):
-    path = tmp_path_factory.getbasetemp() / "fuzz.log"
-    path.write_bytes(data)
-    refusal, log = None, None
-    try:
-        log = open_log(path)
-    except MapperError as error:
-        refusal = error
-    if refusal is not None:
-        assert refusal.code.startswith("log.")
-        assert refusal.message.endswith(".")
-        return
-    assert log is not None
-    assert log.n_scans >= 1
-    assert not np.any(log.ranges[~np.isnan(log.ranges)] <= 0.0)
-    assert all(np.isfinite(trajectory.poses).all() for trajectory in log.trajectories.values())

@@ -37,7 +37,7 @@ SENT: dict[str, tuple[bytes, str]] = {
     "a bomb of zeros": (bomb(b"\0", 300), "log.line_too_long"),
     "a bomb of zeros alone": (bomb(b"\0", 300, b""), "log.binary"),
     "a bomb of empty lines": (bomb(b"\n", 20), "log.too_many_lines"),
-    "a bomb in a bomb": (gzip.compress(bomb(b"\0", 300)), "log.binary"),
+    "a bomb in a bomb": (gzip.compress(bomb(b"\0", 300)), "log.unknown_format"),
     "a line of 20 MB": (LINE + b"FLASER 1 " + b"1 " * 10_000_000, "log.line_too_long"),
     "a gzip file cut in its header": (gzip.compress(LINE)[:9], "log.truncated"),
     "a text file cut in its first line": (LINE[:30], "log.truncated_line"),

@@ -1,0 +1,124 @@
+"""Flipped bits, mistakes in the lines, and lengths that lie: something usable, or one of our own errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.scan import ScanLog
+from tests.hostile import lengths
+from tests.hostile.corpus import (
+    BAGS,
+    MCAPS,
+    PACKINGS,
+    RECORDINGS,
+    SONAR_POSES,
+    SONAR_READINGS,
+    TEXTS,
+    recording,
+    said,
+)
+from tests.hostile.damage import ALL, ROUNDS, flipped, mangled, opened, opened_from
+from tests.mapper.logs import recorded
+
+pytestmark = pytest.mark.timeout(1200)
+
+SEPARATORS = {"csv": ","}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "damaged.log"
+
+
+def seeded(name: str) -> np.random.Generator:
+    return np.random.default_rng(list(name.encode()))
+
+
+@pytest.mark.parametrize("kind", RECORDINGS)
+def test_flipped_bits_in_a_recording(path, kind):
+    data = recording(kind)
+    family = [one for one in RECORDINGS if one[:3] == kind[:3]]
+    rng = seeded(kind)
+    logs = sum(isinstance(opened(path, flipped(rng, data)), ScanLog) for _ in range(-(-ROUNDS // len(family))))
+    assert logs > 0
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_flipped_bits_in_a_text(path, kind):
+    data = TEXTS[kind].encode()
+    rng = seeded(kind)
+    logs = sum(isinstance(opened(path, flipped(rng, data)), ScanLog) for _ in range(ROUNDS))
+    assert 0 < logs < ROUNDS
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_mistakes_in_the_lines_of_a_text(path, kind):
+    rng = seeded(kind)
+    files = (mangled(rng, TEXTS[kind], SEPARATORS.get(kind, " ")) for _ in range(ROUNDS))
+    logs = sum(isinstance(opened(path, data), ScanLog) for data in files)
+    assert 0 < logs < ROUNDS
+
+
+@pytest.mark.parametrize("which", ["measurement.txt", "poses.txt"])
+def test_a_damaged_file_of_a_sonar_ring(tmp_path, which):
+    texts = {"measurement.txt": SONAR_READINGS, "poses.txt": SONAR_POSES}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    rng = seeded(which)
+    logs = 0
+    for i in range(ROUNDS):
+        text = texts[which]
+        (tmp_path / which).write_bytes(mangled(rng, text) if i % 2 else flipped(rng, text.encode()))
+        logs += isinstance(opened_from(tmp_path), ScanLog)
+    assert 0 < logs < ROUNDS
+
+
+@pytest.mark.parametrize("kind", [*TEXTS, "bag-none", "mcap-none", "db3"])
+@pytest.mark.parametrize("packing", PACKINGS)
+def test_flipped_bits_in_packed_data(path, kind, packing):
+    data = PACKINGS[packing](recording(kind) if kind in RECORDINGS else TEXTS[kind].encode())
+    rng = seeded(f"{packing} of {kind}")
+    for _ in range(ROUNDS if ALL else ROUNDS // 5):
+        opened(path, flipped(rng, data))
+
+
+def test_a_lie_in_every_length_of_a_bag(path):
+    data = recorded.write_bag(path, said(1)).read_bytes()
+    places = list(lengths.in_bag(data))
+    assert len(places) > 100
+    for at, size in places:
+        for lie in lengths.lies(size):
+            opened(path, data[:at] + lie + data[at + size :])
+
+
+@pytest.mark.parametrize("chunks", [True, False])
+def test_a_lie_in_every_length_of_an_mcap(path, chunks):
+    # Without checksums, which would tell of the lie before it is met.
+    data = recorded.mcap_bytes(said(1), "none", use_chunking=chunks, enable_crcs=False)
+    places = list(lengths.in_mcap(data))
+    assert len(places) > 80
+    for at, size in places:
+        for lie in lengths.lies(size):
+            opened(path, data[:at] + lie + data[at + size :])
+
+
+def test_a_lie_at_every_place_of_the_messages_in_a_db3(path):
+    """A length stands at a place that is a multiple of four from the message's begin: at some, that is all of them."""
+    messages = said(1)
+    data = recording("db3")
+    for message in messages:
+        content = recorded.serialised(message, 2)
+        start = data.index(content)
+        for at in range(start, start + min(len(content), 160), 4 if ALL else 12):
+            for lie in lengths.lies(4) if ALL else lengths.lies(4)[:2]:
+                opened(path, data[:at] + lie + data[at + 4 :])
+
+
+@pytest.mark.parametrize("kind", [*BAGS, *MCAPS, "db3"])
+def test_a_length_of_four_billion_anywhere(path, kind):
+    data = recording(kind)
+    for at in range(0, len(data) - 4, 1 if ALL else len(data) // 40):
+        opened(path, data[:at] + b"\xff\xff\xff\xff" + data[at + 4 :])
