@@ -11,9 +11,11 @@ import contextlib
 import ctypes
 import math
 import multiprocessing
+import multiprocessing.connection
 import os
 import resource
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -37,10 +39,19 @@ def _start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_
     global _progress  # noqa: PLW0603 - a worker process has no other place that outlives a job
     _progress = progress
     pid.value = os.getpid()
+    threading.Thread(target=_end_with_server, name="end with the server", daemon=True).start()
     # A person who presses Ctrl-C speaks to the server, which ends its workers itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(ValueError, OSError):  # not every system can limit it
         resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+
+
+def _end_with_server() -> None:
+    """End this process when the server is gone: killed, it ends nobody, and what it began must not go on."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        multiprocessing.connection.wait([server.sentinel])
+        os._exit(1)
 
 
 def _note_progress(fraction: float) -> None:

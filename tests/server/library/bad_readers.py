@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import resource
 import signal
 import time
 from collections.abc import Callable
@@ -74,3 +75,12 @@ def _raise() -> None:
 
 def defect(*job: Any) -> LogSummary:
     return _with(_raise, job)
+
+
+def disk_full(*job: Any) -> LogSummary:
+    """What is read cannot be kept: no file may be larger than a hundred bytes."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        return _with(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard)), job)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

@@ -33,8 +33,19 @@ async def settled(library: Library, owner: str, log_id: str) -> Record:
         (bad_readers.loop_in_c, {"read_timeout_s": 5.0}, "log.time"),
         (bad_readers.loop_in_c, {"read_timeout_s": 60.0, "read_cpu_s": 0.3}, "log.reader_died"),
         (bad_readers.eat, {"read_memory_bytes": 1 << 30}, "log.memory"),
+        (bad_readers.disk_full, {}, "log.storage"),
     ],
-    ids=["crash", "leave", "defect", "sleep", "loop", "loop in C", "loop in C, by its processor time", "eat memory"],
+    ids=[
+        "crash",
+        "leave",
+        "defect",
+        "sleep",
+        "loop",
+        "loop in C",
+        "loop in C, by its processor time",
+        "eat memory",
+        "full disk",
+    ],
 )
 async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch, job, limits, code

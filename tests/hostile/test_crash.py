@@ -1,0 +1,126 @@
+"""The whole service on a full disk, and killed in the middle: what is stored opens, and nothing half is seen."""
+
+from __future__ import annotations
+
+import re
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.server.library.small_logs import carmen
+
+ROOT = Path(__file__).parents[2]
+SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
+KEY = "an-upload-with-a-key"
+WHO = {"Cookie": "gridbloom_visitor=" + "v" * 24}
+LONG = carmen(500) * 120
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
+    """The command, in a process that may be killed, and a visitor who is the same after a restart."""
+    process = subprocess.Popen(
+        [*SERVE, str(folder)], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout is not None
+        found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
+        assert found
+        with httpx.Client(base_url=found[0], headers=WHO, timeout=60.0) as client:
+            yield process, client
+    finally:
+        process.kill()
+        _, errors = process.communicate(timeout=30)
+    assert "Traceback" not in errors
+
+
+def until(condition: Callable[[], Any]) -> Any:
+    deadline = time.monotonic() + 60
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    return found
+
+
+def uploads(client: httpx.Client) -> dict[str, dict[str, Any]]:
+    return {log["name"]: log for log in client.get("/api/logs").json()["logs"] if log["source"] == "upload"}
+
+
+def put(client: httpx.Client, name: str, data: bytes) -> httpx.Response:
+    return client.put("/api/logs", params={"name": name}, content=data)
+
+
+def settled(client: httpx.Client, name: str) -> dict[str, Any]:
+    return dict(until(lambda: (log := uploads(client)[name])["state"] not in ("queued", "reading") and log))
+
+
+def opens(client: httpx.Client, name: str) -> bool:
+    answer = client.post("/api/sessions", json={"kind": "log", "log": uploads(client)[name]["id"]})
+    return answer.status_code == 201 and client.delete(f"/api/sessions/{answer.json()['id']}").status_code == 204
+
+
+def files(folder: Path) -> dict[str, int]:
+    """How many files there are of each kind."""
+    return {kind: len(list((folder / "library" / kind).iterdir())) for kind in ("blobs", "packs", "incoming")}
+
+
+@pytest.mark.skipif(not hasattr(resource, "prlimit"), reason="this system cannot limit another process's files")
+def test_a_disk_that_is_full(tmp_path: Path) -> None:
+    with served(tmp_path) as (process, client):
+        assert put(client, "old", carmen(5)).status_code == 202
+        assert settled(client, "old")["state"] == "ready"
+        unlimited = resource.prlimit(process.pid, resource.RLIMIT_FSIZE)
+        for most in (0, 10_000, 300_000, 1 << 20, 2 << 20):
+            resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (most, unlimited[1]))
+            refused = put(client, "new", LONG)
+            assert (refused.status_code, refused.json()["code"]) == (507, "log.storage"), most
+            assert client.get("/livez").status_code == 200
+            assert set(uploads(client)) == {"old"}
+            assert files(tmp_path) == {"blobs": 1, "packs": 1, "incoming": 0}
+            assert opens(client, "old")
+        resource.prlimit(process.pid, resource.RLIMIT_FSIZE, unlimited)
+        assert put(client, "new", LONG).status_code == 202
+        assert settled(client, "new")["state"] == "ready"
+        assert opens(client, "new")
+
+
+def test_a_service_that_is_killed(tmp_path: Path) -> None:
+    with served(tmp_path) as (process, client):
+        assert put(client, "old", carmen(5)).status_code == 202
+        assert settled(client, "old")["state"] == "ready"
+        # In the middle of an upload.
+        with socket.create_connection((client.base_url.host, client.base_url.port or 0)) as half:
+            head = f"PUT /api/logs?name=half&upload={KEY} HTTP/1.1\r\nHost: 127.0.0.1:{client.base_url.port}\r\n"
+            head += f"Cookie: {WHO['Cookie']}\r\nContent-Range: bytes 0-{len(LONG) - 1}/{len(LONG)}\r\n"
+            half.sendall(f"{head}Content-Length: {len(LONG)}\r\n\r\n".encode() + LONG[: len(LONG) // 2])
+            until(lambda: files(tmp_path)["incoming"])
+            process.kill()
+            process.wait(30)
+    with served(tmp_path) as (process, client):
+        assert files(tmp_path) == {"blobs": 1, "packs": 1, "incoming": 0}
+        assert set(uploads(client)) == {"old"}
+        assert opens(client, "old")
+        assert client.get(f"/api/logs/uploads/{KEY}").json() == {"offset": 0}, "it is sent anew"
+        # In the middle of a reading.
+        assert put(client, "long", LONG).status_code == 202
+        until(lambda: uploads(client)["long"]["state"] == "reading")
+        process.send_signal(signal.SIGKILL)
+        process.wait(30)
+    with served(tmp_path) as (_, client):
+        assert opens(client, "old")
+        cut = uploads(client)["long"]
+        assert (cut["state"], cut["error"]["code"]) == ("failed", "log.interrupted")
+        assert files(tmp_path) == {"blobs": 2, "packs": 1, "incoming": 0}
+        assert client.post(f"/api/logs/{cut['id']}/read").status_code == 202
+        assert settled(client, "long")["scans"] == 60_000
+        assert opens(client, "long")

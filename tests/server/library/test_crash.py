@@ -1,0 +1,107 @@
+"""A disk that is full at the n-th write, a process that is killed there, for each n: an upload is there whole or
+not at all.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import multiprocessing
+from collections.abc import Callable
+
+import pytest
+
+from server.library import Library, Record, StorageError
+from server.library.reading import Reader
+from server.settings import Settings
+from tests.server.library import writes
+from tests.server.library.small_logs import carmen, in_pieces
+from tests.server.service import eventually
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+OLD, NEW = carmen(5), carmen(900)
+MOST_WRITES = 40
+
+
+async def ready(library: Library, log_id: str) -> Record:
+    await eventually(lambda: library.get("ann", log_id).state not in ("queued", "reading"))
+    return library.get("ann", log_id)
+
+
+def kept(settings: Settings) -> set[str]:
+    """The files of the library, save those of the database."""
+    root = settings.data_dir / "library"
+    found = {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
+    return {name for name in found if not name.startswith("library.db")}
+
+
+def files_of(*logs: tuple[str, bytes]) -> set[str]:
+    """The files that there are for logs that were read."""
+    return {f"packs/{log_id}.npz" for log_id, _ in logs} | {
+        f"blobs/{hashlib.sha256(data).hexdigest()}" for _, data in logs
+    }
+
+
+async def test_a_disk_that_is_full_at_the_nth_write(library: Library, settings: Settings) -> None:
+    old = await library.put("ann", "old.log", in_pieces(OLD))
+    await library.load("ann", old.id)
+    refused = 0
+    with writes.counted(writes.full) as counted:
+        for before in range(MOST_WRITES):
+            counted.left = before
+            (new,) = await asyncio.gather(library.put("ann", "new.log", in_pieces(NEW, 10_000)), return_exceptions=True)
+            if isinstance(new, Record):
+                break
+            assert isinstance(new, StorageError)
+            assert (new.code, new.message[-1]) == ("log.storage", ".")
+            refused += 1
+            # The disk is as full as before, and everything else goes on.
+            assert kept(settings) == files_of((old.id, OLD)), before
+            library._cache.drop(old.id)
+            assert (await library.load("ann", old.id)).n_scans == 5
+            assert [r.name for r in await library.list("ann") if r.source == "upload"] == ["old.log"]
+        # The new log is stored, though its state can no longer be written: it counts until the next start.
+        assert isinstance(new, Record)
+        assert (await ready(library, new.id)).state == "ready"
+        counted.left = 0
+        with pytest.raises(StorageError):
+            await library.delete("ann", old.id)
+    assert refused >= 9, "each piece, its end, its place and its record"
+    assert (await library.load("ann", new.id)).n_scans == 900
+    assert kept(settings) == files_of((old.id, OLD), (new.id, NEW))
+    await library.delete("ann", new.id)
+    assert kept(settings) == files_of((old.id, OLD))
+
+
+async def test_a_process_that_is_killed_before_its_nth_write(
+    make_library: Callable[..., Library], reader: Reader, settings: Settings
+) -> None:
+    first = make_library()
+    old = await first.put("ann", "old.log", in_pieces(OLD))
+    await first.load("ann", old.id)
+    await first.close()
+    server = multiprocessing.get_context("forkserver")  # a process of one thread, to fork from
+    server.set_forkserver_preload(["tests.server.library.writes"])
+    seen = set()
+    for before in range(MOST_WRITES):
+        process = server.Process(target=writes.upload_and_be_killed, args=(settings.data_dir, NEW, before))
+        process.start()
+        await asyncio.to_thread(process.join, 60)
+        library = make_library()
+        await library.start()
+        assert (await library.load("ann", old.id)).n_scans == 5
+        logs = {r.name: r for r in await library.list("ann") if r.source == "upload"}
+        assert set(logs) in ({"old.log"}, {"old.log", "new.log"}), before
+        if "new.log" in logs:
+            new = logs["new.log"]
+            assert new.error is not None
+            assert new.error.code == "log.interrupted"
+            library.read_again("ann", new.id)
+            assert (await library.load("ann", new.id)).n_scans == 900
+            await library.delete("ann", new.id)
+        assert kept(settings) == files_of((old.id, OLD)), before
+        await library.close()
+        seen.add((process.exitcode, "new.log" in logs))
+        if process.exitcode == 0:
+            break
+    assert seen == {(-9, False), (-9, True), (0, True)}
