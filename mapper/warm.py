@@ -15,6 +15,7 @@ import time
 import numpy as np
 
 import mapper.kernels
+from mapper.compare import compare
 from mapper.grid import TILE
 from mapper.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.kernels.raycast import arc_clearance
@@ -48,7 +49,9 @@ def warm() -> None:
     rows, cols = replay.grid.geometry.shape
     picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
     changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)
-    quantise(replay.grid.log_odds, replay.grid.observed, -2.0, 3.5, 0, rows, 0, cols, TILE, picture, changed)
+    grid = replay.grid
+    quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
+    compare(grid, grid)
 
 
 def kernels() -> dict[str, bool]:

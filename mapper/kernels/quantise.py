@@ -18,6 +18,8 @@ def quantise(
     observed: BoolArray,
     low: float,
     high: float,
+    free_below: float,
+    occupied_above: float,
     row0: int,
     row1: int,
     col0: int,
@@ -31,17 +33,33 @@ def quantise(
     ``log_odds`` (rows, cols) float32, ``observed`` (rows, cols) bool; ``picture`` (rows, cols) int8 is written, and
     ``changed`` (⌈rows / tile⌉, ⌈cols / tile⌉) bool becomes true for each tile of ``tile`` × ``tile`` cells in which a
     cell's value changed. Log-odds ``low`` … ``high`` spread over −127 … 127, values beyond are held at the ends;
-    −128 is "never observed". The part of the box outside the grid is ignored.
+    −128 is "never observed". Each value is the nearest one of the same state, free below and occupied above two
+    log-odds: the picture never shows a cell in another state than it is in. The part of the box outside the grid is
+    ignored.
     """
     rows, cols = log_odds.shape
     scale = 254.0 / (high - low)
+    most_free, least_occupied = -128, 128
+    for step in range(-127, 128):
+        stands_for = low + (step + 127) / 254.0 * (high - low)
+        if stands_for < free_below:
+            most_free = step
+        if stands_for > occupied_above:
+            least_occupied = min(least_occupied, step)
     count = 0
     for r in range(max(row0, 0), min(row1, rows)):
         for c in range(max(col0, 0), min(col1, cols)):
             q = NEVER_OBSERVED
             if observed[r, c]:
-                spread = (float(log_odds[r, c]) - low) * scale
-                q = floor(min(max(spread, 0.0), 254.0) + 0.5) - 127
+                value = float(log_odds[r, c])
+                q = floor(min(max((value - low) * scale, 0.0), 254.0) + 0.5) - 127
+                if value < free_below:
+                    q = min(q, most_free)
+                elif value > occupied_above:
+                    q = max(q, least_occupied)
+                else:
+                    q = min(max(q, most_free + 1), least_occupied - 1)
+                q = min(max(q, -127), 127)
             if picture[r, c] != q:
                 picture[r, c] = int8(q)
                 changed[r // tile, c // tile] = True

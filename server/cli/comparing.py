@@ -40,6 +40,7 @@ def compare(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make two maps, with other parameters, poses or of another log, and say how they differ, cell by cell."""
+    from mapper.compare import STATES, difference  # noqa: PLC0415 - start-up
     from mapper.compare import compare as compare_maps  # noqa: PLC0415 - start-up
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
 
@@ -58,12 +59,21 @@ def compare(
         grids.append(grid)
     with refusing(sides[1][0]):
         found = compare_maps(*grids)
+        apart = difference(*grids).log_odds
     facts = {
         "same": found.same,
         "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in found.changed.items()],
         "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
         "wall_contrast": [round(contrast, 4) for contrast in found.contrast],
-        "log_odds_difference": {"least": float(found.log_odds.min()), "greatest": float(found.log_odds.max())},
+        "cells": found.cells,
+        "states": {a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, found.states.tolist(), strict=True)},
+        "observed": {"only_first": found.only[0], "only_second": found.only[1], "both": found.both},
+        "log_odds_difference": {
+            "least": float(apart.min()),
+            "greatest": float(apart.max()),
+            "mean_absolute": round(found.mean_difference, 4),
+            "greatest_absolute": round(found.max_difference, 4),
+        },
     }
     if as_json:
         print_json(facts)
@@ -71,6 +81,8 @@ def compare(
     typer.echo(f"  {found.same} observed cells are in the same state in both maps")
     for (before, after), cells in found.changed.items():
         typer.echo(f"  {cells} cells: {before} → {after}")
+    typer.echo(f"  {found.only[0]} cells are known only in the first map, {found.only[1]} only in the second")
+    typer.echo(f"  log-odds differ by {found.mean_difference:.3f} on average, {found.max_difference:.3f} at most")
     typer.echo(f"  entropy {found.entropy_bits[0]:.0f} → {found.entropy_bits[1]:.0f} bits")
     typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
 

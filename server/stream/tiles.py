@@ -11,13 +11,15 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.grid import TILE, GridGeometry, OccupancyGrid
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, GridGeometry, OccupancyGrid, log_odds
 from mapper.integrate import CellBox
 from mapper.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.parameters import BY_NAME, MappingConfig
 from server.stream.protocol import TilePayload
 
 ZSTD_LEVEL = 1
+#: Log-odds below which a cell is free, and above which it is occupied.
+STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
 
 def picture_range(config: MappingConfig) -> tuple[float, float]:
@@ -53,7 +55,7 @@ class TilePicture:
         """Bring a box of the picture up to date (worker thread); return how many cells changed."""
         return int(
             quantise(
-                grid.log_odds, grid.observed, self.low, self.high,
+                grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
                 box.row0, box.row1, box.col0, box.col1, TILE, self.cells, self._changed,
             )
         )  # fmt: skip

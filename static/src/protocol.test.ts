@@ -114,14 +114,14 @@ describe("the same geometry on both sides", () => {
     }
   });
 
-  test("a byte means the log-odds that the server quantised, to half a step", () => {
+  test("a byte means the log-odds that the server quantised, to a step", () => {
     const { quantised } = vectors;
-    const half = (quantised.log_odds_max - quantised.log_odds_min) / 254 / 2 + 1e-6;
+    const step = (quantised.log_odds_max - quantised.log_odds_min) / 254 + 1e-6;
     for (const [i, int8] of quantised.int8.entries()) {
       const byte = (int8 & 0xff) ^ 0x80;
       if (!quantised.observed[i]) expect(byte).toBe(0);
       else
-        expect(Math.abs(logOddsAt(byte, quantised) - (quantised.log_odds[i] ?? Number.NaN))).toBeLessThanOrEqual(half);
+        expect(Math.abs(logOddsAt(byte, quantised) - (quantised.log_odds[i] ?? Number.NaN))).toBeLessThanOrEqual(step);
     }
   });
 

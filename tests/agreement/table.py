@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from mapper import textbook
 from mapper.geometry import transform_points
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
 from mapper.integrate import geometry_for, integrate_log
 from mapper.kernels.lines import draw_lines
 from mapper.kernels.quantise import quantise
@@ -100,6 +101,7 @@ def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 
 
 TILE = 8
+BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
 
 def tiles_of(picture: np.ndarray) -> tuple[int, int]:
@@ -110,13 +112,21 @@ def tiles_of(picture: np.ndarray) -> tuple[int, int]:
 def picture_by_kernel(case: PictureCase) -> tuple[Any, ...]:
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
     changed = np.zeros(tiles_of(picture), dtype=np.bool_)
-    count = quantise(case.log_odds, case.observed, case.low, case.high, *case.box, TILE, picture, changed)
+    count = quantise(case.log_odds, case.observed, case.low, case.high, *BOUNDS, *case.box, TILE, picture, changed)
     return picture, changed, count
 
 
 def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
-    spread = (np.clip(case.log_odds.astype(float), case.low, case.high) - case.low) / (case.high - case.low)
-    quantised = np.where(case.observed, np.floor(spread * 254 + 0.5) - 127, -128)
+    def state(log_odds: np.ndarray) -> np.ndarray:
+        return (log_odds > BOUNDS[1]).astype(int) - (log_odds < BOUNDS[0])
+
+    # The nearest of the values that stand for the same state, where there is one.
+    steps = np.arange(-127, 128)
+    stands_for = case.low + (steps + 127) / 254.0 * (case.high - case.low)
+    log_odds = case.log_odds.astype(float)[..., None]
+    away = np.abs(np.clip(log_odds, case.low, case.high) - stands_for)
+    away = away + 1e3 * (state(log_odds) != state(stands_for))
+    quantised = np.where(case.observed, steps[np.argmin(away, axis=-1)], -128)
     row0, row1, col0, col1 = (max(n, 0) for n in case.box)
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
     picture[row0:row1, col0:col1] = quantised[row0:row1, col0:col1]

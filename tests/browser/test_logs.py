@@ -69,7 +69,7 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
     low, high = held["log_odds_min"], held["log_odds_max"]
     p = 1.0 - 1.0 / (1.0 + np.exp(low + (byte - 1.0) / 254.0 * (high - low)))
     shown = np.where(byte == 0, 205, np.where(p > 0.65, 0, np.where(p < 0.25, 254, 205)))
-    assert np.mean(shown == image) >= 0.999
+    np.testing.assert_array_equal(shown, image)
 
     # And what a person sees: zoom in until a cell is several pixels wide, then look at the pixels of a screenshot.
     walls = np.argwhere(image == 0)

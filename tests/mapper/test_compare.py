@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mapper.compare import compare, wall_contrast
+from hypothesis import given
+from hypothesis import strategies as st
+from mapper.compare import compare, difference, wall_contrast
 from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import grid_for, integrate_log
@@ -28,7 +30,10 @@ def test_states_and_differences_by_hand() -> None:
     found = compare(a, b)
     assert found.changed == {("free", "occupied"): 1, ("unknown", "free"): 1}
     assert found.same == 2
-    np.testing.assert_allclose(found.log_odds, [[0.0, 4.0, -2.0, -0.1]], atol=1e-6)
+    assert found.states.tolist() == [[0, 1, 0], [0, 1, 0], [1, 0, 1]]
+    assert (found.only, found.both) == ((1, 1), 2)
+    assert (found.mean_difference, found.max_difference, found.max_at_xy) == (2.0, 4.0, (1.5, 0.5))
+    np.testing.assert_allclose(difference(a, b).log_odds, [[0.0, 4.0, -2.0, -0.1]], atol=1e-6)
     assert found.entropy_bits[0] == pytest.approx(2 * float(entropy(2.0)) + 1 + float(entropy(0.1)))
 
 
@@ -37,8 +42,61 @@ def test_maps_that_lie_apart_are_laid_over_one_another() -> None:
     found = compare(a, b)
     assert found.geometry.shape == (1, 3)
     assert found.changed == {("occupied", "unknown"): 1, ("unknown", "free"): 1}
-    np.testing.assert_allclose(found.log_odds, [[-2.0, 0.0, -2.0]])
-    np.testing.assert_allclose(compare(b, a).log_odds, -found.log_odds)
+    np.testing.assert_allclose(difference(a, b).log_odds, [[-2.0, 0.0, -2.0]])
+    np.testing.assert_allclose(difference(b, a).log_odds, -difference(a, b).log_odds)
+    np.testing.assert_array_equal(compare(b, a).states, found.states.T)
+    assert (found.only, found.both, found.max_difference) == ((1, 1), 1, 0.0)
+
+
+@given(st.integers(0, 2**32 - 1), st.tuples(st.integers(-9, 9), st.integers(-9, 9)))
+def test_the_numbers_are_those_of_plain_numpy(seed: int, offset: tuple[int, int]) -> None:
+    random = np.random.default_rng(seed)
+
+    def some(shape: tuple[int, int], origin: tuple[float, float, float], prior: float) -> OccupancyGrid:
+        out = OccupancyGrid(GridGeometry(1.0, *shape, origin), prior)
+        out.observed = random.random(shape) < 0.6
+        # Some values again and again, as maps have them.
+        values = np.where(random.random(shape) < 0.5, random.uniform(-6, 6, shape), random.integers(-4, 5, shape))
+        out.log_odds = np.where(out.observed, values, prior).astype(np.float32)
+        return out
+
+    a = some((7, 6), (0.0, 0.0, 0.0), 0.0)
+    b = some((5, 8), (float(offset[1]), float(offset[0]), 0.0), 0.25)
+    # Both on a large sheet, cell by cell.
+    sheet = [(np.full((40, 40), prior), np.zeros((40, 40), dtype=bool)) for prior in (0.0, 0.25)]
+    for (values, seen), grid, (row, col) in zip(sheet, (a, b), ((0, 0), offset), strict=True):
+        part = np.s_[15 + row : 15 + row + grid.geometry.rows, 15 + col : 15 + col + grid.geometry.cols]
+        values[part], seen[part] = grid.log_odds, grid.observed
+    (la, sa), (lb, sb) = sheet
+    pa, pb = 1.0 / (1.0 + np.exp(-la)), 1.0 / (1.0 + np.exp(-lb))
+    state_a, state_b = (
+        np.where(seen & (p < 0.25), 0, np.where(seen & (p > 0.65), 1, 2)) for p, seen in ((pa, sa), (pb, sb))
+    )
+    found = compare(a, b)
+    table = np.array([[np.sum((state_a == i) & (state_b == j)) for j in range(3)] for i in range(3)])
+    table[2, 2] += found.cells - table.sum()  # the sheet is larger than the lattice that holds both
+    np.testing.assert_array_equal(found.states, table)
+    assert found.cells == found.geometry.rows * found.geometry.cols
+    assert found.same == np.sum((sa | sb) & (state_a == state_b))
+    assert found.only == (np.sum(sa & ~sb), np.sum(sb & ~sa))
+    assert found.both == np.sum(sa & sb)
+    for p, bits in zip((pa, pb), found.entropy_bits, strict=True):
+        seen_p = p[sa | sb]
+        assert bits == pytest.approx(-np.sum(seen_p * np.log2(seen_p) + (1 - seen_p) * np.log2(1 - seen_p)), rel=1e-6)
+    apart = np.abs(lb - la)[sa & sb]
+    assert found.mean_difference == pytest.approx(apart.mean() if apart.size else 0.0, rel=1e-6)
+    assert found.max_difference == pytest.approx(apart.max() if apart.size else 0.0, rel=1e-6)
+    if found.max_at_xy is not None:
+        col, row = (int(np.floor(v)) for v in found.max_at_xy)
+        assert np.abs(lb - la)[15 + row, 15 + col] == pytest.approx(found.max_difference)
+    for p, seen, contrast in ((pa, sa, found.contrast[0]), (pb, sb, found.contrast[1])):
+        steps = [
+            abs(p[r, c] - p[r + dr, c + dc])
+            for r, c in np.argwhere(seen)
+            for dr, dc in ((0, 1), (1, 0))
+            if seen[r + dr, c + dc] and (p[r, c] > 0.5) != (p[r + dr, c + dc] > 0.5)
+        ]
+        assert contrast == pytest.approx(np.mean(steps) if steps else 0.0, rel=1e-6)
 
 
 def test_a_map_is_like_itself(office_log: ScanLog) -> None:
@@ -47,7 +105,9 @@ def test_a_map_is_like_itself(office_log: ScanLog) -> None:
     integrate_log(one, office_log, config)
     found = compare(one, one)
     assert not found.changed
-    assert not found.log_odds.any()
+    assert not difference(one, one).log_odds.any()
+    assert found.mean_difference == found.max_difference == 0.0
+    assert found.only == (0, 0)
     assert found.same == np.count_nonzero(one.observed)
 
 

@@ -37,7 +37,7 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         assert watcher.messages[0]["type"] == "hello"
         assert {"hello", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
         np.testing.assert_allclose(
-            watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 / 2 + 1e-6
+            watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6
         )
         frame = watcher.newest["frame"]
         assert len(frame["ranges"]) == 360
@@ -68,7 +68,7 @@ async def test_every_kind_of_change_reaches_the_picture(service: Service) -> Non
             geometry = watcher.newest["geometry"]
             step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
             expected = expected_log_odds(service, session_id)
-            np.testing.assert_allclose(watcher.log_odds(), expected, atol=step / 2 + 1e-6)
+            np.testing.assert_allclose(watcher.log_odds(), expected, atol=step + 1e-6)
             assert watcher.newest["frame"]["remade_ms"] > 0
         await watcher.send("world", name="maze")
         await watcher.answer("world")
@@ -136,7 +136,7 @@ async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
         )
         await again.settle()
         expected = expected_log_odds(service, session_id)
-        np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 / 2 + 1e-6)
+        np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 + 1e-6)
 
 
 async def test_two_browsers_share_one_session(service: Service) -> None:

@@ -27,6 +27,7 @@ from server.stream.protocol import (
     encode_text,
     encode_tiles,
 )
+from server.stream.tiles import STATE_BOUNDS
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "protocol.vectors.json"
 TILE = 64
@@ -43,6 +44,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
+    {"type": "why", "row": 3, "col": 4, "epoch": 1, "map": "second"},
 )
 
 
@@ -125,7 +127,7 @@ def quantised() -> dict[str, Any]:
     observed = np.ones_like(values, dtype=np.bool_)
     observed[0, 0] = False
     picture = np.full(values.shape, NEVER_OBSERVED, dtype=np.int8)
-    quantise(values, observed, low, high, 0, 1, 0, 40, TILE, picture, np.zeros((1, 1), dtype=np.bool_))
+    quantise(values, observed, low, high, *STATE_BOUNDS, 0, 1, 0, 40, TILE, picture, np.zeros((1, 1), dtype=np.bool_))
     return {
         "log_odds_min": low,
         "log_odds_max": high,
