@@ -49,8 +49,8 @@ def count_cells(
     """Count the cells of a lattice that holds two maps, both (rows, cols) float32 with what was observed.
 
     ``place`` is (rows, cols) of the lattice, then the (row, col) of it at which the first map's cell (0, 0) lies, then
-    the second's; a cell that a map lacks counts as never observed and holds its prior, ``priors`` (2,). An observed cell
-    is free below and occupied above the log-odds ``thresholds`` (2,), unknown between; one never observed is unknown.
+    the second's; a cell that a map lacks counts as never observed and holds its prior, ``priors`` (2,). An observed
+    cell is free below and occupied above the log-odds ``thresholds`` (2,), unknown between; others are unknown.
 
     Written: ``states`` (3, 3) by (state in a, state in b), each free, occupied, unknown; ``seen`` (5,): cells observed
     in a only, in b only, in both, and row and column of the greatest |ℓ_b − ℓ_a| (−1 where none is observed in both);

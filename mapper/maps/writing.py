@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from mapper.compare import Difference
 from mapper.errors import ConfigError
 from mapper.files import whole_file
 from mapper.grid import (
@@ -48,6 +49,8 @@ STATED_THRESHOLDS: dict[Mode, tuple[float, float]] = {
     "raw": (OCCUPIED_THRESHOLD, FREE_THRESHOLD),
 }
 UNOBSERVED_RGB = (176, 196, 222)  #: pale blue: no grey, so it is mistaken for no probability
+DIFFERENCE_RGB = ((21, 95, 158), (241, 238, 230), (166, 62, 8))  #: more free, the same, more occupied
+APART_RGB = (*(228, 224, 212), *(196, 178, 214), *(214, 200, 150))  #: observed in neither map, in a, in b only
 _PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]*\Z")
 
 
@@ -111,6 +114,28 @@ def png_bytes(grid: OccupancyGrid) -> bytes:
     image = Image.fromarray(np.ascontiguousarray(GridGeometry.to_image(index)))
     greys = np.rint(np.arange(255) * 255.0 / 254.0).astype(int)
     image.putpalette([*np.repeat(greys, 3).tolist(), *UNOBSERVED_RGB])
+    return _png(image)
+
+
+def difference_png_bytes(difference: Difference) -> bytes:
+    """Return a picture of ℓ_b − ℓ_a, top row first: orange is more occupied in b, blue more free, the palest neither.
+
+    The strongest colour is the greatest difference there is, and strength grows with the square root, so that small
+    ones can be seen. Lilac was observed only in a, sand only in b, and grey in neither. It is to be looked at.
+    """
+    known = difference.observed_a & difference.observed_b
+    apart = np.where(known, difference.log_odds, 0.0)
+    most = max(float(np.abs(apart).max()), 1e-6)
+    strength = np.rint(np.sqrt(np.abs(apart) / most) * 126.0)
+    index = (129 + np.copysign(strength, apart)).astype(np.uint8)
+    index[difference.observed_a & ~difference.observed_b] = 1
+    index[difference.observed_b & ~difference.observed_a] = 2
+    index[~(difference.observed_a | difference.observed_b)] = 0
+    image = Image.fromarray(np.ascontiguousarray(GridGeometry.to_image(index)))
+    ramp = np.linspace(0.0, 1.0, 127)[:, None]
+    less, none, more = (np.array(rgb, dtype=np.float64) for rgb in DIFFERENCE_RGB)
+    colours = np.concatenate([(none + (less - none) * ramp)[:0:-1], none + (more - none) * ramp])
+    image.putpalette([*APART_RGB, *np.rint(colours).astype(int).ravel().tolist()])
     return _png(image)
 
 

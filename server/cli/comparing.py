@@ -66,7 +66,9 @@ def compare(
         "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
         "wall_contrast": [round(contrast, 4) for contrast in found.contrast],
         "cells": found.cells,
-        "states": {a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, found.states.tolist(), strict=True)},
+        "states": {
+            a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, found.states.tolist(), strict=True)
+        },
         "observed": {"only_first": found.only[0], "only_second": found.only[1], "both": found.both},
         "log_odds_difference": {
             "least": float(apart.min()),

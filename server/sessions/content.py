@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal
 
@@ -19,7 +20,7 @@ from mapper.parameters import MappingConfig
 from mapper.world import SensorConfig, World
 from server.sessions.messages import cell_message, frame_fields, parameters_message, scan_fields
 from server.sessions.outcome import Order, Outcome, error_message
-from server.sessions.view import Moment, SessionView
+from server.sessions.view import Moment, SessionView, Side
 from server.sessions.why import Source, why_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, integer, number, values
@@ -98,6 +99,21 @@ class Content(ABC):
     def draw_second(self, _outcome: Outcome) -> list[TilePicture | None]:
         """Bring the second map's picture up to date (worker thread); return it where a new epoch begins."""
         return []
+
+    def side(self, *, second: bool) -> Side:
+        """Return the map, or the ``second`` one. Raises :class:`ProtocolError` where a session explains no second."""
+        if second:
+            raise ProtocolError("command.map", "There is no second map to ask about.")
+        return Side(self.grid, self.config, self.sources, self.progress[0], 0)
+
+    @property
+    def owes(self) -> bool:
+        """Whether something is left to compute that no picture waits for: :meth:`pay` does, when there is time."""
+        return False
+
+    def pay(self, outcome: Outcome) -> None:
+        """Compute what is owed (worker thread)."""
+        raise RuntimeError(f"a {self.kind} session owes nothing, not even {outcome}")
 
     def play(self) -> None:
         """Go on."""
@@ -243,8 +259,10 @@ class Content(ABC):
                     raise ProtocolError("command.value", f"The speed must be between {low:g} and {high:g}.")
                 self.speed = value
             case "inspect":
-                row, col, epoch = self._cell_of(command)
-                outcome.answers.append((order.client, cell_message(self.grid, row, col, epoch)))
+                side = self._side_of(command)
+                row, col, epoch = self._cell_of(command, side)
+                answer = cell_message(side.grid, row, col, epoch) | _which(side)
+                outcome.answers.append((order.client, answer))
                 return
             case "why":
                 outcome.questions[order.client] = command  # answered once, from the map that this tick leaves
@@ -253,29 +271,48 @@ class Content(ABC):
                 self.obey(command, outcome)
         outcome.changed = True
 
-    def _cell_of(self, command: dict[str, Any], picture: TilePicture | None = None) -> tuple[int, int, int]:
-        """Return the row, column and epoch that a command names, of a cell of the map."""
+    def _side_of(self, command: dict[str, Any]) -> Side:
+        """Return the map that a command is about."""
+        which = command.get("map", "first")
+        if which not in ("first", "second"):
+            raise ProtocolError("command.map", f'"map" must be "first" or "second", not {which!r:.80}.')
+        return self.side(second=which == "second")
+
+    def _cell_of(
+        self, command: dict[str, Any], side: Side, pictures: Sequence[TilePicture | None] = ()
+    ) -> tuple[int, int, int]:
+        """Return the row, column and epoch that a command names, of a cell of a map.
+
+        ``pictures`` are new ones that the hubs are about to have.
+        """
         row, col, epoch = (integer(command, key) for key in ("row", "col", "epoch"))
-        now = (picture or self.hub.picture).epoch
+        coming = pictures[side.place] if side.place < len(pictures) else None
+        now = (coming or self.hubs[side.place].picture).epoch
         if epoch != now:
             raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {now}.")
-        if not self.grid.geometry.contains((row, col)):
+        if not side.grid.geometry.contains((row, col)):
             raise ProtocolError("command.cell", f"Cell ({row}, {col}) lies outside the map.")
         return row, col, epoch
 
     def _explain(self, client: Client | None, command: dict[str, Any], outcome: Outcome) -> None:
         """Answer a "why" from the map as this tick leaves it."""
         try:
-            row, col, epoch = self._cell_of(command, outcome.pictures[0])
+            side = self._side_of(command)
+            row, col, epoch = self._cell_of(command, side, outcome.pictures)
             until = None if command.get("until") is None else integer(command, "until")
-            about = {"row": row, "col": col, "epoch": epoch, "index": self.progress[0]}
-            answer = why_message(self.grid, self.sources(), self.config, about, until)
-            outcome.answers.append((client, answer))
+            about = {"row": row, "col": col, "epoch": epoch, "index": side.index}
+            answer = why_message(side.grid, side.sources(), side.config, about, until)
+            outcome.answers.append((client, answer | _which(side)))
         except (ProtocolError, MapperError) as error:
             self._refuse(outcome, client, error)
         except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
             _log.exception("a command failed", command="why")
             outcome.answers.append((client, error_message("internal", "The cell could not be explained.")))
+
+
+def _which(side: Side) -> dict[str, Any]:
+    """Return what an answer says of the map that it is about: nothing where that is the first."""
+    return {"map": "second"} if side.place else {}
 
 
 def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
 from mapper.suited import suited_parameters
+from server.sessions.compared import ComparedSession
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import Moment, as_pose
@@ -62,7 +63,7 @@ def first_replay(log: ScanLog, trajectory: str | None, limits: Limits) -> Replay
     return Replay(log, config, trajectory, limits)
 
 
-class LogSession(Session):
+class LogSession(ComparedSession):
     """A session of one log."""
 
     kind: ClassVar[Literal["world", "log"]] = "log"
@@ -97,6 +98,11 @@ class LogSession(Session):
     def grid(self) -> OccupancyGrid:
         """The map."""
         return self._replay.grid
+
+    @property
+    def replay(self) -> Replay:
+        """What the map is made by."""
+        return self._replay
 
     @property
     def log(self) -> ScanLog:
@@ -174,7 +180,7 @@ class LogSession(Session):
 
     def remake(self, config: MappingConfig, outcome: Outcome) -> None:
         """Make the map anew at the same scan."""
-        outcome.add(self._replay.reconfigure(config))
+        self.follow(config, outcome)
 
     def advance(self, dt: float, outcome: Outcome) -> None:
         """Play on, or go to where a command wants to be."""
@@ -206,6 +212,10 @@ class LogSession(Session):
                 self.playing = True
             case "trajectory":
                 self._choose(text(command, "name"), outcome)
+            case "compare":
+                raise ProtocolError(
+                    "log.compare", "What a log is compared with is set with PUT /api/sessions/{id}/compare."
+                )
             case "teleport" | "drive" | "auto" | "world" | "sensor" as kind:
                 raise ProtocolError(
                     "log.recorded", f"What a log recorded cannot be changed: {kind} is for live worlds."

@@ -127,7 +127,7 @@ class SessionRegistry:
     ) -> LogSession:
         """Start a session of a log for a visitor. Raises :class:`SessionBudgetError`, and as the mapper does."""
         async with self._place(owner):
-            await self._free_bytes(log)
+            await self.free_bytes(log)
             replay = await asyncio.get_running_loop().run_in_executor(
                 self.pool, first_replay, log, trajectory, self.limits(None)
             )
@@ -192,20 +192,27 @@ class SessionRegistry:
                 return
             await self._end(min(idle, key=lambda s: s.unwatched_since))
 
-    async def _free_bytes(self, log: ScanLog) -> None:
-        """End log sessions that nobody watches, until ``log`` finds room in memory."""
+    async def free_bytes(self, log: ScanLog) -> None:
+        """End log sessions that nobody watches, until ``log`` finds room in memory.
+
+        Raises :class:`SessionBudgetError` where it finds none.
+        """
         room = self._settings.max_log_bytes - log.ranges.nbytes
         if room < 0:
             raise SessionBudgetError("session.memory", "This log needs more memory than the server has for logs.")
         while True:
             logs = [s for s in self._sessions.values() if isinstance(s, LogSession)]
-            others = [s for s in logs if s.log.ranges is not log.ranges]
             # Sessions of one log share its readings.
-            if sum({id(s.log.ranges): s.log.ranges.nbytes for s in others}.values()) <= room:
+            held = {
+                s: {id(one.ranges): one.ranges.nbytes for one in s.logs if one.ranges is not log.ranges} for s in logs
+            }
+            if sum({key: size for sizes in held.values() for key, size in sizes.items()}.values()) <= room:
                 return
-            needed = {id(s.log.ranges) for s in others if s.watched}
+            needed = {key for s, sizes in held.items() if s.watched for key in sizes}
             message = "The logs that are open take all the memory that there is for them: try again later."
-            await self._evict([s for s in others if id(s.log.ranges) not in needed], "session.memory", message)
+            # One is ended for what only it and others that nobody watches hold.
+            idle = [s for s, sizes in held.items() if sizes.keys() - needed]
+            await self._evict(idle, "session.memory", message)
 
     async def _evict(self, sessions: Sequence[Session], code: str, message: str) -> None:
         """End the session that was left the longest ago."""

@@ -32,6 +32,8 @@ from server.stream.tiles import picture_of
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
 MAX_ORDERS = 256  #: commands that wait for one session
+PAUSE_S = 0.05  #: between two times that what is owed is computed, and no more than a quarter of the time
+PATIENCE_S = 0.2  #: what is owed waits no longer than this for a moment without commands
 HEAVY_S = 0.05  #: a session whose ticks compute for longer than this takes turns with others of its kind
 
 _log = structlog.get_logger(__name__)
@@ -70,6 +72,7 @@ class Session(Content):
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
+        self._owed_at = 0.0  #: when what is owed is due
 
     # -- for everybody on the event loop --------------------------------------------------------------------------
 
@@ -207,8 +210,10 @@ class Session(Content):
         last = self._clock()
         while True:
             ticking = self.playing and self.watched
-            if not self._orders:
-                await self._wait(last + TICK_S - self._clock() if ticking else None)
+            if self._pays_now():
+                await self._pay()
+            elif not self._orders:
+                await self._wait(self._idle_s(last + TICK_S if ticking else None))
             if self.closed:
                 return
             now = self._clock()
@@ -231,6 +236,32 @@ class Session(Content):
                 self._stop()
             finally:
                 self._orders[: len(orders)] = rest
+
+    def _pays_now(self) -> bool:
+        """Whether what is owed is due, and nothing else, or for too long."""
+        if not (self.owes and self.watched) or self.closed:
+            return False
+        late = self._clock() - self._owed_at
+        return late >= 0.0 and (not self._orders or late > PATIENCE_S)
+
+    def _idle_s(self, tick_at: float | None) -> float | None:
+        """Return how long nothing is due, in seconds; None for as long as nobody commands."""
+        due = [] if tick_at is None else [tick_at]
+        if self.owes and self.watched:
+            due.append(self._owed_at)
+        return min(due) - self._clock() if due else None
+
+    async def _pay(self) -> None:
+        began = self._clock()
+        outcome = Outcome()
+        try:
+            async with self._turn(), self._lock:
+                await self._loop.run_in_executor(self._pool, self.pay, outcome)
+            self._deliver(outcome)
+        except Exception:  # noqa: BLE001 - a defect in what nobody waits for must not stop the map
+            _log.exception("what was owed could not be computed")
+        now = self._clock()
+        self._owed_at = now + max(PAUSE_S, 3.0 * (now - began))
 
     def _turn(self) -> AbstractAsyncContextManager[None]:
         """Return what to hold while a tick computes: sessions of short ticks need not wait for those of long ones."""

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.grid import GridGeometry
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.parameters import MappingConfig
 from mapper.scan import RangeScan
 from mapper.world import SensorConfig, World
+from server.sessions.why import Source
 
 Pose = tuple[float, float, float]
 
@@ -37,6 +39,17 @@ class SessionView:
     playing: bool
     index: int
     count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One of a session's maps, for questions about its cells; ``place`` is that of its hub among the session's."""
+
+    grid: OccupancyGrid
+    config: MappingConfig
+    sources: Callable[[], list[Source]]
+    index: int
+    place: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,15 @@ MIN_FRAME_BYTES = 8 * 1024
 MAX_FRAME_BYTES = 256 * 1024
 MAX_FRAME_TILES = 2048
 MAX_ANSWERS = 64  #: answers and notices that wait for one client; older ones give way
-SLOTS = ("hello", "geometry", "world", "parameters", "trajectory", "forgetting")  #: in the order in which they are sent
+SLOTS = (
+    "hello",
+    "geometry",
+    "world",
+    "parameters",
+    "trajectory",
+    "forgetting",
+    "comparison",
+)  #: in the order in which they are sent
 
 
 @dataclass(slots=True)

@@ -45,8 +45,16 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 ``trajectory``  {name, every, poses: [[x, y], ...], stamps: [s, ...]}   log sessions only: the base at every scan (of
                 very long logs at scans 0, ``every``, 2 · ``every``, ...), and how much of the recorded time is over
                 then; sent at the start and after a change
-``parameters``  {values, sensor: values|null, faults?: values, compare?: {values, with_faults}|null}
-                after a change by anyone, or as the answer to a refused one; the last two of world sessions
+``parameters``  {values, sensor: values|null, faults?: values, compare?: {values, with_faults, ...}|null}
+                after a change by anyone, or as the answer to a refused one; ``faults`` of world sessions; ``compare``
+                says what the second map has otherwise, and in a log session, where it is the side A of a comparison,
+                also {trajectory, log: id|null, topic|null, title, trajectories: [{name, description}]}: the poses that
+                it is made with, and which log it is of where that is not the session's own
+``comparison``  {index, refused: sentence|null, numbers: {cells, states, same, only: [a, b], both, entropy_bits: [a, b],
+                contrast: [a, b], mean_difference, max_difference, max_at: [x, y]|null}|null}
+                log sessions only: how the map of ``index`` scans, B, differs from the second one, A, as
+                :class:`mapper.compare.Comparison` has it; ``states[i][j]`` counts the cells in state i in A and j in B
+                (free, occupied, unknown); ``refused`` says why there are no numbers; neither: nothing is compared
 ``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...], ids: [i, ...],
                  edits: {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...]}, polished: [[ax, ay, bx, by], ...]}
                 what is solid; ``ids`` say of each polygon which solid of the world it is (from 0), or −1 − its place
@@ -83,9 +91,11 @@ Browser → server:
                  ``watch`` begins a second map with the clamp the other way and counts as ``forgetting`` tells
 ``faults``      {values: {drift?: bool, specular?: bool}}     how the robot's faults enter the map, all of it
 ``compare``     {values: {name: value, ...}|null}    a second map of the same recording, of what is true, with these
+                 (world sessions; what a log is compared with is set with PUT /api/sessions/{id}/compare)
 ``world``       {name, added?, erased?}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
-``inspect``     {row, col, epoch}       ``why`` {row, col, epoch, until?: n}   (the touches up to the n-th, else the
-                 newest; of several that wait only the last is answered)
+``inspect``     {row, col, epoch, map?: "second"}       ``why`` {row, col, epoch, until?: n, map?: "second"}   (the
+                 touches up to the n-th, else the newest; of several that wait only the last is answered; with ``map``
+                 about a cell of a log's second map, in its own epoch, and the answer then says so too)
 ``ping``        {id}
 
 The socket is closed with 1008 (no subprotocol, too many malformed frames or too many commands), 4404 (there is no such

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from hypothesis import given
 from hypothesis import strategies as st
+
 from mapper.compare import compare, difference, wall_contrast
 from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
@@ -78,7 +78,7 @@ def test_the_numbers_are_those_of_plain_numpy(seed: int, offset: tuple[int, int]
     np.testing.assert_array_equal(found.states, table)
     assert found.cells == found.geometry.rows * found.geometry.cols
     assert found.same == np.sum((sa | sb) & (state_a == state_b))
-    assert found.only == (np.sum(sa & ~sb), np.sum(sb & ~sa))
+    assert found.only == (int(np.sum(sa & ~sb)), int(np.sum(sb & ~sa)))
     assert found.both == np.sum(sa & sb)
     for p, bits in zip((pa, pb), found.entropy_bits, strict=True):
         seen_p = p[sa | sb]

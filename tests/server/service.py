@@ -67,9 +67,10 @@ class Service:
     def address(self, session: str) -> str:
         return f"ws://127.0.0.1:{self.port}/api/sessions/{session}/stream"
 
-    def connect(self, session: str, **more: Any) -> Any:
+    def connect(self, session: str, query: str = "", **more: Any) -> Any:
         """Open a session's stream."""
-        return connect(self.address(session), subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+        address = self.address(session) + query
+        return connect(address, subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
 
 
 @contextmanager

@@ -36,9 +36,7 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         await watcher.settle()
         assert watcher.messages[0]["type"] == "hello"
         assert {"hello", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
-        np.testing.assert_allclose(
-            watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6
-        )
+        np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
         frame = watcher.newest["frame"]
         assert len(frame["ranges"]) == 360
         assert watcher.frames > watcher.scans >= 1  # a scan is sent once, however many frames show it

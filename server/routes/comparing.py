@@ -1,0 +1,79 @@
+"""``/api/sessions/{id}/compare``: the map of a log beside another one, cell by cell."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.errors import MapperError
+from mapper.maps import difference_png_bytes
+from server.sessions import LogSession
+from server.sessions.other_side import Wanted, numbers
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+
+class Other(BaseModel):
+    """The other side, A: a map of the session's log or of another one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    values: dict[str, Any] = Field({}, description="Parameters that A keeps; in all others it follows the session's.")
+    trajectory: str | None = Field(None, max_length=200, description="The poses of A; the log's first where left out.")
+    log: str | None = Field(None, max_length=200, description="Another log, as /api/logs names it.")
+    topic: str | None = Field(None, max_length=400, description="Which of that log's sensors, where it has several.")
+
+
+def _session(request: Request, session_id: str) -> LogSession:
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
+    return session
+
+
+@router.put("/{session_id}/compare")
+async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, Any]:
+    """Compare the session's map, B, with another one, A; answer as GET does. Whoever watches sees it."""
+    session = _session(request, session_id)
+    log, title = None, ""
+    if wanted.log is not None:
+        library, visitor = request.app.state.library, request.state.visitor
+        log = await library.load(visitor, wanted.log, wanted.topic)
+        title = library.get(visitor, wanted.log).name
+        await request.app.state.sessions.free_bytes(log)
+    await session.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
+    try:
+        return await _told(session)
+    except MapperError as error:
+        # They are beside one another all the same, only not cell by cell.
+        return {"a": session.parameters_message()["compare"], "refused": error.message}
+
+
+@router.delete("/{session_id}/compare", status_code=204)
+async def end(request: Request, session_id: str) -> None:
+    """Compare no longer."""
+    await _session(request, session_id).compare(None)
+
+
+@router.get("/{session_id}/compare")
+async def told(request: Request, session_id: str) -> dict[str, Any]:
+    """Tell how the session's map, B, differs from A: what A is, and :class:`mapper.compare.Comparison`'s numbers."""
+    return await _told(_session(request, session_id))
+
+
+async def _told(session: LogSession) -> dict[str, Any]:
+    other, found = await session.compared()
+    return {"a": other, "refused": None} | numbers(found)
+
+
+@router.get("/{session_id}/compare.png")
+async def picture(request: Request, session_id: str) -> Response:
+    """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
+    apart = await _session(request, session_id).difference()
+    content = await asyncio.to_thread(difference_png_bytes, apart)
+    headers = {"Content-Disposition": 'attachment; filename="difference.png"', "Cache-Control": "no-store"}
+    return Response(content, media_type="image/png", headers=headers)

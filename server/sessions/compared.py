@@ -1,0 +1,179 @@
+"""A session whose map can be compared with another one, which watchers are sent beside it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import replace
+from typing import Any
+
+from mapper.compare import Comparison, Difference, difference
+from mapper.errors import MapperError
+from mapper.parameters import MappingConfig
+from mapper.replay import Replay, UnwantedError
+from mapper.scan import ScanLog
+from server.sessions.other_side import OtherSide, Wanted, comparison_message
+from server.sessions.outcome import Outcome
+from server.sessions.session import Session
+from server.sessions.view import Side
+from server.stream.hub import Hub
+from server.stream.tiles import TilePicture, followed, picture_of
+
+
+class ComparedSession(Session):
+    """A session of a replay, B, with another side beside it, A, where somebody compares."""
+
+    _other: OtherSide | None = None
+    _second: Hub | None = None  #: who watches A; stays when the comparison ends
+    _wish = 0  #: counts the wishes to compare: only the newest is fulfilled
+
+    @property
+    @abstractmethod
+    def replay(self) -> Replay:
+        """What the session's map is made by."""
+
+    @property
+    def hubs(self) -> tuple[Hub, ...]:
+        """Who watches the map, and who the other side."""
+        return (self.hub,) if self._second is None else (self.hub, self._second)
+
+    @property
+    def cells(self) -> int:
+        """Cells of the session's grids."""
+        other = self._other
+        return super().cells + (0 if other is None else int(other.replay.grid.log_odds.size))
+
+    @property
+    def logs(self) -> tuple[ScanLog, ...]:
+        """The logs that the session holds in memory."""
+        return (self.replay.log,) if self._other is None else (self.replay.log, self._other.replay.log)
+
+    # -- for everybody on the event loop --------------------------------------------------------------------------
+
+    async def compare(self, wanted: Wanted | None) -> None:
+        """Begin to compare with another map, or, None, end it; what was compared before ends.
+
+        Raises :class:`MapperError` where the other map cannot be made, or somebody wished for another one meanwhile;
+        what was compared before goes on then.
+        """
+        self._wish += 1
+        wish = self._wish
+        other = None
+        if wanted is not None:
+            # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
+            other = await self._loop.run_in_executor(self._pool, self._other_side, wanted, wish)
+        async with self._turn(), self._lock:
+            if wish != self._wish or self.closed:
+                raise _superseded()
+            outcome, picture = await self._loop.run_in_executor(self._pool, self._take_over, other)
+            if picture is not None and self._second is None:
+                self._second = Hub(picture, self._clock)
+            elif picture is not None and self._second is not None:
+                self._second.set_picture(picture)
+        self._deliver(outcome)
+        self._wake.set()
+
+    async def compared(self) -> tuple[dict[str, Any], Comparison]:
+        """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
+        async with self._lock:
+            other = self._compared_with()
+            found = await self._loop.run_in_executor(self._pool, other.compared, self.grid)
+            return other.description(), found
+
+    async def difference(self) -> Difference:
+        """Return ℓ of B less that of A, between two ticks. Raises as :meth:`compared`."""
+        async with self._lock:
+            other = self._compared_with()
+            await self._loop.run_in_executor(self._pool, other.compared, self.grid)  # raises where they lie apart
+            return await self._loop.run_in_executor(self._pool, difference, other.replay.grid, self.grid)
+
+    def _compared_with(self) -> OtherSide:
+        if self._other is None:
+            raise MapperError("compare.none", "This session compares its map with no other one now.")
+        return self._other
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    def _other_side(self, wanted: Wanted, wish: int) -> OtherSide:
+        def is_wanted() -> bool:
+            return wish == self._wish and not self.closed
+
+        limits = self.limits()
+        room = replace(limits, max_cells=max(1, limits.max_cells - int(self.grid.log_odds.size)))
+        try:
+            return OtherSide(wanted, self.replay, self.config, room, is_wanted)
+        except UnwantedError as error:
+            raise _superseded() from error
+
+    def _take_over(self, other: OtherSide | None) -> tuple[Outcome, TilePicture | None]:
+        """Go on with another other side; return what to send, and its picture, in which a new epoch begins."""
+        outcome = Outcome(changed=True)
+        if other is None:
+            self._other = None
+            outcome.slot(comparison_message(self.replay.index))
+            outcome.slot(self.parameters_message())
+            return outcome, None
+        other.replay.wanted = lambda: not self.closed
+        other.follow(self.config)
+        other.advance(self.replay.index)
+        other.second.changed()
+        shown = None if self._second is None else self._second.picture
+        epoch, revision = (1, 0) if shown is None else (shown.epoch + 1, shown.newest)
+        picture = picture_of(other.second.grid, other.second.config, epoch, revision)
+        self._other = other
+        outcome.slot(self.parameters_message())
+        return outcome, picture
+
+    def follow(self, config: MappingConfig, outcome: Outcome) -> None:
+        """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
+        other, before = self._other, self.config
+        if other is not None:
+            other.follow(config)
+        try:
+            outcome.add(self.replay.reconfigure(config))
+        except MapperError:
+            if other is not None:
+                other.follow(before)
+            raise
+
+    def draw_second(self, outcome: Outcome) -> list[TilePicture | None]:
+        """Bring the other side, and its picture, to where the session is."""
+        other, hub = self._other, self._second
+        if other is None or hub is None:
+            return []
+        other.advance(self.replay.index)
+        whole, box = other.second.changed()
+        other.is_new |= whole or box is not None or outcome.new_grid or outcome.box is not None
+        outcome.changed |= whole or box is not None
+        return [followed(hub.picture, other.second.grid, other.second.config, box, whole=whole)]
+
+    @property
+    def owes(self) -> bool:
+        """Whether the numbers are older than the maps."""
+        return self._other is not None and self._other.is_new
+
+    def pay(self, outcome: Outcome) -> None:
+        """Compare the two maps as they are."""
+        other, index = self._other, self.replay.index
+        if other is None:
+            return
+        other.is_new = False
+        try:
+            outcome.slot(comparison_message(index, other.compared(self.grid)))
+        except MapperError as error:
+            outcome.slot(comparison_message(index, refused=error.message))
+
+    def parameters_message(self) -> dict[str, Any]:
+        """As every session's, with what the map is compared with."""
+        other = self._other
+        return super().parameters_message() | {"compare": None if other is None else other.description()}
+
+    def side(self, *, second: bool) -> Side:
+        """As every session's, and the other side where there is one."""
+        other = self._other
+        if not second or other is None:
+            return super().side(second=second)
+        return Side(other.replay.grid, other.replay.config, other.sources, other.replay.index, 1)
+
+
+def _superseded() -> MapperError:
+    return MapperError("compare.superseded", "Somebody wished for another comparison meanwhile; this one was dropped.")
