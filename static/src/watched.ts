@@ -123,19 +123,21 @@ export class Watched implements Receiver {
     this.mapVersion = this.#shown.version;
     this.mapping = new Optimistic();
     this.sensor = new Optimistic();
+    // One by one: of a parameter that does not turn the sensor nothing follows here, and no picture is painted for it.
+    const mount = (name: string) => computed(() => Number(this.mapping.values.value[name] ?? 0));
+    const [mountX, mountY, mountYaw] = [mount("mount_x"), mount("mount_y"), mount("mount_yaw")];
+    const isUpsideDown = computed(() => this.mapping.values.value.mount_upside_down === true);
     this.beliefPose = computed(() => {
       const frame = this.frame.value;
       if (!frame) return null;
-      const { mount_x, mount_y, mount_yaw } = this.mapping.values.value;
       const stated = frame.believed_scan_pose ?? frame.scan_pose;
-      return compose(stated, [Number(mount_x ?? 0), Number(mount_y ?? 0), Number(mount_yaw ?? 0)]);
+      return compose(stated, [mountX.value, mountY.value, mountYaw.value]);
     });
     this.beliefFrame = computed(() => {
       const frame = this.frame.value;
       if (!frame) return frame;
       const believed = frame.believed_pose ? { ...frame, pose: frame.believed_pose } : frame;
-      if (this.mapping.values.value.mount_upside_down !== true) return believed;
-      return turnedOver(believed);
+      return isUpsideDown.value ? turnedOver(believed) : believed;
     });
     this.cell = computed(() => {
       const probe = this.probe.value;

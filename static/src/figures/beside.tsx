@@ -36,7 +36,7 @@ export function Beside({ store, session }: BesideProps) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       setUp={(canvas, invalidate) => {
-        // Where there is no WebGL the belief beside it says what is the matter.
+        // Where nothing can be drawn the belief beside it says what is the matter.
         const { paint } = mapSurface(
           store,
           canvas,

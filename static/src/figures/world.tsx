@@ -3,7 +3,7 @@
 import { beamAt } from "../beams";
 import { paintEditing } from "../editing/paint";
 import { act } from "../editing/strokes";
-import { SheetRenderer } from "../gl/sheet";
+import { type Surface, sized, surfaceOn } from "../gl/surface";
 import { centreOf } from "../lattice";
 import type { Store } from "../state";
 import { toScreen } from "../view";
@@ -20,7 +20,6 @@ import {
 } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
-import { sized } from "./picture/Picture";
 import { type Pulse, pulse, stillness } from "./picture/pulse";
 import { paintWalk } from "./steps/paint";
 import { paintWhy } from "./why/paint";
@@ -65,8 +64,7 @@ export function TrueWorld({ store }: { readonly store: Store }) {
       onTap={(point) => act(store, point)}
       setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
-        const painting = document.createElement("canvas");
-        const renderer = rendererOn(canvas, invalidate);
+        const surface = surfaceFor(canvas, invalidate);
         const beat: Pulse = pulse();
         let painted: readonly unknown[] = [];
         return {
@@ -89,18 +87,20 @@ export function TrueWorld({ store }: { readonly store: Store }) {
           },
           paint: (size, ratio, now) => {
             const view = store.view.peek();
-            if (!view || !renderer) return false;
+            if (!view || !surface) return false;
             const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
             if (basis.some((value, i) => value !== painted[i])) {
               painted = basis;
               sized(plan, canvas.width, canvas.height);
               paintPlan(store, plan, size, ratio);
             }
-            sized(painting, canvas.width, canvas.height);
-            const brush = brushOn(painting, size, ratio, view, inks.peek());
-            brush?.ctx.drawImage(plan, 0, 0, size.width, size.height);
-            const moves = brush !== null && paintOverlay(store, brush, beat, now);
-            renderer.draw(painting);
+            let moves = false;
+            surface((painting) => {
+              const brush = brushOn(painting, size, ratio, view, inks.peek());
+              if (!brush) return;
+              brush.ctx.drawImage(plan, 0, 0, size.width, size.height);
+              moves = paintOverlay(store, brush, beat, now);
+            });
             return moves;
           },
         };
@@ -109,9 +109,9 @@ export function TrueWorld({ store }: { readonly store: Store }) {
   );
 }
 
-function rendererOn(canvas: HTMLCanvasElement, invalidate: () => void): SheetRenderer | null {
+function surfaceFor(canvas: HTMLCanvasElement, invalidate: () => void): Surface | null {
   try {
-    return new SheetRenderer(canvas, invalidate);
+    return surfaceOn(canvas, invalidate);
   } catch {
     return null; // the belief beside it says what is the matter
   }

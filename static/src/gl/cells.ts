@@ -28,6 +28,17 @@ export type OnBloom = (row: number, col: number) => void;
 
 export class Cells {
   readonly #chunks = new Map<number, Chunk>();
+  #revision = 0;
+
+  /** Grows with every tile that is taken. */
+  get revision(): number {
+    return this.#revision;
+  }
+
+  /** The chunk at chunk indices; undefined where nothing was observed. */
+  chunk(row: number, col: number): Chunk | undefined {
+    return this.#chunks.get(keyOf(row, col));
+  }
 
   chunks(): Iterable<Chunk> {
     return this.#chunks.values();
@@ -45,6 +56,7 @@ export class Cells {
    */
   setTile(tx: number, ty: number, values: Uint8Array, undecided = 0, bloom?: OnBloom): void {
     if (values.length !== TILE * TILE) throw new RangeError(`A tile has ${TILE * TILE} cells, not ${values.length}.`);
+    this.#revision++;
     const chunk = this.#chunkOf(ty >> 3, tx >> 3);
     const level0 = chunk.pyramid[0] as Uint8Array;
     const row0 = (ty & (TILES - 1)) * TILE;

@@ -5,6 +5,12 @@ const CAPACITY = 16384;
 /** How long a cell glows. */
 export const GLOW_MS = 600;
 
+/** How opaque a cell's glow is so many seconds after it changed. */
+export function strengthOf(age: number): number {
+  const t = (1000 * age) / GLOW_MS;
+  return t < 0 || t > 1 ? 0 : 0.75 * (1 - t) ** 2;
+}
+
 export class Glow {
   /** (column, row, seconds) of each cell, a ring. */
   readonly data = new Float32Array(3 * CAPACITY);

@@ -1,4 +1,4 @@
-/** Draws a map into a canvas: crisp cells at every zoom and pixel ratio, and only when asked to. */
+/** Draws a map into a canvas with a graphics card: crisp cells at every zoom and pixel ratio, and only when asked to. */
 
 import { fromLattice } from "../lattice";
 import type { Geometry } from "../protocol";
@@ -10,7 +10,8 @@ import { Glow } from "./glow";
 import { mapColours, palette } from "./palette";
 import { CHUNK, levelFor } from "./pyramid";
 import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
-import { CORNERS, contextOf, nearestTexture, Sheet, vertexArray } from "./sheet";
+import { CORNERS, nearestTexture, Sheet, vertexArray } from "./sheet";
+import { type PaintWhole, sized } from "./surface";
 import { ChunkTextures } from "./textures";
 
 /** Lattice (column, row) → clip space, column-major 3 × 3, and how many device pixels a cell is wide. */
@@ -29,7 +30,7 @@ export function clipMatrix(
 }
 
 /** Before a map has come only the colour of what was never observed is needed. */
-const ANY_RANGE = { log_odds_min: -1, log_odds_max: 1 };
+export const ANY_RANGE = { log_odds_min: -1, log_odds_max: 1 };
 
 /** What depends on the context and is made anew when it was lost. */
 interface Resources {
@@ -48,8 +49,22 @@ interface Resources {
   readonly textures: ChunkTextures;
 }
 
-export class MapRenderer {
+/** Draws maps into a canvas. */
+export interface MapRenderer {
+  /** The cells that have just changed. */
+  readonly glow: Glow;
+  /** Colours are read from the page's tokens anew with the next drawing. */
+  recolour(): void;
+  /**
+   * Draw a map and, over it, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Says whether something
+   * still moves.
+   */
+  draw(map: MapPicture | null, view: View, size: Size, now: number, over: PaintWhole): boolean;
+}
+
+export class CardRenderer implements MapRenderer {
   readonly glow = new Glow();
+  readonly #overlay = document.createElement("canvas");
   readonly #canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
   #resources: Resources | null = null;
@@ -59,9 +74,9 @@ export class MapRenderer {
   #draws = 0;
 
   /** `redraw` is called when the canvas must be drawn again although nothing of the map changed. */
-  constructor(canvas: HTMLCanvasElement, redraw: () => void) {
+  constructor(canvas: HTMLCanvasElement, gl: WebGL2RenderingContext, redraw: () => void) {
     this.#canvas = canvas;
-    this.#gl = contextOf(canvas);
+    this.#gl = gl;
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       this.#resources = null;
@@ -75,10 +90,9 @@ export class MapRenderer {
   }
 
   /**
-   * Draw a map and, over it, a canvas of the same size. One opaque canvas with everything in it costs the browser far
-   * less than two that it has to blend. `size` in CSS pixels, `now` in milliseconds. Says whether something still moves.
+   * One opaque canvas with map and overlay in it costs the browser far less than two that it has to blend.
    */
-  draw(map: MapPicture | null, overlay: HTMLCanvasElement, view: View, size: Size, now: number): boolean {
+  draw(map: MapPicture | null, view: View, size: Size, now: number, over: PaintWhole): boolean {
     const gl = this.#gl;
     if (gl.isContextLost()) return false;
     this.#resources ??= this.#make();
@@ -101,6 +115,12 @@ export class MapRenderer {
       this.#drawCells(made, map, matrix, levelFor(devicePx));
       glows = this.#drawGlow(made, matrix, devicePx, now);
     }
+    const overlay = this.#overlay;
+    sized(overlay, this.#canvas.width, this.#canvas.height);
+    const context = overlay.getContext("2d", { willReadFrequently: true });
+    context?.setTransform(1, 0, 0, 1, 0, 0);
+    context?.clearRect(0, 0, overlay.width, overlay.height);
+    over(overlay);
     made.overlay.draw(overlay);
     return glows;
   }

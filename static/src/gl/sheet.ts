@@ -1,4 +1,4 @@
-/** A 2D canvas laid over a WebGL picture of the same size. */
+/** A painted canvas as a layer of a WebGL picture of the same size. */
 
 import { OVERLAY_FRAGMENT, OVERLAY_VERTEX, program } from "./shaders";
 
@@ -36,7 +36,7 @@ export function vertexArray(
 /** The corners of a unit square as a triangle strip. */
 export const CORNERS = new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]);
 
-/** A canvas as a layer of a picture. */
+/** Lays a canvas over what was drawn. */
 export class Sheet {
   readonly #gl: WebGL2RenderingContext;
   readonly #program: WebGLProgram;
@@ -75,40 +75,5 @@ export class Sheet {
     }
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     gl.disable(gl.BLEND);
-  }
-}
-
-/** A WebGL 2 context for an opaque picture; throws one clear sentence where the browser has none. */
-export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
-  const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, stencil: false });
-  if (!gl) throw new Error("This browser offers no WebGL 2, with which the pictures are drawn.");
-  return gl;
-}
-
-/**
- * A picture that is one opaque canvas. Painted on the processor and shown through WebGL it costs the same everywhere;
- * a 2D canvas in the page would, without graphics hardware, make the browser rasterise the page around it each time.
- */
-export class SheetRenderer {
-  readonly #canvas: HTMLCanvasElement;
-  readonly #gl: WebGL2RenderingContext;
-  #sheet: Sheet | null = null;
-
-  constructor(canvas: HTMLCanvasElement, redraw: () => void) {
-    this.#canvas = canvas;
-    this.#gl = contextOf(canvas);
-    canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      this.#sheet = null;
-    });
-    canvas.addEventListener("webglcontextrestored", redraw);
-  }
-
-  draw(painted: HTMLCanvasElement): void {
-    const gl = this.#gl;
-    if (gl.isContextLost()) return;
-    this.#sheet ??= new Sheet(gl);
-    gl.viewport(0, 0, this.#canvas.width, this.#canvas.height);
-    this.#sheet.draw(painted, true);
   }
 }

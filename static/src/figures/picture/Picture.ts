@@ -1,5 +1,6 @@
 /** A canvas that is repainted when something asked for it, and only while it is seen. */
 
+import { sized } from "../../gl/surface";
 import type { Size } from "../../view";
 
 /** Paints the canvas; says whether something still moves and the next animation frame should paint again. */
@@ -7,12 +8,6 @@ export type Paint = (size: Size, pixelRatio: number, now: number) => boolean;
 
 /** How fast pictures are painted: for the debugging hook. */
 export const paintStats = { paints: 0, milliseconds: 0, slowest: 0 };
-
-/** Give a canvas a size in device pixels; setting it clears the canvas, so only where it differs. */
-export function sized(canvas: HTMLCanvasElement, width: number, height: number): void {
-  if (canvas.width !== width) canvas.width = width;
-  if (canvas.height !== height) canvas.height = height;
-}
 
 export class Picture {
   readonly #frame: HTMLElement;

@@ -1,13 +1,14 @@
-/** A map by WebGL with a drawing over it: the canvas of every belief. */
+/** A map with a drawing over it: the canvas of every belief. */
 
-import { MapRenderer } from "../../gl/renderer";
+import type { MapRenderer } from "../../gl/renderer";
+import { rendererOn } from "../../gl/rendererOn";
 import type { Store } from "../../state";
 import { type Brush, brushOn } from "./brush";
 import { inks } from "./inks";
-import { type Paint, sized } from "./Picture";
+import type { Paint } from "./Picture";
 
 interface MapSurface {
-  /** Null where the browser has no WebGL; `failure` says why. */
+  /** Null where the browser can draw nothing; `failure` says why. */
   readonly renderer: MapRenderer | null;
   readonly failure: string;
   readonly paint: Paint;
@@ -21,11 +22,10 @@ export function mapSurface(
   map: () => Parameters<MapRenderer["draw"]>[0],
   draw: (brush: Brush, now: number) => boolean,
 ): MapSurface {
-  const overlay = document.createElement("canvas");
   let renderer: MapRenderer | null = null;
   let failure = "";
   try {
-    renderer = new MapRenderer(canvas, invalidate);
+    renderer = rendererOn(canvas, invalidate);
   } catch (error) {
     failure = error instanceof Error ? error.message : String(error);
   }
@@ -37,11 +37,12 @@ export function mapSurface(
       colours = inks.peek();
       renderer.recolour();
     }
-    sized(overlay, canvas.width, canvas.height);
-    const brush = brushOn(overlay, size, ratio, view, inks.peek());
-    brush?.ctx.clearRect(0, 0, size.width, size.height);
-    const moves = brush !== null && draw(brush, now);
-    return renderer.draw(map(), overlay, view, size, now) || moves;
+    let moves = false;
+    const glows = renderer.draw(map(), view, size, now, (overlay) => {
+      const brush = brushOn(overlay, size, ratio, view, inks.peek());
+      moves = brush !== null && draw(brush, now);
+    });
+    return glows || moves;
   };
   return { renderer, failure, paint };
 }

@@ -1,0 +1,80 @@
+"""The map drawn by a graphics card (WebGL) and by the processor: one picture, whichever draws it."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from playwright.sync_api import Browser, Page
+
+from tests.browser.looking import await_map, frame, settled_digest, until
+
+# Chromium without a graphics card names SwiftShader as its card, which the pages know: here they do not.
+CARD = """(() => {
+  const { getParameter } = WebGL2RenderingContext.prototype;
+  const UNMASKED_RENDERER_WEBGL = 0x9246;
+  WebGL2RenderingContext.prototype.getParameter = function (name) {
+    return name === UNMASKED_RENDERER_WEBGL ? "a graphics card" : getParameter.call(this, name);
+  };
+})()"""
+DRAWN_BY_CARD = "() => document.querySelector('.picture > canvas').getContext('2d') === null"
+
+# Every 41st pixel of the belief, freshly painted: 41 goes into no width, so that all columns are met.
+COLOURS = """() => {
+  const view = gridbloom.connection.store.view.peek();
+  gridbloom.colourAt([view.x, view.y]);
+  const canvas = document.querySelectorAll(".picture > canvas")[1];
+  const copy = document.createElement("canvas");
+  copy.width = canvas.width;
+  copy.height = canvas.height;
+  const context = copy.getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  const colours = [];
+  for (let at = 0; at < data.length; at += 4 * 41) colours.push([data[at], data[at + 1], data[at + 2]]);
+  return colours;
+}"""
+
+
+def lab(browser: Browser, address: str, *, card: bool) -> Page:
+    """Return a lab, standing still, in a browser of its own."""
+    page = browser.new_context(viewport={"width": 1024, "height": 700}).new_page()
+    if card:
+        page.add_init_script(CARD)
+    page.goto(address)
+    await_map(page)
+    assert page.evaluate(DRAWN_BY_CARD) is card
+    return page
+
+
+def test_card_and_processor_draw_the_same(browser: Browser, server: str) -> None:
+    """Cells, robot, beams and background have the same colours everywhere, in both themes, near and from afar."""
+    painted = lab(browser, f"{server}/lab.html", card=False)
+    before = painted.evaluate("() => gridbloom.stats().paints")
+    until("the map to glow and fade", lambda: painted.evaluate("() => gridbloom.stats().paints") > before + 20)
+    painted.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(painted)["playing"])
+    digest = settled_digest(painted)
+    drawn = lab(browser, painted.url, card=True)
+    until("both to have the same map", lambda: settled_digest(drawn) == digest)
+    looks: list[tuple[str, str, Literal["light", "dark"]]] = [
+        ("whole", "0", "light"),
+        ("dark", "0", "dark"),
+        ("near", "++++", "dark"),
+        ("far", "0-----", "dark"),
+    ]
+    for what, keys, scheme in looks:
+        colours = []
+        for page in (painted, drawn):
+            page.emulate_media(color_scheme=scheme)
+            page.locator(".picture").nth(1).focus()
+            for key in keys:
+                page.keyboard.press(key)
+            page.wait_for_timeout(200)
+            colours.append(page.evaluate(COLOURS))
+        assert len({tuple(colour) for colour in colours[0]}) > 5, what
+        # Where an edge goes through the middle of a pixel the two may round to either side.
+        same = sum(math.dist(one, other) <= 12 for one, other in zip(*colours, strict=True))
+        assert same >= 0.99 * len(colours[0]), f"{what}: {same} of {len(colours[0])} pixels are alike"
+    for page in (painted, drawn):
+        page.context.close()
