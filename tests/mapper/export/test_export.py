@@ -1,4 +1,4 @@
-"""What is taken away, read back with other people's readers: rosbags' and mcap's, and our own."""
+"""What is taken away, read back with other people's readers (rosbags', mcap's, mcap-ros2-support's) and our own."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from mapper.errors import ConfigError
@@ -91,6 +92,31 @@ def test_what_is_written_is_read_again_as_the_same_log(tmp_path: Path, log: Scan
     np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
     np.testing.assert_allclose(np.cos(again.trajectory("tf/map").poses[:, 2] - poses[:, 2]), 1.0, atol=1e-9)
     assert again.notes == ()
+
+
+def test_foxgloves_own_decoder_reads_it_by_the_definitions_in_the_file(tmp_path: Path, log: ScanLog) -> None:
+    grid = grid_of(log)
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, grid, "true")
+    said: dict[str, list[Any]] = {}
+    with path.open("rb") as file:
+        for _, channel, _, message in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages():
+            said.setdefault(channel.topic, []).append(message)
+    (occupancy,) = said["/map"]
+    assert (occupancy.info.width, occupancy.info.height) == grid.geometry.shape[::-1]
+    assert list(occupancy.data) == occupancy_values(grid).ravel().tolist()
+    poses = log.trajectory("true").poses
+    assert len(said["/pose"]) == len(said["/scan"]) == len(said["/tf"]) == log.n_scans
+    for pose, scan, tf, (x, y, yaw), ranges in zip(
+        said["/pose"], said["/scan"], said["/tf"], poses, log.ranges, strict=True
+    ):
+        assert (pose.header.frame_id, scan.header.frame_id) == ("map", "laser")
+        position, turn = pose.pose.position, pose.pose.orientation
+        assert (position.x, position.y, position.z) == (x, y, 0.0)
+        assert (turn.z, turn.w) == pytest.approx((math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
+        np.testing.assert_array_equal(np.array(scan.ranges, dtype=np.float32), ranges)
+        assert (tf.transforms[0].transform.translation.x, tf.transforms[0].child_frame_id) == (x, "base_link")
 
 
 def test_sonars_are_range_messages_in_frames_of_their_own(tmp_path: Path, log: ScanLog) -> None:
