@@ -161,11 +161,17 @@ def yaml_text(
     occupied = stated[0] if occupied_thresh is None else occupied_thresh
     free = stated[1] if free_thresh is None else free_thresh
     name = image_name if _PLAIN_NAME.match(image_name) else json.dumps(image_name, ensure_ascii=False)
-    origin = ", ".join(repr(float(value)) for value in geometry.origin)
+    origin = ", ".join(_number(value) for value in geometry.origin)
     return (
-        f"image: {name}\nmode: {mode}\nresolution: {float(geometry.resolution)!r}\norigin: [{origin}]\nnegate: 0\n"
-        f"occupied_thresh: {float(occupied)!r}\nfree_thresh: {float(free)!r}\n"
+        f"image: {name}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\nnegate: 0\n"
+        f"occupied_thresh: {_number(occupied)}\nfree_thresh: {_number(free)}\n"
     )
+
+
+def _number(value: float) -> str:
+    """Return a number as every YAML has it: for YAML 1.1 ``1e-05`` is a word, and ``1.0e-05`` the number."""
+    text = repr(float(value))
+    return text if "." in text else text.replace("e", ".0e")
 
 
 def save_map(

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PIL import Image
 
 from mapper.errors import LimitError, MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.maps import load_map
+from mapper.maps import LoadedMap, load_map
+from tests.hostile.corpus import MAP_YAML, images
+from tests.hostile.damage import ALL, ROUNDS, check_sentence, flipped, mangled
 
 GOOD = "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 PGM = b"P5\n4 3\n255\n" + bytes(range(0, 240, 20))
@@ -57,6 +57,10 @@ YAMLS = {
     ),
     "a merge": ("a: &a {image: x}\n<<: *a\n" + GOOD, "map.yaml", "aliases are not allowed"),
     "nested too deeply": ("a: " + "[" * 30000 + "\n", "map.yaml", "nested too deeply"),
+    "an object of Python": ("!!python/object/apply:os.system ['true']\n" + GOOD, "map.yaml", "malformed in line 2"),
+    "only an object of Python": ("!!python/object/apply:os.system ['true']\n", "map.yaml", "list of keys"),
+    "image python": (with_value("image", "!!python/object/new:os.stat [/]"), "map.value", "needs one value"),
+    "resolution with a tag": (with_value("resolution", "!!python/name:os.getcwd"), "map.value", "not ''"),
     "no image": (GOOD.replace("image", "picture"), "map.key_missing", "'image'"),
     "no resolution": (GOOD.replace("resolution", "res"), "map.key_missing", "'resolution'"),
     "no origin": (GOOD.replace("origin", "place"), "map.key_missing", "'origin'"),
@@ -113,7 +117,7 @@ def test_a_yaml_that_is_missing_a_folder_too_large_or_not_text(tmp_path):
     assert refused(tmp_path / "gone.yaml").code == "map.missing"
     (tmp_path / "folder").mkdir()
     assert refused(tmp_path / "folder").code == "map.unreadable"
-    large = refused(folder_with(tmp_path, GOOD + "#" * (1 << 17)))
+    large = refused(folder_with(tmp_path, GOOD + "x: " + "[" * 100_000))
     assert (type(large), large.code) == (LimitError, "map.yaml_too_large")
     assert "not UTF-8" in refused(folder_with(tmp_path, b"image: \xff\n")).message
 
@@ -173,40 +177,119 @@ def test_an_image_of_too_many_bytes_is_refused(tmp_path):
     assert (type(error), error.code) == (LimitError, "map.image_too_large")
 
 
-@pytest.fixture(scope="module")
-def images(tmp_path_factory: pytest.TempPathFactory) -> list[bytes]:
-    folder = tmp_path_factory.mktemp("images")
-    pixels = Image.fromarray(np.arange(240, dtype=np.uint8).reshape(6, 10, 4))
-    found = [PGM]
-    for name, mode in (("a.png", "RGBA"), ("b.png", "P"), ("c.bmp", "RGB"), ("d.bmp", "P"), ("e.pgm", "L")):
-        pixels.convert(mode).save(folder / name)
-        found.append((folder / name).read_bytes())
-    return found
+@pytest.mark.parametrize(
+    "image",
+    [
+        b"P5\n16000 16000\n255\n" + bytes(12),
+        b"P5\n16000 16000\n65535\n" + bytes(12),
+        b"P2\n16000 16000\n255\n0 1 2\n",
+        b"P4\n16000 16000\n" + bytes(12),
+        _png_header(16_000, 16_000),
+    ],
+    ids=["pgm", "pgm of 16 bits", "pgm as text", "bits", "png"],
+)
+def test_an_image_that_claims_more_than_its_bytes_can_hold(tmp_path, image):
+    error = refused(folder_with(tmp_path, image=image))
+    assert (type(error), error.code) == (ReadError, "map.image")
+    assert "claims 16000 × 16000 pixels, which its" in error.message
 
 
-@settings(max_examples=400)
-@given(data=st.data())
-def test_nothing_but_our_own_errors_escapes(tmp_path_factory, images, data):
-    image = bytearray(data.draw(st.sampled_from(images)))
-    text = bytearray(GOOD.encode())
-    for target in (image, text):
-        for _ in range(data.draw(st.integers(0, 3))):
-            place = data.draw(st.integers(0, max(0, len(target) - 1)))
-            kind = data.draw(st.sampled_from(["replace", "cut", "insert"]))
-            if kind == "cut":
-                del target[place:]
-            elif kind == "insert":
-                target[place:place] = data.draw(st.binary(max_size=6))
-            elif target:
-                target[place] = data.draw(st.integers(0, 255))
-    path = folder_with(tmp_path_factory.mktemp("fuzz"), bytes(text), bytes(image))
+def test_twenty_thousand_cells_a_side_are_over_the_limit(tmp_path):
+    error = refused(folder_with(tmp_path, image=_png_header(20_000, 20_000)))
+    assert (type(error), error.code) == (LimitError, "map.image_too_large")
+    assert "20000 × 20000" in error.message
+
+
+def test_the_cap_on_pixels_is_ours_alone(tmp_path, monkeypatch):
+    """Pillow's own, of 179 million, would refuse maps of 16,000 cells a side."""
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 5)
+    for image in (PGM, images()["png grey"], images()["bmp"]):
+        assert load_map(folder_with(tmp_path, image=image)).grid.geometry.shape in ((3, 4), (6, 10))
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+@pytest.mark.parametrize("kind", [b"zTXt", b"iCCP"])
+def test_a_png_with_a_bomb_beside_its_pixels(tmp_path, kind):
+    packed = zlib.compress(bytes(8 << 20))
+    png = images()["png grey"]
+    bomb = png[:33] + _chunk(kind, b"a\0\0" + packed) + png[33:]
+    assert refused(folder_with(tmp_path, image=bomb)).code == "map.image"
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        b"P5 # a remark\n# another 9 9 9\n4 3\n#\n255\n" + bytes(range(0, 240, 20)),
+        b"P5\n#" + b"x" * 100_000 + b"\n4 3\n255\n" + bytes(range(0, 240, 20)),
+        b"P2\n4 3\n255\n" + b" ".join(b"%d" % grey for grey in range(0, 240, 20)),
+        b"P2\r\n4 3\r\n255\r\n" + b"\r\n".join(b"%d" % grey for grey in range(0, 240, 20)),
+        b"P5\n4 3\n255\n" + bytes(range(0, 240, 20)) + b"what follows is not looked at",
+    ],
+    ids=["remarks", "a long remark", "text", "text of Windows", "more bytes"],
+)
+def test_a_pgm_that_is_odd_and_good(tmp_path, image):
+    plain = load_map(folder_with(tmp_path))
+    np.testing.assert_array_equal(load_map(folder_with(tmp_path, image=image)).values, plain.values)
+
+
+@pytest.mark.parametrize("maximum", [100, 1000, 65535])
+def test_a_pgm_of_other_depths(tmp_path, maximum):
+    """A grey counts as its share of the greatest."""
+    greys = [round(share * maximum) for share in (0.0, 0.3, 0.36, 0.5, 0.79, 0.81, 1.0)]
+    pixels = bytes(greys) if maximum < 256 else struct.pack(f">{len(greys)}H", *greys)
+    loaded = load_map(folder_with(tmp_path, image=b"P5\n7 1\n%d\n" % maximum + pixels))
+    assert loaded.values.tolist() == [[100, 100, -1, -1, -1, 0, 0]]
+
+
+def _outcome(folder: Path, text: bytes, image: bytes) -> LoadedMap | MapperError:
+    """The map, or the error in one sentence; anything else is a defect."""
+    path = folder_with(folder, text, image)
     refusal = None
     try:
         loaded = load_map(path)
     except MapperError as error:
         refusal = error
     if refusal is not None:
-        assert refusal.code.split(".")[0] in ("map", "grid")
-        assert refusal.message.endswith(".")
-    else:
-        assert np.isfinite(loaded.grid.log_odds).all()
+        check_sentence(refusal, path, "map", "grid")
+        return refusal
+    assert np.isfinite(loaded.grid.log_odds).all()
+    assert ((loaded.values >= -1) & (loaded.values <= 100)).all()
+    return loaded
+
+
+@pytest.mark.parametrize("kind", images())
+def test_flipped_bits_in_an_image(tmp_path, kind):
+    rng = np.random.default_rng(list(kind.encode()))
+    for n in range(ROUNDS if ALL else ROUNDS // 3):
+        text = MAP_YAML.replace("trinary", ("trinary", "scale", "raw")[n % 3])
+        _outcome(tmp_path, text.encode(), flipped(rng, images()[kind]))
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda rng: flipped(rng, MAP_YAML.encode()), lambda rng: mangled(rng, MAP_YAML, ": ")]
+)
+def test_flipped_bits_and_mistakes_in_a_yaml(tmp_path, damage):
+    rng = np.random.default_rng(7)
+    found = [_outcome(tmp_path, damage(rng), PGM) for _ in range(ROUNDS)]
+    assert 0 < sum(isinstance(one, LoadedMap) for one in found) < ROUNDS
+
+
+@pytest.mark.parametrize("kind", images())
+def test_every_prefix_of_an_image(tmp_path, kind):
+    data = images()[kind]
+    whole = _outcome(tmp_path, MAP_YAML.encode(), data)
+    assert isinstance(whole, LoadedMap)
+    sure = whole.values.size - kind.endswith("text")  # the last number of a text may be cut and still be one
+    for n in range(0, len(data), 1 if ALL else 9):
+        found = _outcome(tmp_path, MAP_YAML.encode(), data[:n])
+        if isinstance(found, LoadedMap):  # what is missing is not of the pixels
+            np.testing.assert_array_equal(found.values[::-1].ravel()[:sure], whole.values[::-1].ravel()[:sure])
+
+
+def test_every_prefix_of_a_yaml(tmp_path):
+    for n in range(len(MAP_YAML)):
+        found = _outcome(tmp_path, MAP_YAML[:n].encode(), PGM)
+        assert isinstance(found, MapperError) or n > MAP_YAML.index("free_thresh")
