@@ -176,11 +176,11 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
     return store(ros).types[kind](**values)
 
 
-def serialised(said: Said, ros: int) -> bytes:
+def serialised(said: Said, ros: int, *, little_endian: bool = True) -> bytes:
     message = _made(ros, said.kind, said.fields)
     if ros == 1:
         return bytes(store(1).serialize_ros1(message, said.kind))
-    return bytes(store(2).serialize_cdr(message, said.kind))
+    return bytes(store(2).serialize_cdr(message, said.kind, little_endian=little_endian))
 
 
 def write_bag(path: Path, messages: Iterable[Said], compression: str = "none") -> Path:
@@ -197,9 +197,14 @@ def write_bag(path: Path, messages: Iterable[Said], compression: str = "none") -
     return path
 
 
-def write_rosbag2(folder: Path, messages: Iterable[Said], plugin: rosbag2.StoragePlugin, suffix: str) -> Path:
-    """Return the file in the bag's folder that holds the messages."""
-    with rosbag2.Writer(folder, version=9, storage_plugin=plugin) as writer:
+def write_rosbag2(
+    folder: Path, messages: Iterable[Said], plugin: rosbag2.StoragePlugin, suffix: str, compression: str = "none"
+) -> Path:
+    """Return the file in the bag's folder that holds the messages; what is compressed is "none", "file", "message" …"""
+    writer = rosbag2.Writer(folder, version=9, storage_plugin=plugin)
+    if compression != "none":
+        writer.set_compression(rosbag2.CompressionMode[compression.upper()], rosbag2.CompressionFormat.ZSTD)
+    with writer:
         known: dict[tuple[str, str], Any] = {}
         for said in messages:
             key = (said.topic, said.kind)

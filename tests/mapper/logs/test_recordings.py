@@ -10,6 +10,7 @@ import pytest
 import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
+from rosbags.rosbag2 import StoragePlugin
 
 from mapper.errors import ReadError
 from mapper.geometry import compose, wrap_angle
@@ -212,16 +213,23 @@ def test_the_whole_file_compressed(tmp_path, kind, pack):
     np.testing.assert_array_equal(open_log(packed).ranges, open_log(path).ranges)
 
 
-def test_messages_that_are_compressed_one_by_one(tmp_path):
-    import sqlite3
-
-    path = written(tmp_path, run(), "db3")
-    with sqlite3.connect(path) as connection:
-        rows = connection.execute("SELECT id, data FROM messages").fetchall()
-        for key, data in rows:
-            connection.execute("UPDATE messages SET data = ? WHERE id = ?", (zstandard.compress(data), key))
-    connection.close()
-    assert open_log(path).n_scans == 10
+@pytest.mark.parametrize(
+    ("plugin", "suffix", "compression"),
+    [
+        (StoragePlugin.SQLITE3, "db3.zstd", "file"),
+        (StoragePlugin.SQLITE3, "db3", "message"),
+        (StoragePlugin.MCAP, "mcap", "none"),
+        (StoragePlugin.MCAP, "mcap.zstd", "file"),
+        (StoragePlugin.MCAP, "mcap", "message"),
+        (StoragePlugin.MCAP, "mcap", "storage"),
+    ],
+)
+def test_the_ways_in_which_rosbag2_compresses(tmp_path, plugin, suffix, compression):
+    log = open_log(recorded.write_rosbag2(tmp_path / "run", run(), plugin, suffix, compression))
+    plain = open_log(written(tmp_path, run(), "mcap"))
+    np.testing.assert_array_equal(log.ranges, plain.ranges)
+    assert list(log.trajectories) == list(plain.trajectories)
+    assert log.notes == ()
 
 
 @pytest.mark.parametrize("kind", KINDS)
