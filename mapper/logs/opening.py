@@ -54,6 +54,9 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (sonar.is_sonar, sonar.read_sonar),
 )
 
+#: How the files end in the folder that a ROS 2 bag is.
+ROS2_FILES = (".db3", ".mcap", ".db3.zstd", ".mcap.zstd")
+
 KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
 
@@ -63,7 +66,7 @@ def is_log(path: str | os.PathLike[str]) -> bool:
     False for a file that cannot be opened. A log may begin well and still be one that :func:`open_log` refuses.
     """
     try:
-        _reader_for(Path(path))
+        _reader_for(_file_of(Path(path)))
     except MapperError:
         return False
     return True
@@ -78,13 +81,28 @@ def open_log(
 ) -> ScanLog:
     """Return the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
 
+    Of a folder the sonar ring in it is read, or the one file of the ROS 2 bag that it is.
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
     is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
-    file = Path(path)
+    file = _file_of(Path(path))
     return _reader_for(file)(file, limits, progress, topic)
+
+
+def _file_of(path: Path) -> Path:
+    """Return the recording in a folder, or ``path`` itself; raise :class:`ReadError` where there are several."""
+    if not path.is_dir():
+        return path
+    try:
+        files = sorted(one for one in path.iterdir() if one.name.endswith(ROS2_FILES))
+    except OSError:
+        return path
+    if len(files) > 1:
+        names = ", ".join(repr(one.name)[:80] for one in files[:6])
+        raise ReadError("log.folder", f"The folder holds {len(files)} recordings; open one of them: {names}.")
+    return files[0] if files else path
 
 
 def _reader_for(file: Path) -> Reader:

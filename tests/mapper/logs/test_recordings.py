@@ -232,6 +232,17 @@ def test_the_ways_in_which_rosbag2_compresses(tmp_path, plugin, suffix, compress
     assert log.notes == ()
 
 
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_ros_2_bag_is_a_folder(tmp_path, kind):
+    plugin = StoragePlugin.SQLITE3 if kind == "db3" else StoragePlugin.MCAP
+    file = recorded.write_rosbag2(tmp_path / "run", run(), plugin, kind)
+    assert is_log(tmp_path / "run")
+    assert open_log(tmp_path / "run").n_scans == 10
+    file.with_name(f"run_1.{kind}").write_bytes(file.read_bytes())
+    with pytest.raises(ReadError, match=rf"holds 2 recordings; open one of them: 'run\.{kind}', 'run_1\.{kind}'"):
+        open_log(tmp_path / "run")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_recording_without_scans_says_what_it_has(tmp_path, kind):
     with pytest.raises(ReadError, match=r"holds no scans .* it has nav_msgs/Odometry\.") as caught:
