@@ -7,6 +7,7 @@ passed; every error smears them over cells that other beams passed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_scans
 from mapper.parameters import MappingConfig
+from mapper.replay import UnwantedError
 from mapper.scan import ScanLog, Trajectory
 
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be quick and not to mind a reading's noise
@@ -26,12 +28,16 @@ MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
 class Examined:
-    """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers."""
+    """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
+
+    ``wanted`` is asked before each map that is made of it: False ends the examination.
+    """
 
     log: ScanLog
     trajectory: str
     scans: NDArray[np.int64]
     config: MappingConfig
+    wanted: Callable[[], bool] = lambda: True
 
     @cached_property
     def agreement(self) -> float:
@@ -61,7 +67,9 @@ def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
 
 
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
-    """Return the grid of hits and visits of what was examined."""
+    """Return the grid of hits and visits of what was examined. Raises :class:`UnwantedError`."""
+    if not seen.wanted():
+        raise UnwantedError("doctor.unwanted", "The examination was given up: its session has ended.")
     config = config or seen.config
     grid = OccupancyGrid(geometry_for(seen.log, config))
     integrate_scans(grid, seen.log, config, None, 0, seen.log.n_scans)

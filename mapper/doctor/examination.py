@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mapper.doctor import clock, mounting, readings, timing, walls
 from mapper.doctor.consistency import Examined, examined
@@ -37,18 +37,22 @@ CHECKS: tuple[Check, ...] = (
 
 
 def examine(
-    log: ScanLog, trajectory: str | None = None, progress: Callable[[float], None] | None = None
+    log: ScanLog,
+    trajectory: str | None = None,
+    progress: Callable[[float], None] | None = None,
+    wanted: Callable[[], bool] = lambda: True,
 ) -> list[Finding]:
     """Return what all checks find in a log with one of its trajectories, the surest first within a check.
 
-    ``progress`` is called with the share that is done. Raises :class:`ConfigError` for a log too short to judge and
-    for a trajectory that it lacks.
+    ``progress`` is called with the share that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError`
+    for a log too short to judge and for a trajectory that it lacks, and :class:`UnwantedError` soon after ``wanted``
+    said False.
     """
     if log.n_scans < LEAST_SCANS:
         raise ConfigError(
             "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
         )
-    seen = examined(log, trajectory)
+    seen = replace(examined(log, trajectory), wanted=wanted)
     found: list[Finding] = []
     for done, check in enumerate(CHECKS):
         if progress is not None:

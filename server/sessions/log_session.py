@@ -117,14 +117,18 @@ class LogSession(ComparedSession):
     async def examined(self) -> list[Finding]:
         """Return what the doctor finds in the log with the trajectory of the moment.
 
-        Whoever asks while it is being examined waits for the same answer. Raises as :func:`mapper.doctor.examine`.
+        Whoever asks while it is being examined waits for the same answer; an examination that failed is made anew for
+        the next who asks, and the end of the session ends it. Raises as :func:`mapper.doctor.examine`.
         """
         from mapper.doctor import examine  # noqa: PLC0415 - SciPy, which most visitors do without
 
         name = self.trajectory
-        if name not in self._examinations:
-            self._examinations[name] = asyncio.ensure_future(asyncio.to_thread(examine, self.log, name))
-        return await asyncio.shield(self._examinations[name])
+        known = self._examinations.get(name)
+        if known is None or (known.done() and known.exception() is not None):
+            known = asyncio.ensure_future(asyncio.to_thread(examine, self.log, name, wanted=lambda: not self.closed))
+            known.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may wait any more
+            self._examinations[name] = known
+        return await asyncio.shield(known)
 
     @property
     def speeds(self) -> tuple[float, float]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,9 +18,10 @@ from hypothesis.extra.numpy import arrays
 
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log
+from mapper.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.logs import open_log
 from mapper.parameters import MappingConfig
+from mapper.replay import UnwantedError
 from mapper.scan import ScanLog, Trajectory
 from server.sessions import SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times
@@ -173,6 +176,44 @@ async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegis
     first, again = await asyncio.gather(session.examined(), session.examined())
     assert [finding.check for finding in first] == ["mount.turned"]
     assert again is first
+
+
+async def test_an_examination_ends_with_its_session(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await registry.create_log("me", office_log)
+    begun, maps = threading.Event(), 0
+
+    def slow(*arguments: Any) -> None:
+        nonlocal maps
+        maps += 1
+        begun.set()
+        while not session.closed:
+            time.sleep(0.001)
+        integrate_scans(*arguments)
+
+    monkeypatch.setattr("mapper.doctor.consistency.integrate_scans", slow)
+    asked = asyncio.ensure_future(session.examined())
+    await asyncio.to_thread(begun.wait)
+    await registry.close(session.id)
+    with pytest.raises(UnwantedError):
+        await asked
+    assert maps == 1
+
+
+async def test_an_examination_that_failed_is_made_anew(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await registry.create_log("me", office_log)
+
+    def no_memory(*_: Any) -> None:
+        raise MemoryError
+
+    with monkeypatch.context() as patched:
+        patched.setattr("mapper.doctor.consistency.integrate_scans", no_memory)
+        for asked in await asyncio.gather(session.examined(), session.examined(), return_exceptions=True):
+            assert isinstance(asked, MemoryError)
+    assert await session.examined() == []
 
 
 async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(
