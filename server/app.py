@@ -13,7 +13,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from mapper.warm import warm
 from server.library import Library
 from server.metrics import Metrics
-from server.routes import comparing, docs, doctor, health, logs, pages, scenes, sessions, stream, taking
+from server.routes import comparing, docs, doctor, health, links, logs, pages, scenes, sessions, stream, taking
 from server.routes.errors import CatchAll, Ending, install_error_handlers
 from server.scenes import Scenes
 from server.security import Security
@@ -74,6 +74,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         taking,
         stream,
         logs,
+        links,
         scenes,
         docs,
         pages,

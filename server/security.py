@@ -52,6 +52,9 @@ ENTRANCE = """<!doctype html>
 
 _VISITOR = re.compile(r"[A-Za-z0-9_-]{24}")
 _NETLOC = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?")
+_GUESTS_GET = re.compile(r"/assets/[^/]+|(/api)?/shared/[A-Za-z0-9_-]+")
+_GUESTS_POST = re.compile(r"/api/shared/[A-Za-z0-9_-]+/sessions")
+_GUESTS_SESSION = re.compile(r"/api/sessions/([A-Za-z0-9_-]+)(?:/stream|/doctor|/map\.(?:pgm|yaml|png))?")
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -115,7 +118,8 @@ class Security:
             return error_response(403, "security.origin", "Requests from pages of other sites are refused.")
         if self._token is None or scope["path"] == "/livez":
             return None
-        return self._token_refusal(scope, headers, cookies)
+        refusal = self._token_refusal(scope, headers, cookies)
+        return None if refusal is not None and refusal.status_code == 401 and _is_for_guests(scope) else refusal
 
     def _host_allowed(self, host: str) -> bool:
         """A page of another site must not reach the service under a name that it controls (DNS rebinding)."""
@@ -168,6 +172,24 @@ class Security:
     @staticmethod
     def _takes_small_body(scope: Scope) -> bool:
         return scope["method"] not in _SAFE_METHODS and not (scope["method"] == "PUT" and scope["path"] == UPLOADS)
+
+
+def _is_for_guests(scope: Scope) -> bool:
+    """Whether this may be asked without the service's token: what a link opens, by who has the link.
+
+    The address itself is the secret: that of a link, or of a session that was begun by one.
+    """
+    path = scope["path"]
+    if scope["type"] == "http" and scope["method"] == "POST":
+        return _GUESTS_POST.fullmatch(path) is not None
+    if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD"):
+        return False
+    if _GUESTS_GET.fullmatch(path):
+        return True
+    session = _GUESTS_SESSION.fullmatch(path)
+    return session is not None and any(
+        one.id == session[1] and one.link is not None for one in scope["app"].state.sessions.all()
+    )
 
 
 def _same_origin(origins: list[str], host: str) -> bool:

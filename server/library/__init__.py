@@ -2,6 +2,7 @@
 
 from server.library.intake import Part
 from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError, check_stores
+from server.library.link import Link, LinkGoneError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
 from server.library.storage import StorageError, claimed
@@ -10,6 +11,8 @@ __all__ = [
     "SAMPLE_ID",
     "Library",
     "LibraryLimits",
+    "Link",
+    "LinkGoneError",
     "LogNotFoundError",
     "LogReadOnlyError",
     "Part",

@@ -48,6 +48,8 @@ class Catalogue:
         except StorageError:  # a bucket that is away for a moment must not cost anybody a log
             there = {record.sha256 for record in found}
         for record in found:
+            if record.source == "sample":  # of it there is a row where there is a link to it
+                continue
             if record.id not in self.folder_logs if record.source == "folder" else record.sha256 not in there:
                 await self._store.delete(record.id)
             elif record.source == "upload" and record.state in ("queued", "reading"):

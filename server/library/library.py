@@ -76,6 +76,7 @@ class Library:
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
+        from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits()
@@ -99,6 +100,7 @@ class Library:
             private_folder(folder)
         blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
+        self.links = Links(self._database)
         self._intake = Intake(blobs, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
@@ -110,6 +112,7 @@ class Library:
         """
         await self._look_into_folder()
         await self._catalogue.start()
+        await self.links.start()
         await self._expire()
         self._begin_survey()
 

@@ -27,13 +27,7 @@ class LogRows:
 
     def put(self, record: Record) -> asyncio.Future[None]:
         """Keep ``record`` in the place of any older one with its id."""
-        values = _values(record)
-
-        def work(connection: Connection) -> None:
-            if connection.execute(update(logs).where(logs.c.id == record.id).values(values)).rowcount == 0:
-                connection.execute(insert(logs).values(values))
-
-        return self._database.run(work)
+        return self._database.run(lambda connection: upsert_log(connection, record))
 
     def delete(self, record_id: str) -> asyncio.Future[None]:
         """Forget a record; one that is not there is no error."""
@@ -42,6 +36,13 @@ class LogRows:
             connection.execute(delete(logs).where(logs.c.id == record_id))
 
         return self._database.run(work)
+
+
+def upsert_log(connection: Connection, record: Record) -> None:
+    """Write the row of a record, in the place of any older one with its id."""
+    values = _values(record)
+    if connection.execute(update(logs).where(logs.c.id == record.id).values(values)).rowcount == 0:
+        connection.execute(insert(logs).values(values))
 
 
 def _load(connection: Connection) -> Sequence[Record]:

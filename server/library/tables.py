@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Column, Double, Index, MetaData, String, Table, Text
+from sqlalchemy import BigInteger, Column, Double, ForeignKey, Index, MetaData, String, Table, Text
 
 metadata = MetaData()
 
@@ -24,4 +24,16 @@ logs = Table(
     Column("summary", Text),  # JSON; PostgreSQL's own type refuses what is infinite
     Index("logs_by_owner", "owner"),
     Index("logs_by_sha256", "sha256"),
+)
+
+#: One row for each link that opens a view of a log and was not revoked. It goes with its log.
+links = Table(
+    "links",
+    metadata,
+    Column("token", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("view", Text, nullable=False),  # JSON
+    Index("links_by_log_id", "log_id"),
 )

@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.errors import ConfigError, LimitError, MapperError, ReadError
-from server.library import LogNotFoundError, LogReadOnlyError, StorageError
+from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 
 CLOSE_REFUSED = 4404  #: close code of a socket whose session or scene there is not; the reason is the error's code
@@ -24,6 +24,7 @@ _log = structlog.get_logger(__name__)
 #: The first class that fits says the status. A code may have one of its own.
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
+    (LinkGoneError, 404),
     (LogNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
@@ -40,6 +41,8 @@ _STATUS_OF_CODE = {
     "library.busy": 503,
     "library.full": 507,
     "library.too_many": 409,
+    "link.read_only": 403,
+    "link.too_many": 409,
     "log.gone": 410,
     "log.stalled": 408,
     "log.storage": 507,

@@ -102,6 +102,8 @@ async def read_again(request: Request, log_id: str) -> dict[str, Any]:
 
 @router.delete("/{log_id}", status_code=204)
 async def delete(request: Request, log_id: str) -> None:
-    """Delete an upload of this visitor's. Sessions that have it open go on."""
+    """Delete an upload of this visitor's and the links to it. Sessions of it go on, but those of guests."""
     library: Library = request.app.state.library
     await library.delete(request.state.visitor, log_id)
+    for token in library.links.drop(log_id):
+        await request.app.state.sessions.end_linked(token)

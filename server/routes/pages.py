@@ -59,6 +59,11 @@ def _file(request: Request, relative: str, cache: str) -> Response:
     return response
 
 
+def page_file(request: Request, name: str) -> Response:
+    """Return a page, or a file beside the pages."""
+    return _file(request, name, "no-cache")
+
+
 @router.api_route("/", methods=["GET", "HEAD"])
 async def index(request: Request) -> Response:
     """The front page."""
@@ -83,4 +88,4 @@ async def three_d(request: Request, session: str) -> Response:
 @router.api_route("/{name}", methods=["GET", "HEAD"])
 async def page(request: Request, name: str) -> Response:
     """A page, or a file beside the pages."""
-    return _file(request, name, "no-cache")
+    return page_file(request, name)

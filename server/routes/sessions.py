@@ -14,7 +14,7 @@ from mapper.errors import MapperError
 from mapper.maps import pgm_bytes, png_bytes, yaml_text
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS
-from server.sessions import Session, WorldSession
+from server.sessions import LogView, Session, WorldSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -62,7 +62,8 @@ class NewLog(BaseModel):
     trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
 
 
-def _public(session: Session) -> dict[str, Any]:
+def public(session: Session) -> dict[str, Any]:
+    """Return what the HTTP interface shows of a session."""
     index, count = session.progress
     return {
         "id": session.id,
@@ -88,21 +89,22 @@ async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(dis
         library = request.app.state.library
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
-        session = await sessions.create_log(visitor, log, log_id=wanted.log, title=title, trajectory=wanted.trajectory)
-    return JSONResponse(_public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+        view = LogView(wanted.topic, wanted.trajectory)
+        session = await sessions.create_log(visitor, log, log_id=wanted.log, title=title, view=view)
+    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
 
 @router.get("/sessions")
 async def mine(request: Request) -> dict[str, Any]:
     """List the sessions that this visitor began."""
     visitor = request.state.visitor
-    return {"sessions": [_public(s) for s in request.app.state.sessions.all() if s.owner == visitor]}
+    return {"sessions": [public(s) for s in request.app.state.sessions.all() if s.owner == visitor]}
 
 
 @router.get("/sessions/{session_id}")
 async def one(request: Request, session_id: str) -> dict[str, Any]:
     """Tell what a session does."""
-    return _public(request.app.state.sessions.get(session_id))
+    return public(request.app.state.sessions.get(session_id))
 
 
 @router.delete("/sessions/{session_id}", status_code=204)

@@ -25,6 +25,8 @@ def _log_session(request: Request, session_id: str) -> LogSession:
     session = request.app.state.sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.no_log", "This session is no log's: it has no recorded scans to take away.")
+    if session.link is not None:
+        raise MapperError("link.read_only", "This link shares a view of the log, not the log itself.")
     return session
 
 

@@ -3,12 +3,13 @@
 from server.sessions.log_session import LogSession
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.session import Session
-from server.sessions.view import SessionView
+from server.sessions.view import LogView, SessionView
 from server.sessions.world_mapper import WorldMapper
 from server.sessions.world_session import WorldSession
 
 __all__ = [
     "LogSession",
+    "LogView",
     "Session",
     "SessionBudgetError",
     "SessionNotFoundError",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -22,7 +22,7 @@ from mapper.suited import suited_parameters
 from server.sessions.compared import ComparedSession
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
-from server.sessions.view import Moment, as_pose
+from server.sessions.view import LogView, Moment, as_pose
 from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text
 
@@ -50,17 +50,23 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(gaps)])
 
 
-def first_replay(log: ScanLog, trajectory: str | None, limits: Limits) -> Replay:
-    """Return the replay that a session begins with: the default parameters, coarser where the map is too large."""
+def first_replay(log: ScanLog, view: LogView, limits: Limits) -> Replay:
+    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
     config = MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
-    for resolution in COARSER:
+    config = config.with_values(view.values or {})
+    for resolution in (*(one for one in COARSER if one > config.resolution), None):
         try:
-            return Replay(log, config, trajectory, limits)
+            replay = Replay(log, config, view.trajectory, limits)
+            replay.advance_to(min(view.index, log.n_scans))
         except LimitError:
+            if resolution is None:
+                raise
             config = replace(config, resolution=resolution)
-    return Replay(log, config, trajectory, limits)
+        else:
+            break
+    return replay
 
 
 class LogSession(ComparedSession):
@@ -73,6 +79,7 @@ class LogSession(ComparedSession):
         replay: Replay,
         *,
         log_id: str,
+        topic: str | None = None,
         title: str,
         owner: str,
         pool: Executor,
@@ -80,7 +87,8 @@ class LogSession(ComparedSession):
     ) -> None:
         self._replay = replay
         replay.wanted = lambda: not self.closed
-        self._log_id = log_id
+        self.log_id = log_id
+        self._topic = topic
         self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
         self._times = play_times(replay.log.stamps_ns)
         self._recorded = recorded_seconds(replay.log)
@@ -93,6 +101,9 @@ class LogSession(ComparedSession):
         super().__init__(
             owner=owner, title=title, grid=replay.grid, config=replay.config, speed=speed, pool=pool, limits=limits
         )
+        if replay.index:
+            self.playing = False
+            self._go_to(replay.index)
 
     @property
     def grid(self) -> OccupancyGrid:
@@ -113,6 +124,10 @@ class LogSession(ComparedSession):
     def trajectory(self) -> str:
         """The name of the trajectory in use."""
         return self._replay.trajectory
+
+    def seen(self) -> LogView:
+        """Return what is shown now."""
+        return LogView(self._topic, self.trajectory, asdict(self.config), self._replay.index)
 
     async def examined(self) -> list[Finding]:
         """Return what the doctor finds in the log with the trajectory of the moment.
@@ -160,7 +175,7 @@ class LogSession(ComparedSession):
         log = self.log
         return {
             "log": {
-                "id": self._log_id,
+                "id": self.log_id,
                 "trajectory": self.trajectory,
                 "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
                 "n_beams": log.n_beams,

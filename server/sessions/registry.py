@@ -8,7 +8,7 @@ import secrets
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -19,6 +19,7 @@ from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.scan import ScanLog
 from server.sessions.log_session import LogSession, first_replay
 from server.sessions.session import Session
+from server.sessions.view import LogView
 from server.sessions.world_commands import retold
 from server.sessions.world_mapper import WorldMapper, world_named
 from server.sessions.world_session import DEFAULT_WORLD, WorldSession
@@ -49,6 +50,25 @@ class RegistrySettings(Protocol):
     threads: int
 
 
+class _InTurn:
+    """Holds two turns, one after the other."""
+
+    def __init__(self, first: asyncio.Semaphore, second: asyncio.Semaphore) -> None:
+        self._first, self._second = first, second
+
+    async def __aenter__(self) -> None:
+        await self._first.acquire()
+        try:
+            await self._second.acquire()
+        except BaseException:
+            self._first.release()
+            raise
+
+    async def __aexit__(self, *_: object) -> None:
+        self._second.release()
+        self._first.release()
+
+
 class SessionRegistry:
     """Makes, finds and ends sessions. Lives on the event loop.
 
@@ -67,11 +87,12 @@ class SessionRegistry:
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
         self._sessions: dict[str, Session] = {}
-        self._making: list[str] = []  #: owners of the sessions that are being made: they count already
+        self._making: list[tuple[str, str | None]] = []  #: owner and link of those that are being made: they count
         self._reaper: asyncio.Task[None] | None = None
         self.pool = ThreadPoolExecutor(settings.threads, thread_name_prefix="session")
         #: One thread is always left to sessions whose ticks are short: whoever asks for much cannot stop the others.
         self._turns = asyncio.Semaphore(max(1, settings.threads - 1))
+        self._guest_turns = _InTurn(asyncio.Semaphore(1), self._turns)  #: nobody waits for two guests
 
     async def start(self) -> None:
         """Begin to end sessions that nobody watches."""
@@ -123,28 +144,44 @@ class SessionRegistry:
         return session
 
     async def create_log(
-        self, owner: str, log: ScanLog, *, log_id: str = "", title: str = "", trajectory: str | None = None
+        self,
+        owner: str,
+        log: ScanLog,
+        *,
+        log_id: str = "",
+        title: str = "",
+        view: LogView | None = None,
+        link: str | None = None,
     ) -> LogSession:
-        """Start a session of a log for a visitor. Raises :class:`SessionBudgetError`, and as the mapper does."""
-        async with self._place(owner):
-            await self.free_bytes(log)
+        """Start a session of a log for a visitor, with ``link`` for one who came by that link.
+
+        Raises :class:`SessionBudgetError`, and as the mapper does.
+        """
+        view = view or LogView()
+        async with self._place(owner, link), self._turns_of(link) if view.index else contextlib.nullcontext():
+            await self.free_bytes(log, guest=link is not None)
             replay = await asyncio.get_running_loop().run_in_executor(
-                self.pool, first_replay, log, trajectory, self.limits(None)
+                self.pool, first_replay, log, view, self._limits(None, guest=link is not None)
             )
             session = LogSession(
                 replay,
                 log_id=log_id,
+                topic=view.topic,
                 title=title or log.name,
                 owner=owner,
                 pool=self.pool,
                 limits=self.limits,
             )
+            session.link = link
             self._begin(session)
         return session
 
+    def _turns_of(self, link: str | None) -> AbstractAsyncContextManager[Any]:
+        return self._turns if link is None else self._guest_turns
+
     def _begin(self, session: Session) -> None:
         session.remake_seconds = self._remake_seconds
-        session.turns = self._turns
+        session.turns = self._turns_of(session.link)
         session.hub.traffic = self._traffic
         self._sessions[session.id] = session
         session.start()
@@ -154,6 +191,11 @@ class SessionRegistry:
         """End a session. Raises :class:`SessionNotFoundError`."""
         await self._end(self.get(session_id))
 
+    async def end_linked(self, link: str) -> None:
+        """End the sessions of all who came by a link."""
+        for session in [one for one in self.all() if one.link == link]:
+            await self._end(session)
+
     async def _end(self, session: Session) -> None:
         self._sessions.pop(session.id, None)
         await session.close()
@@ -161,39 +203,64 @@ class SessionRegistry:
 
     def limits(self, session: Session | None) -> Limits:
         """Return what the grid of ``session`` (None: of a new one) may be, given what the others hold."""
-        others = sum(s.cells for s in self._sessions.copy().values() if s is not session)
-        room = min(self._settings.max_cells, self._settings.max_total_cells - others)
-        return replace(DEFAULT_LIMITS, max_cells=max(room, 1))
+        return self._limits(session, guest=session is not None and session.link is not None)
+
+    def _limits(self, session: Session | None, *, guest: bool) -> Limits:
+        others = [s for s in self._sessions.copy().values() if s is not session]
+        room = self._settings.max_total_cells - sum(s.cells for s in others)
+        if guest:  # of all that there is, guests have half at most
+            room = min(room, self._settings.max_total_cells // 2 - sum(s.cells for s in others if s.link is not None))
+        return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
 
     # -- budgets ---------------------------------------------------------------------------------------------------
 
     @asynccontextmanager
-    async def _place(self, owner: str) -> AsyncIterator[None]:
-        """Keep a place while a session is made on a worker thread; end one that nobody watches if there is none."""
-        self._making.append(owner)
+    async def _place(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
+        """Keep a place while a session is made on a worker thread; end one that nobody watches if there is none.
+
+        Who came by a link ends no session of others than such guests, and guests have half of the places.
+        """
+        place = (owner, link)
+        self._making.append(place)
         try:
             mine = [s for s in self._sessions.values() if s.owner == owner]
-            if len(mine) + self._making.count(owner) > self._settings.max_sessions_per_visitor:
+            if len(mine) + sum(one == owner for one, _ in self._making) > self._settings.max_sessions_per_visitor:
                 message = f"You have {len(mine)} sessions open, as many as one visitor may: close one first."
                 await self._evict(mine, "session.too_many", message)
+            if link is not None:
+                await self._make_room_for_guest(link)
             if len(self._sessions) + len(self._making) > self._settings.max_sessions:
                 message = "All places are taken and watched: try again in a minute."
-                await self._evict(self.all(), "session.full", message)
-            await self._free_cells()
+                idle_guests = [s for s in self._guests() if not s.watched]
+                await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
+            await self._free_cells(guest=link is not None)
             yield
         finally:
-            self._making.remove(owner)
+            self._making.remove(place)
 
-    async def _free_cells(self) -> None:
+    def _guests(self) -> list[Session]:
+        return [session for session in self._sessions.values() if session.link is not None]
+
+    async def _make_room_for_guest(self, link: str) -> None:
+        same = [s for s in self._guests() if s.link == link]
+        if len(same) + sum(one == link for _, one in self._making) > self._settings.max_sessions_per_visitor:
+            message = "As many people as may look through this link at one time do so: try again in a minute."
+            await self._evict(same, "link.crowded", message)
+        guests = self._guests()
+        places = max(1, self._settings.max_sessions // 2)
+        if len(guests) + sum(one is not None for _, one in self._making) > places:
+            await self._evict(guests, "session.full", "All places for guests are taken: try again in a minute.")
+
+    async def _free_cells(self, *, guest: bool) -> None:
         """End sessions that nobody watches, until a grid of the largest size finds room or all are watched."""
-        while self.limits(None).max_cells < self._settings.max_cells:
-            idle = [s for s in self._sessions.values() if not s.watched]
+        while self._limits(None, guest=guest).max_cells < self._settings.max_cells:
+            idle = [s for s in (self._guests() if guest else self._sessions.values()) if not s.watched]
             if not idle:
                 return
             await self._end(min(idle, key=lambda s: s.unwatched_since))
 
-    async def free_bytes(self, log: ScanLog) -> None:
-        """End log sessions that nobody watches, until ``log`` finds room in memory.
+    async def free_bytes(self, log: ScanLog, *, guest: bool = False) -> None:
+        """End log sessions that nobody watches, for a ``guest`` only those of guests, until there is room for ``log``.
 
         Raises :class:`SessionBudgetError` where it finds none.
         """
@@ -211,7 +278,7 @@ class SessionRegistry:
             needed = {key for s, sizes in held.items() if s.watched for key in sizes}
             message = "The logs that are open take all the memory that there is for them: try again later."
             # One is ended for what only it and others that nobody watches hold.
-            idle = [s for s, sizes in held.items() if sizes.keys() - needed]
+            idle = [s for s, sizes in held.items() if sizes.keys() - needed and (s.link is not None or not guest)]
             await self._evict(idle, "session.memory", message)
 
     async def _evict(self, sessions: Sequence[Session], code: str, message: str) -> None:

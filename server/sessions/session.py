@@ -58,12 +58,13 @@ class Session(Content):
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
         self.owner = owner
+        self.link: str | None = None  #: the link by which its owner came, a guest then
         self.title = title
         self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = clock()
         self.remake_seconds: Callable[[float], None] = lambda _: None
-        self.turns: asyncio.Semaphore | None = None  #: of the sessions that compute for long
+        self.turns: AbstractAsyncContextManager[Any] | None = None  #: of the sessions that compute for long
         self._clock = clock
         self._pool = pool
         self._limits = limits

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,18 @@ class Side:
     sources: Callable[[], list[Source]]
     index: int
     place: int
+
+
+@dataclass(frozen=True, slots=True)
+class LogView:
+    """What a session shows of a log, enough for another session to show the same: the sensor and the trajectory, None
+    for the usual ones, the values of the parameters, and how many scans are in the map.
+    """
+
+    topic: str | None = None
+    trajectory: str | None = None
+    values: dict[str, Any] | None = None
+    index: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from mapper.errors import ConfigError, MapperError
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog
-from server.sessions import SessionRegistry
+from server.sessions import LogView, SessionRegistry
 from server.sessions.other_side import Wanted
 from tests.server.service import Service, Watcher, eventually, running, settings_for
 from tests.server.sessions.test_log_session import whole_map
@@ -105,7 +105,7 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
     assert [getattr(one, "code", None) for one in done[:2]] == ["compare.superseded"] * 2
     assert (await session.compared())[0]["values"] == {"window": 0.5}
     with pytest.raises(MapperError):
-        await registry.create_log("me", replace(office_log, name="x"), trajectory="no such")
+        await registry.create_log("me", replace(office_log, name="x"), view=LogView(trajectory="no such"))
     await session.compare(None)
     with pytest.raises(MapperError, match="no other one"):
         await session.compared()

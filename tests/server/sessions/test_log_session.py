@@ -23,7 +23,7 @@ from mapper.logs import open_log
 from mapper.parameters import MappingConfig
 from mapper.replay import UnwantedError
 from mapper.scan import ScanLog, Trajectory
-from server.sessions import SessionRegistry
+from server.sessions import LogView, SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times
 from tests.server.service import eventually
 
@@ -128,7 +128,7 @@ async def test_steps_stay_within_the_log(
 async def test_another_trajectory_makes_another_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log, trajectory="true")
+    session = await registry.create_log("me", office_log, view=LogView(trajectory="true"))
     await obey(session, type="pause")
     await obey(session, type="seek", index=100)
     await obey(session, type="trajectory", name="odometry")

@@ -128,3 +128,21 @@ async def test_what_is_not_there(registry: SessionRegistry) -> None:
         registry.get("x")
     with pytest.raises(SessionNotFoundError):
         await registry.close("x")
+
+
+async def test_guests_have_half_of_the_cells_and_end_no_session_of_others(
+    make_registry: Callable[..., SessionRegistry], office_log: ScanLog
+) -> None:
+    first = await make_registry().create_log("owner", office_log)
+    registry = make_registry(max_cells=2 * first.cells, max_total_cells=4 * first.cells)
+    owner = await registry.create_log("owner", office_log)
+    guest = await registry.create_log("guest", office_log, link="a link")
+    assert registry.limits(owner).max_cells == registry.limits(guest).max_cells == 2 * first.cells
+    assert registry.limits(None).max_cells == 2 * first.cells
+    other = await registry.create_log("other", office_log, link="another link")
+    # The guest who left made room, the owner, who left too, did not.
+    assert registry.all() == [owner, other]
+    watched = other.join()
+    third = await registry.create_log("third", office_log, link="another link")
+    assert registry.limits(third).max_cells == first.cells
+    other.leave(watched)

@@ -1,0 +1,261 @@
+"""Links that open a view of a log, read-only, until they are revoked: on an open service and on one with a token."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+
+from tests.server.library.small_logs import carmen
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, until_closed
+
+TOKEN = "the-token-of-this-service"
+ODDS = 1.75
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("links")
+
+
+@pytest.fixture(scope="module")
+def service(folder: Path) -> Iterator[Service]:
+    with running(settings_for(folder, token=TOKEN, max_sessions=6, max_sessions_per_visitor=2)) as service:
+        yield service
+
+
+@pytest.fixture
+def browser(service: Service) -> Iterator[Callable[..., httpx.Client]]:
+    """Makes browsers, that of somebody who knows the service's token or of a guest who does not."""
+    made: list[httpx.Client] = []
+
+    def new(*, guest: bool = False) -> httpx.Client:
+        headers = {} if guest else {"Authorization": f"Bearer {TOKEN}"}
+        made.append(httpx.Client(base_url=f"http://127.0.0.1:{service.port}", headers=headers, timeout=PATIENCE_S))
+        made[-1].get("/api/logs")  # the first answer brings the cookie
+        return made[-1]
+
+    yield new
+    for client in made:
+        client.close()
+    for session in service.state.sessions.all():
+        httpx.delete(
+            f"http://127.0.0.1:{service.port}/api/sessions/{session.id}",
+            headers={"Authorization": f"Bearer {TOKEN}", "Cookie": f"gridbloom_visitor={session.owner}"},
+        )
+
+
+@pytest.fixture
+def ann(browser: Callable[..., httpx.Client]) -> httpx.Client:
+    return browser()
+
+
+def uploaded(client: httpx.Client, n: int = 40) -> str:
+    log_id = str(client.put("/api/logs", params={"name": "run.log"}, content=carmen(n)).json()["id"])
+    deadline = time.monotonic() + PATIENCE_S
+    while client.get(f"/api/logs/{log_id}").json()["state"] != "ready":
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    return log_id
+
+
+def opened(client: httpx.Client, log_id: str) -> str:
+    answer = client.post("/api/sessions", json={"kind": "log", "log": log_id})
+    assert answer.status_code == 201, answer.text
+    return str(answer.json()["id"])
+
+
+def linked(client: httpx.Client, session: str, **more: Any) -> dict[str, Any]:
+    answer = client.post("/api/links", json={"session": session} | more)
+    assert answer.status_code == 201, answer.text
+    return dict(answer.json())
+
+
+def refusal(answer: httpx.Response) -> tuple[int, str]:
+    assert set(answer.json()) == {"code", "message", "detail"}
+    assert answer.json()["message"].endswith((".", "…"))
+    return answer.status_code, answer.json()["code"]
+
+
+async def ask(client: httpx.Client, method: str, path: str) -> httpx.Response:
+    return await asyncio.to_thread(client.request, method.upper(), path)
+
+
+def stream(service: Service, session: str, client: httpx.Client) -> Any:
+    headers = {name: value for name, value in client.headers.items() if name == "authorization"}
+    return connect(
+        service.address(session),
+        subprotocols=["gridbloom.v1"],  # type: ignore[list-item]
+        compression=None,
+        max_size=None,
+        additional_headers=headers,
+    )
+
+
+async def test_a_guest_sees_this_very_view_and_nothing_else(
+    service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    log_id = await asyncio.to_thread(uploaded, ann)
+    session = opened(ann, log_id)
+    async with stream(service, session, ann) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("pause")
+        await watcher.send("parameters", values={"log_odds_hit": ODDS, "update": "per_scan"})
+        await watcher.send("seek", index=25)
+        await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 25)
+        await watcher.settle()
+        theirs = watcher.log_odds()
+    look = {"x": 1.5, "y": -2.25, "scale": 0.125}
+    link = linked(ann, session, look=look)
+    assert (link["address"], link["index"], link["count"]) == (f"/shared/{link['token']}", 25, 40)
+    assert {"log_odds_hit", "update"} <= set(link["changed"])
+    assert len(link["token"]) == 32
+
+    guest = browser(guest=True)
+    assert guest.get(link["address"]).status_code in (200, 404), "404 where the pages are not built"
+    assert guest.get(f"/api{link['address']}").json() == {"title": "run.log", "look": look}
+    own = guest.post(f"/api{link['address']}/sessions").json()["id"]
+    async with stream(service, own, guest) as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: "frame" in watcher.newest)
+        await watcher.settle()
+        frame = watcher.newest["frame"]
+        assert (frame["index"], frame["playing"]) == (25, False)
+        assert watcher.newest["hello"]["parameters"]["values"]["log_odds_hit"] == ODDS
+        assert watcher.log_odds().tobytes() == theirs.tobytes()
+        # They may scrub, retune and ask why.
+        await watcher.send("seek", index=3)
+        await watcher.until(lambda: watcher.newest["frame"]["index"] == 3)
+        await watcher.send("parameters", values={"log_odds_hit": 1.0})
+        await watcher.until(lambda: watcher.newest["parameters"]["values"]["log_odds_hit"] == 1.0)
+        await watcher.send("why", row=2, col=2, epoch=watcher.epoch)
+        await watcher.answer("why")
+        assert (await asyncio.to_thread(guest.get, f"/api/sessions/{own}/map.pgm")).status_code == 200
+    # The owner's session is as it was.
+    assert service.state.sessions.get(session).progress == (25, 40)
+    asked: list[tuple[str, str]] = [
+        ("GET", "/api/logs"),
+        ("GET", f"/api/logs/{log_id}"),
+        ("DELETE", f"/api/logs/{log_id}"),
+        ("POST", f"/api/logs/{log_id}/read"),
+        ("PUT", "/api/logs?name=mine"),
+        ("GET", "/api/sessions"),
+        ("POST", "/api/sessions"),
+        ("GET", f"/api/sessions/{session}"),
+        ("DELETE", f"/api/sessions/{session}"),
+        ("GET", f"/api/sessions/{own}/run.mcap"),
+        ("PUT", f"/api/sessions/{own}/compare"),
+        ("POST", "/api/links"),
+        ("GET", f"/api/links?log={log_id}"),
+        ("DELETE", f"/api/links/{link['token']}"),
+        ("GET", f"/scenes/{own}/"),
+        ("GET", "/logs.html"),
+    ]
+    for method, path in asked:
+        answer = await asyncio.to_thread(guest.request, method, path)
+        assert refusal(answer) == (401, "security.token"), (method, path)
+    with pytest.raises(InvalidStatus):
+        async with stream(service, session, guest):
+            pass
+
+
+def test_whoever_knows_the_services_token_gets_no_more_of_the_log(
+    browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    log_id = uploaded(ann)
+    link = linked(ann, opened(ann, log_id))
+    bob = browser()
+    own = bob.post(f"/api{link['address']}/sessions").json()["id"]
+    for name in ("run.mcap", "trajectory.tum"):
+        assert refusal(bob.get(f"/api/sessions/{own}/{name}")) == (403, "link.read_only")
+    assert refusal(bob.get(f"/api/logs/{log_id}")) == (404, "log.not_found")
+    assert refusal(bob.delete(f"/api/logs/{log_id}")) == (404, "log.not_found")
+    assert refusal(bob.post("/api/links", json={"session": own})) == (404, "log.not_found")
+    assert refusal(bob.delete(f"/api/links/{link['token']}")) == (404, "link.gone")
+    assert bob.get(f"/api/links?log={log_id}").json() == {"links": []}
+
+
+async def test_a_link_that_is_revoked_opens_nothing_and_ends_what_it_opened(
+    service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    log_id = await asyncio.to_thread(uploaded, ann)
+    session = opened(ann, log_id)
+    links = [linked(ann, session) for _ in range(2)]
+    listed = (await ask(ann, "get", f"/api/links?log={log_id}")).json()["links"]
+    assert [one["token"] for one in listed] == [one["token"] for one in links[::-1]]
+    assert listed[0]["created_s"] == pytest.approx(time.time(), abs=60)
+    guest = browser(guest=True)
+    own = (await ask(guest, "post", f"/api{links[0]['address']}/sessions")).json()["id"]
+    other = (await ask(guest, "post", f"/api{links[1]['address']}/sessions")).json()["id"]
+    async with stream(service, own, guest) as socket:
+        await socket.recv()
+        assert (await ask(ann, "get", f"/api/links?log={log_id}")).json()["links"][1]["watching"] == 1
+        assert (await ask(ann, "delete", f"/api/links/{links[0]['token']}")).status_code == 204
+        await until_closed(socket)
+        assert socket.close_code == 4410
+    assert (await ask(guest, "get", f"/api/sessions/{other}")).status_code == 200
+    for token in (links[0]["token"], "x" * 32):
+        assert refusal(await ask(guest, "get", f"/api/shared/{token}")) == (404, "link.gone")
+        assert refusal(await ask(guest, "post", f"/api/shared/{token}/sessions")) == (404, "link.gone")
+        assert (await ask(guest, "get", f"/shared/{token}")).status_code == 404
+    # With its log goes the other one.
+    assert (await ask(ann, "delete", f"/api/logs/{log_id}")).status_code == 204
+    assert refusal(await ask(guest, "get", f"/api{links[1]['address']}")) == (404, "link.gone")
+    assert (await ask(guest, "get", f"/api/sessions/{other}")).status_code == 401
+    assert (await ask(ann, "get", f"/api/sessions/{session}")).status_code == 200
+
+
+def test_guests_take_no_place_of_others(
+    service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    log_id = uploaded(ann)
+    session = opened(ann, log_id)
+    first, second = linked(ann, session), linked(ann, session)
+    guests = [browser(guest=True) for _ in range(4)]
+    begun = [guest.post(f"/api{first['address']}/sessions") for guest in guests[:3]]
+    assert [answer.status_code for answer in begun] == [201] * 3
+    # Two places for each link, half of the six for all guests; who left is the first to go, and never the owner.
+    assert guests[0].get(f"/api/sessions/{begun[0].json()['id']}").status_code == 401
+    for _ in range(4):
+        assert guests[3].post(f"/api{second['address']}/sessions").status_code == 201
+    sessions = service.state.sessions.all()
+    assert sum(one.link is not None for one in sessions) == 3
+    assert ann.get(f"/api/sessions/{session}").status_code == 200
+    # Others need not wait for a guest to leave.
+    others = [browser() for _ in range(5)]
+    assert [opened(other, "sample-office") for other in others]
+    assert ann.get(f"/api/sessions/{session}").status_code == 200
+    assert not [one for one in service.state.sessions.all() if one.link is not None]
+
+
+def test_odd_requests(ann: httpx.Client) -> None:
+    world = ann.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+    assert refusal(ann.post("/api/links", json={"session": world})) == (409, "session.not_a_log")
+    assert refusal(ann.post("/api/links", json={"session": "none"})) == (404, "session.unknown")
+    session = opened(ann, "sample-office")
+    for look in ({"x": 1}, {"x": "nan", "y": 0, "scale": 1}, {"x": 0, "y": 0, "scale": 0}):
+        answer = ann.post("/api/links", json={"session": session, "look": look})
+        assert refusal(answer) == (422, "request.invalid")
+    for path in ("..%2flogs", "x" * 5000, "%00"):
+        assert ann.get(f"/api/shared/{path}").status_code == 404
+
+
+def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.library.links.MAX_LINKS_PER_OWNER", 2)
+    with running(settings_for(tmp_path)) as first:
+        log_id = uploaded(first.http)
+        link = linked(first.http, opened(first.http, log_id))
+        sample = linked(first.http, opened(first.http, "sample-office"))
+        refused = first.http.post("/api/links", json={"session": opened(first.http, log_id)})
+        assert refusal(refused) == (409, "link.too_many")
+    with running(settings_for(tmp_path)) as second:
+        for one, title in ((link, "run.log"), (sample, "A simulated office (sample)")):
+            assert second.http.get(f"/api{one['address']}").json()["title"] == title
+            assert second.http.post(f"/api{one['address']}/sessions").status_code == 201
