@@ -78,7 +78,7 @@ async def test_our_own_pages_can(service: Service) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["/", "/api/worlds", "/api/logs", "/readyz", "/metrics", "/api/openapi.json", "/assets/x.js"]
+    "path", ["/", "/api/worlds", "/api/logs", "/readyz", "/metrics", "/api/openapi.json", "/assets/../api/logs"]
 )
 def test_without_the_token_nothing_is_told(browser: httpx.Client, path: str) -> None:
     assert is_error(browser.get(path), 401, "security.token")
@@ -89,6 +89,11 @@ def test_without_the_token_nothing_is_told(browser: httpx.Client, path: str) -> 
     page = browser.get(path, headers={"accept": "text/html"})
     assert page.status_code == 401
     assert 'name="token"' in page.text
+
+
+def test_without_the_token_there_is_the_program_of_the_page_that_a_link_opens(browser: httpx.Client) -> None:
+    assert is_error(browser.get("/assets/x.js"), 404, "http.not_found")
+    assert is_error(browser.get("/api/shared/no-such-link"), 404, "link.gone")
 
 
 def test_livez_is_open(browser: httpx.Client) -> None:
