@@ -34,5 +34,5 @@ export default defineConfig({
       "/3d": { target: service },
     },
   },
-  test: { environment: "happy-dom", include: ["src/**/*.test.{ts,tsx}"] },
+  test: { environment: "happy-dom", include: ["src/**/*.test.{ts,tsx}"], css: { include: /tokens\.css/ } },
 });

@@ -41,17 +41,24 @@ export function Ground({ width, evidence, limits }: GroundProps) {
   const { low, high } = evidence;
   const right = width - EDGE_PX;
   const zones = [
-    ["zone-hit", high, OCCUPIED],
-    ["zone-prior", OCCUPIED, FREE],
-    ["zone-miss", FREE, low],
+    ["zone-hit", "occupied", high, OCCUPIED],
+    ["zone-prior", "unknown", OCCUPIED, FREE],
+    ["zone-miss", "free", FREE, low],
   ] as const;
   const every = high - low > 14 ? Math.ceil((high - low) / 7) : 1;
   const ticks: number[] = [];
   for (let tick = Math.ceil(low / every); tick * every <= high - 0.5; tick++) ticks.push(tick * every);
   return (
     <>
-      {zones.map(([name, top, bottom]) => (
-        <rect key={name} class={name} x={AXIS_PX} y={y(top)} width={right - AXIS_PX} height={y(bottom) - y(top)} />
+      {zones.map(([name, state, top, bottom]) => (
+        <g key={name}>
+          <rect class={name} x={AXIS_PX} y={y(top)} width={right - AXIS_PX} height={y(bottom) - y(top)} />
+          {y(bottom) - y(top) > 15 && (
+            <text class="zone-name" x={right - 6} y={y(bottom) - 5} text-anchor="end">
+              {state}
+            </text>
+          )}
+        </g>
       ))}
       {limits.map((limit) => (
         <line key={limit} class="clamp-line" x1={AXIS_PX} x2={right} y1={y(limit)} y2={y(limit)} />
