@@ -44,6 +44,7 @@ class NewWorld(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     kind: Literal["world"]
+    playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
     world: str | None = Field(
         None, max_length=100, description="Name of the world; the first one where it is left out."
     )
@@ -57,6 +58,7 @@ class NewLog(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     kind: Literal["log"]
+    playing: bool = Field(True, description="Whether scans come in from the start.")
     log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
     topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
     trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
@@ -84,13 +86,15 @@ async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(dis
     session: Session
     if isinstance(wanted, NewWorld):
         story = None if wanted.story is None else wanted.story.model_dump()
-        session = await sessions.create_world(visitor, wanted.world, wanted.seed, story)
+        session = await sessions.create_world(visitor, wanted.world, wanted.seed, story, playing=wanted.playing)
     else:
         library = request.app.state.library
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         view = LogView(wanted.topic, wanted.trajectory)
-        session = await sessions.create_log(visitor, log, log_id=wanted.log, title=title, view=view)
+        session = await sessions.create_log(
+            visitor, log, log_id=wanted.log, title=title, view=view, playing=wanted.playing
+        )
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
 

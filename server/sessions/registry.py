@@ -123,9 +123,17 @@ class SessionRegistry:
         return session
 
     async def create_world(
-        self, owner: str, world: str | None = None, seed: int | None = None, story: dict[str, Any] | None = None
+        self,
+        owner: str,
+        world: str | None = None,
+        seed: int | None = None,
+        story: dict[str, Any] | None = None,
+        *,
+        playing: bool = True,
     ) -> WorldSession:
         """Start a live world for a visitor, with ``story`` one in which everything told there has happened.
+
+        Without ``playing`` it stands still, whatever the story says.
 
         Raises :class:`SessionBudgetError`, and :class:`MapperError` for no world and for a story that makes no sense.
         """
@@ -140,7 +148,7 @@ class SessionRegistry:
             mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)
             session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
             session.resume(story or {})
-            self._begin(session)
+            self._begin(session, playing=playing)
         return session
 
     async def create_log(
@@ -152,6 +160,7 @@ class SessionRegistry:
         title: str = "",
         view: LogView | None = None,
         link: str | None = None,
+        playing: bool = True,
     ) -> LogSession:
         """Start a session of a log for a visitor, with ``link`` for one who came by that link.
 
@@ -173,13 +182,14 @@ class SessionRegistry:
                 limits=self.limits,
             )
             session.link = link
-            self._begin(session)
+            self._begin(session, playing=playing)
         return session
 
     def _turns_of(self, link: str | None) -> AbstractAsyncContextManager[Any]:
         return self._turns if link is None else self._guest_turns
 
-    def _begin(self, session: Session) -> None:
+    def _begin(self, session: Session, *, playing: bool) -> None:
+        session.playing = session.playing and playing
         session.remake_seconds = self._remake_seconds
         session.turns = self._turns_of(session.link)
         session.hub.traffic = self._traffic

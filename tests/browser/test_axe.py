@@ -1,30 +1,46 @@
-"""No page has a serious violation that axe-core finds. axe-core is read from node_modules: nothing is downloaded."""
+"""No page, in no state, has a serious violation that axe-core finds, and every slider says what it is and does.
+
+axe-core is read from node_modules: nothing is downloaded.
+"""
 
 from __future__ import annotations
 
+import json
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import SECONDS
+from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
 SERIOUS = ("serious", "critical")
 READY = {
     "/": ".hero-map canvas",
-    "/lecture.html": ".lesson-figure",
-    "/lecture.html?present": ".on-slide",
+    "/lecture.html": ".lesson-figure figure",
+    "/lecture.html?present": ".on-slide figure",
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
 }
+MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
+
+# Sliders on show without a name, without a value in words with its unit, or without a sentence on what they do.
+_UNTOLD = """() => [...document.querySelectorAll("[role=slider], input[type=range]")]
+  .filter(slider => slider.checkVisibility())
+  .map(slider => {
+    const name = slider.getAttribute("aria-label") ?? slider.labels?.[0]?.textContent ?? "";
+    const sentence = document.getElementById(slider.getAttribute("aria-describedby") ?? "")?.textContent ?? "";
+    return { name: name.trim(), value: slider.getAttribute("aria-valuetext") ?? "", sentence: sentence.trim() };
+  })"""
 
 
-def violations(page: Page) -> list[str]:
-    """Return what axe-core finds serious on the page as it stands: the rule, and the first elements that break it."""
-    page.evaluate(AXE.read_text())
-    found: list[dict[str, Any]] = page.evaluate("async () => (await axe.run()).violations")
+def violations(page: Page, within: str = "html") -> list[str]:
+    """Return what axe-core finds serious in a part of the page: the rule, and the first elements that break it."""
+    if not page.evaluate("() => 'axe' in window"):
+        page.evaluate(AXE.read_text())
+    found: list[dict[str, Any]] = page.evaluate("async within => (await axe.run(within)).violations", within)
     return [
         f"{one['id']} ({one['impact']}): {one['help']}: {[node['html'][:120] for node in one['nodes'][:3]]}"
         for one in found
@@ -32,18 +48,151 @@ def violations(page: Page) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+def told_sliders(page: Page) -> int:
+    """Return how many sliders are on show; all of them have to be told in full."""
+    sliders: list[dict[str, str]] = page.evaluate(_UNTOLD)
+    for slider in sliders:
+        assert slider["name"], slider
+        assert slider["value"], slider
+        assert slider["sentence"].endswith("."), slider
+    return len(sliders)
+
+
+def nothing_serious(page: Page, within: str = "html") -> None:
+    """Look at the page as it stands in both themes."""
+    schemes: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+    for scheme in schemes:
+        page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+        page.wait_for_timeout(400)  # colours change by transitions, however short
+        assert violations(page, within) == [], scheme
+
+
 @pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
 @pytest.mark.parametrize("path", READY)
-def test_axe_finds_nothing_serious(page: Page, server: str, path: str, scheme) -> None:
-    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+def test_axe_finds_nothing_serious(page: Page, server: str, path: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
     page.goto(server + path)
     page.locator(READY[path]).first.wait_for(timeout=SECONDS * 1000)
+    if path == "/lecture.html":
+        page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
+        expect(page.locator(".figure-awaited")).to_have_count(0)
+        page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+        assert told_sliders(page) > 40
     page.wait_for_timeout(500)
-    assert violations(page) == []
+    nothing_serious(page)
+
+
+@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
+def test_the_lab_in_every_state(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
+    page.get_by_role("switch", name="Wheels that drift").click()
+    page.get_by_role("switch", name="Polished walls").click()
+    page.get_by_role("switch", name="Right beside wrong").click()
+    expect(page.get_by_role("region", name="Made right")).to_be_visible(timeout=SECONDS * 1000)
+    page.evaluate("() => { const { store } = gridbloom.connection; store.ask(store.frame.peek().pose.slice(0, 2)); }")
+    expect(page.locator(".why-chart").first).to_be_visible(timeout=SECONDS * 1000)
+    settled_digest(page)
+    assert told_sliders(page) > 15
+    nothing_serious(page)
+    if page.viewport_size and page.viewport_size["width"] < 500:
+        return
+    for model in MODELS:
+        page.evaluate("model => gridbloom.connection.store.setParameter('model', model)", model)
+        page.wait_for_function("model => gridbloom.connection.store.mapping.values.peek().model === model", arg=model)
+        page.wait_for_timeout(100)
+        told_sliders(page)
+        assert violations(page, ".lab-below") == [], model
+    page.keyboard.press("Escape")
+    page.get_by_label("How far a step goes").select_option("cell")
+    page.get_by_role("button", name="One cell on").click()
+    page.get_by_role("button", name="Draw furniture").click()
+    nothing_serious(page, ".lab-bar, .plates")
+    page.evaluate("""() => {
+      const { store } = gridbloom.connection;
+      store.send({ type: "world", name: "room" });
+      store.send({ type: "teleport", x: 4, y: 5, yaw: 0 });
+    }""")
+    until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
+    page.get_by_role("button", name="Put a table there").click()
+    expect(page.get_by_role("slider", name="My guess")).to_be_visible(timeout=SECONDS * 1000)
+    told_sliders(page)
+    nothing_serious(page, ".lab-experiments")
+
+
+def test_the_logs_page_in_every_state(page: Page, server: str) -> None:
+    facts: dict[str, Any] = dict.fromkeys(("scans", "beams", "duration_s", "format", "time", "mount"))
+    record = {"bytes": 4_200_000, "progress": 0.0, "error": None, "upside_down": False, "topics": [],
+              "trajectories": [], "notes": [], "source": "upload"} | facts  # fmt: skip
+    states: list[dict[str, Any]] = [
+        {"id": "a", "name": "waits.log", "state": "queued"},
+        {"id": "b", "name": "is-read.bag", "state": "reading", "progress": 0.4},
+        {"id": "c", "name": "failed.mcap", "state": "failed",
+         "error": {"code": "log.storage", "message": "The log could not be kept."}},
+    ]  # fmt: skip
+    lists = iter([[], [record | state for state in states]])
+
+    def answer(route: Route) -> None:
+        route.fulfill(status=200, content_type="application/json", body=json.dumps({"logs": next(lists)}))
+
+    page.route("**/api/logs", answer, times=2)
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    expect(page.locator(".library")).to_contain_text("no logs here yet")
+    nothing_serious(page)
+    page.reload()
+    expect(page.locator(".log-card.failed")).to_contain_text("could not be kept")
+    nothing_serious(page)
+    page.reload()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    await_map(page)
+    doctor = page.get_by_role("region", name="Log doctor")
+    doctor.get_by_role("button", name="Examine this log").click()
+    expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)
+    page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
+    assert told_sliders(page) > 10
+    nothing_serious(page)
 
 
 def test_axe_would_find_something(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.evaluate("() => { document.body.innerHTML = '<main><button></button></main>'; }")
     assert any("button-name" in one for one in violations(page))
+
+
+def test_a_cell_under_the_cursor_is_spoken_in_its_turn(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.get_by_role("button", name="Pause").click()
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    picture = page.locator(".picture").first
+    box = picture.bounding_box()
+    assert box is not None
+    page.evaluate("""() => {
+      window.said = [];
+      const voice = document.querySelector(".readout [role=status]");
+      const listen = new MutationObserver(() => {
+        const words = voice.textContent;
+        if (words && words !== said.at(-1)?.[1]) said.push([performance.now(), words]);
+      });
+      listen.observe(voice, { childList: true, characterData: true, subtree: true });
+    }""")
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    for i in range(30):  # over many cells: not each of them is said, but the last one is, in full
+        page.mouse.move(x + 4 * i, y)
+        page.wait_for_timeout(15)
+    place = page.locator(".readout dd").first
+
+    def said() -> str:
+        return str(page.evaluate("() => said.at(-1)?.[1] ?? ''"))
+
+    until("the last cell", lambda: said().startswith(f"Row {place.inner_text()}, column"))
+    assert "never observed" in said() or "probability" in said()
+    picture.focus()
+    page.keyboard.press("Shift+ArrowUp")
+    until("the next cell", lambda: said().startswith(f"Row {place.inner_text()}, column"))
+    times = page.evaluate("() => said.map(([at]) => at)")
+    assert 2 <= len(times) < 30
+    assert min(later - at for at, later in pairwise(times)) > 300

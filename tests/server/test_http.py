@@ -21,6 +21,15 @@ from server.routes import pages
 from tests.server.service import PATIENCE_S, Service
 
 
+def test_a_session_can_begin_standing_still(service: Service) -> None:
+    sample = service.http.get("/api/logs").json()["logs"][0]["id"]
+    for wanted in ({"kind": "world", "world": "room"}, {"kind": "log", "log": sample}):
+        for playing in (True, False):
+            answer = service.http.post("/api/sessions", json=wanted | {"playing": playing})
+            assert answer.status_code == 201, answer.text
+            assert answer.json()["playing"] is playing
+
+
 def test_a_session_from_beginning_to_end(service: Service) -> None:
     answer = service.http.post("/api/sessions", json={"kind": "world", "world": "room", "seed": 5})
     assert answer.status_code == 201

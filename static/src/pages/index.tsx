@@ -6,9 +6,11 @@ import { useEffect } from "preact/hooks";
 import { type Connection, connect } from "../connect";
 import { Belief } from "../figures/belief";
 import { Cell } from "../figures/cell/Cell";
+import { stillness } from "../figures/picture/pulse";
 import { beamModel, INITIAL } from "../figures/profile/model";
 import { Profile } from "../figures/profile/Profile";
 import { tellingReading } from "../figures/profile/reading";
+import type { Store } from "../state";
 import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
@@ -72,8 +74,23 @@ function Hero() {
           </Button>
         </div>
         <Facts />
+        {stillness.value && store && <Steps store={store} />}
       </div>
     </section>
+  );
+}
+
+/** Scans of one step: a second of the robot's walk. */
+const STRIDE = 10;
+
+/** The walk by steps, for who wants less motion. */
+function Steps({ store }: { readonly store: Store }) {
+  return (
+    <div class="actions">
+      <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: STRIDE })}>
+        {STRIDE} scans on
+      </Button>
+    </div>
   );
 }
 

@@ -25,6 +25,9 @@ function placeOf(search: string): Place {
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
+/** How long after a server that did not answer it is asked again, milliseconds. */
+const AGAIN_MS = 3000;
+
 function go({ log, topic, session }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
@@ -39,13 +42,15 @@ function go({ log, topic, session }: Place, replace = false): void {
 
 /** Begin a session on a log; an address that names only the log gets its session in place. */
 async function open(log: string, topic: string | null, replace: boolean): Promise<void> {
-  failure.value = null;
   go({ log, topic, session: null }, replace);
   try {
     const session = await openSession(log, topic);
+    failure.value = null;
     if (place.peek().log === log && place.peek().topic === topic) go({ log, topic, session }, true);
   } catch (error) {
-    failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+    const isAway = error instanceof TypeError;
+    failure.value = isAway ? "The server does not answer. This page tries again by itself." : (error as Error).message;
+    if (isAway) setTimeout(resume, AGAIN_MS);
   }
 }
 

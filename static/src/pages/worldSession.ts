@@ -1,8 +1,14 @@
+import { stillness } from "../figures/picture/pulse";
+
 const KEY = "gridbloom.world";
 
-/** Ask the server for a new live world, or for one in which a story has happened; the id of its session. */
+/**
+ * Ask the server for a new live world, or for one in which a story has happened; the id of its session. Who wants less
+ * motion gets one that stands still, and lets it go on by steps.
+ */
 export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
-  const wanted = story ? { kind: "world", world: story.world, seed: story.seed, story } : { kind: "world" };
+  const begin = { kind: "world", playing: !stillness.peek() };
+  const wanted = story ? { ...begin, world: story.world, seed: story.seed, story } : begin;
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },

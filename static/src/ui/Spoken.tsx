@@ -21,7 +21,7 @@ export function Spoken({ text }: { readonly text: string }) {
   }, [text, said]);
   return (
     <p class="visually-hidden" role="status" aria-live="polite">
-      {said}
+      {said.value}
     </p>
   );
 }

@@ -7,6 +7,7 @@ import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
+import { stillness } from "../picture/pulse";
 import { Forgotten } from "./Forgotten";
 import { grown, type Point, passesToForget, placeOf, verdict } from "./model";
 import "./table.css";
@@ -35,6 +36,10 @@ export function MovingTable({ store }: { readonly store: Store }) {
     if (news?.without_clamp && store.speed.peek() === HURRY) store.send({ type: "speed", value: 1 });
   });
 
+  // Who wants less motion gets scans by the score.
+  const goOn = (): void => {
+    store.send(stillness.peek() ? { type: "step", scans: ENOUGH } : { type: "play" });
+  };
   const setUp = (): void => {
     const frame = store.frame.peek();
     const edits = store.world.peek()?.edits;
@@ -45,7 +50,7 @@ export function MovingTable({ store }: { readonly store: Store }) {
     }
     store.send({ type: "auto", value: false });
     store.edit({ added: [...edits.added, table], erased: edits.erased });
-    store.send({ type: "play" });
+    goOn();
     since.value = frame.index;
     guess.value = null;
     points.value = [];
@@ -55,7 +60,7 @@ export function MovingTable({ store }: { readonly store: Store }) {
     const edits = store.world.peek()?.edits;
     if (!edits) return;
     store.edit({ added: edits.added.slice(0, -1), erased: edits.erased }, true);
-    store.send({ type: "play" });
+    goOn();
     stage.value = "gone";
   };
   const finish = (): void => {
@@ -95,6 +100,11 @@ export function MovingTable({ store }: { readonly store: Store }) {
     <div class="table-figure">
       <Forgotten points={points.value} guess={guess.value ?? 0} told={told} />
       <Outcome store={store} told={told} guess={guess.value ?? 0} />
+      {stillness.value && !told?.without_clamp && (
+        <Button icon="stepForward" onClick={goOn}>
+          {ENOUGH} scans on
+        </Button>
+      )}
       <Button onClick={finish}>{told?.without_clamp ? "Walk on" : "Stop and walk on"}</Button>
     </div>
   );

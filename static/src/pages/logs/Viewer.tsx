@@ -4,6 +4,7 @@ import { type Connection, connect } from "../../connect";
 import { exposeHook } from "../../debug";
 import { Belief } from "../../figures/belief";
 import type { Picture } from "../../figures/picture/Picture";
+import { stillness } from "../../figures/picture/pulse";
 import { Profile } from "../../figures/profile/Profile";
 import { tellingReading } from "../../figures/profile/reading";
 import { Readout } from "../../figures/readout";
@@ -41,6 +42,14 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
     const notice = store.notice.value;
     // That the log has come to its end is plain to see.
     if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
+  });
+  // Who wants less motion sees the whole map at once, and goes through it by the timeline and by steps.
+  const isWhole = useRef(!stillness.peek());
+  useSignalEffect(() => {
+    const frame = store.frame.value;
+    if (isWhole.current || !frame) return;
+    isWhole.current = true;
+    if (frame.index === 0 && !frame.playing) store.send({ type: "seek", index: frame.count });
   });
   const hello = store.hello.value;
   useEffect(() => {

@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import { stillness } from "../../figures/picture/pulse";
 
 /** One stream of messages in a log's file. */
 export interface Topic {
@@ -231,7 +232,7 @@ export async function openSession(log: string, topic: string | null): Promise<st
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "log", log, topic }),
+    body: JSON.stringify({ kind: "log", log, topic, playing: !stillness.peek() }),
   });
   if (!answer.ok) throw new Error(await sentence(answer));
   return ((await answer.json()) as { id: string }).id;

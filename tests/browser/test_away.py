@@ -1,0 +1,73 @@
+"""The server away: every page says what is the matter, and goes on by itself when the server is back."""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+from playwright.sync_api import BrowserContext, Page, expect
+
+from tests.browser.cutting_proxy import cutting_proxy
+from tests.browser.looking import SECONDS, await_map, frame, until
+
+AWAY = "The server does not answer"
+
+
+def says(page: Page, place: str, words: str) -> None:
+    """Bring a page to the front, as hidden ones rest, and wait for its words."""
+    page.bring_to_front()
+    expect(page.locator(place)).to_contain_text(words, timeout=SECONDS * 1000)
+
+
+def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, server: str) -> None:
+    # Pages that are not watched for console errors: a refused connection is one, and is what the test is about.
+    context.set_default_timeout(SECONDS * 1000)
+    with cutting_proxy(urlsplit(server).port or 0) as proxy:
+        home, viewer, logs = (context.new_page() for _ in range(3))
+        address = f"http://127.0.0.1:{proxy.port}"
+        home.goto(address)
+        viewer.goto(f"{address}/logs.html")
+        viewer.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+        await_map(viewer)
+        logs.goto(f"{address}/logs.html")
+        card = logs.locator(".log-card", has_text="sample")
+        expect(card).to_be_visible(timeout=SECONDS * 1000)
+        for page in (home, viewer, logs):
+            page.evaluate("() => { window.notReloaded = true; }")
+        says(home, ".hero-facts", "readings so far")
+
+        proxy.cut()
+        says(home, ".hero-facts", AWAY)
+        says(viewer, ".viewer-over", AWAY)
+        card.get_by_role("button", name="Make its map").click()
+        says(logs, ".viewer-message", "tries again by itself")
+
+        proxy.mend()
+        await_map(logs)
+        viewer.bring_to_front()
+        expect(viewer.locator(".viewer-over")).to_have_count(0, timeout=SECONDS * 1000)
+        seen = frame(viewer)["index"]
+        until("the log to go on", lambda: frame(viewer)["index"] > seen or not frame(viewer)["playing"])
+        says(home, ".hero-facts", "readings so far")
+        for page in (home, viewer, logs):
+            assert page.evaluate("() => window.notReloaded") is True
+
+
+def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, server: str) -> None:
+    with cutting_proxy(urlsplit(server).port or 0) as proxy:
+        page = context.new_page()
+        page.goto(f"http://127.0.0.1:{proxy.port}/lecture.html")
+        expect(page.locator("#grid figure")).to_be_visible()
+        proxy.cut()
+        section = page.locator("#rays")
+        section.scroll_into_view_if_needed()
+        section.get_by_role("button", name="One cell on").click()
+        expect(section.locator("figcaption")).to_contain_text("Cell 11 of 19")
+        page.locator("#log").scroll_into_view_if_needed()
+        page.locator("#log input[type=file]").set_input_files(
+            {"name": "away.log", "mimeType": "text/plain", "buffer": b"FLASER 3 1.0 1.0 1.0 0 0 0 0 0 0 0 here 0\n" * 3}
+        )
+        page.wait_for_timeout(500)
+        proxy.mend()
+        # The upload goes on where the server has it, and the page with it.
+        page.wait_for_url("**/logs.html", timeout=SECONDS * 1000)
+        expect(page.locator(".log-card", has_text="away.log").first).to_be_visible(timeout=SECONDS * 1000)

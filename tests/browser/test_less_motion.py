@@ -1,0 +1,93 @@
+"""Who asks for less motion gets step figures: nothing moves by itself, and everything goes on by a press."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import SECONDS, await_map, frame, map_digest, settled_digest, until
+
+
+def at_rest(page: Page) -> None:
+    """Wait until the scans that a press asked for are all there."""
+    before = -1
+    while (index := frame(page)["index"]) != before:
+        before = index
+        page.wait_for_timeout(300)
+
+
+def stands(page: Page) -> None:
+    """Nothing moves: neither the session nor anything that the page animates."""
+    at, digest = frame(page)["stamp"], settled_digest(page)
+    page.wait_for_timeout(500)
+    assert not frame(page)["playing"]
+    assert (frame(page)["stamp"], map_digest(page)) == (at, digest)
+    assert page.evaluate("() => document.getAnimations().filter(one => one.playState === 'running').length") == 0
+
+
+def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    stands(page)
+    index = frame(page)["index"]
+    page.get_by_role("button", name="One scan on").click()
+    until("one scan more", lambda: frame(page)["index"] == index + 1)
+    stands(page)
+    # Also the moving table goes by steps: it is seen, taken away and forgotten.
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'world', name: 'room' })")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'teleport', x: 4, y: 5, yaw: 0 })")
+    until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
+    page.get_by_text("The moving table").click()
+    page.get_by_role("button", name="Put a table there").click()
+    page.get_by_role("slider", name="My guess").press("ArrowRight", timeout=SECONDS * 1000)
+    page.get_by_role("button", name="Take the table away").click(timeout=SECONDS * 1000)
+    outcome = page.locator(".table-outcome")
+    at_rest(page)
+    page.get_by_role("button", name="20 scans on").click()
+    expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"), timeout=SECONDS * 1000)
+    at_rest(page)
+    stands(page)
+
+    page.goto(server)
+    facts = page.locator(".hero-facts")
+    expect(facts).to_contain_text("readings so far", timeout=SECONDS * 1000)
+    before = facts.inner_text()
+    page.wait_for_timeout(500)
+    assert facts.inner_text() == before
+    page.get_by_role("button", name="10 scans on").click()
+    expect(facts).not_to_have_text(before, timeout=SECONDS * 1000)
+
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    await_map(page)
+    until("the whole log", lambda: frame(page)["index"] == frame(page)["count"])
+    stands(page)
+
+
+def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lecture.html")
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    # Three of them run for who does not ask for less motion; each has its steps instead.
+    expect(page.get_by_role("button", name="Play")).to_have_count(0)
+    for section, step, told in (
+        ("rays", "One cell on", "figcaption"),
+        ("algorithm", "On", ".figure-controls output"),
+        ("forgetting", "One scan on", "figcaption"),
+    ):
+        figure = page.locator(f"#{section} figure")
+        figure.scroll_into_view_if_needed()
+        if section == "forgetting":
+            figure.get_by_role("button", name="Take the table away").click()
+            expect(figure.get_by_role("button", name="Go on")).to_have_count(0)
+        words = figure.locator(told)
+        before = words.inner_text()
+        page.wait_for_timeout(600)
+        assert words.inner_text() == before
+        figure.get_by_role("button", name=step, exact=True).click()
+        expect(words).not_to_have_text(before)
+    assert page.evaluate("() => document.getAnimations().filter(one => one.playState === 'running').length") == 0
