@@ -10,11 +10,10 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.errors import MapperError
-from mapper.parameters import MappingConfig
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
 from server.routes.pages import page_file
 from server.routes.sessions import public
-from server.sessions import LogSession, LogView
+from server.sessions import LogSession, LogView, first_config
 
 router = APIRouter(tags=["links"])
 
@@ -27,6 +26,8 @@ class Look(BaseModel):
     x: FiniteFloat = Field(description="The place in the middle, metres.")
     y: FiniteFloat = Field(description="The place in the middle, metres.")
     scale: FiniteFloat = Field(gt=0.0, description="Metres that one pixel of the page shows.")
+    width: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
+    height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
 
 
 class NewLink(BaseModel):
@@ -40,7 +41,7 @@ class NewLink(BaseModel):
 
 def _public(request: Request, link: Link) -> dict[str, Any]:
     """What the one who made it sees of a link."""
-    view, first = link.view["view"], asdict(MappingConfig())
+    view = link.view["view"]
     sessions = request.app.state.sessions.all()
     return {
         "token": link.token,
@@ -51,7 +52,7 @@ def _public(request: Request, link: Link) -> dict[str, Any]:
         "trajectory": view["trajectory"],
         "index": view["index"],
         "count": link.view["count"],
-        "changed": sorted(name for name, value in view["values"].items() if first.get(name) != value),
+        "changed": link.view["changed"],
         "watching": sum(session.link == link.token for session in sessions),
     }
 
@@ -69,7 +70,9 @@ async def make(request: Request, wanted: NewLink) -> dict[str, Any]:
     record = library.get(request.state.visitor, session.log_id)
     seen = session.seen()
     look = None if wanted.look is None else wanted.look.model_dump()
-    view = {"view": asdict(seen), "look": look, "count": session.log.n_scans}
+    first = asdict(first_config(session.log))
+    changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
+    view = {"view": asdict(seen), "look": look, "count": session.log.n_scans, "changed": changed}
     return _public(request, await library.links.make(request.state.visitor, record, view))
 
 

@@ -1,6 +1,6 @@
 """Sessions: each owns one grid, its parameters and its clock."""
 
-from server.sessions.log_session import LogSession
+from server.sessions.log_session import LogSession, first_config
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.session import Session
 from server.sessions.view import LogView, SessionView
@@ -17,4 +17,5 @@ __all__ = [
     "SessionView",
     "WorldMapper",
     "WorldSession",
+    "first_config",
 ]

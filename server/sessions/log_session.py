@@ -50,12 +50,16 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(gaps)])
 
 
-def first_replay(log: ScanLog, view: LogView, limits: Limits) -> Replay:
-    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large."""
+def first_config(log: ScanLog) -> MappingConfig:
+    """Return the parameters that a log is mapped with at first."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
-    config = MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
-    config = config.with_values(view.values or {})
+    return MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
+
+
+def first_replay(log: ScanLog, view: LogView, limits: Limits) -> Replay:
+    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large."""
+    config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
         try:
             replay = Replay(log, config, view.trajectory, limits)

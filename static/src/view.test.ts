@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { fitted, MAX_SCALE, MIN_SCALE, panned, toScreen, toWorld, zoomedAt } from "./view";
+import { fitted, framed, MAX_SCALE, MIN_SCALE, panned, toScreen, toWorld, zoomedAt } from "./view";
 
 const size = { width: 640, height: 480 };
 const view = { x: 3.5, y: -2, scale: 0.025 };
@@ -46,4 +46,17 @@ test("fitting shows the whole box, touching two sides of the margin", () => {
   expect(right).toBeCloseTo(620, 9);
   expect(top).toBeGreaterThanOrEqual(20);
   expect(bottom).toBeLessThanOrEqual(460);
+});
+
+test("a view that was shared shows all that was seen on a picture of any size, and the same on one of its own", () => {
+  const look = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
+  expect(framed(look, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });
+  for (const size of [
+    { width: 390, height: 500 },
+    { width: 1600, height: 300 },
+  ]) {
+    const { scale } = framed(look, size);
+    expect(size.width * scale).toBeGreaterThanOrEqual(800 * 0.02 - 1e-9);
+    expect(size.height * scale).toBeGreaterThanOrEqual(600 * 0.02 - 1e-9);
+  }
 });

@@ -58,3 +58,12 @@ export function fitted(bounds: Bounds, size: Size, margin = 16): View {
     scale: limited(Math.max((x1 - x0) / width, (y1 - y0) / height)),
   };
 }
+
+/** The part of the world that a picture of some size shows: enough for a picture of another size to show it too. */
+export interface Look extends View, Size {}
+
+/** The view that shows all of what somebody saw, and the same where the pictures are of one size. */
+export function framed(look: Look, size: Size): View {
+  const smaller = Math.max(look.width / size.width, look.height / size.height);
+  return { x: look.x, y: look.y, scale: limited(look.scale * smaller) };
+}

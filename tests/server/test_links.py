@@ -112,10 +112,10 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 25)
         await watcher.settle()
         theirs = watcher.log_odds()
-    look = {"x": 1.5, "y": -2.25, "scale": 0.125}
+    look = {"x": 1.5, "y": -2.25, "scale": 0.125, "width": 800.0, "height": 600.0}
     link = linked(ann, session, look=look)
     assert (link["address"], link["index"], link["count"]) == (f"/shared/{link['token']}", 25, 40)
-    assert {"log_odds_hit", "update"} <= set(link["changed"])
+    assert link["changed"] == ["log_odds_hit", "update"]
     assert len(link["token"]) == 32
 
     guest = browser(guest=True)
@@ -240,7 +240,8 @@ def test_odd_requests(ann: httpx.Client) -> None:
     assert refusal(ann.post("/api/links", json={"session": world})) == (409, "session.not_a_log")
     assert refusal(ann.post("/api/links", json={"session": "none"})) == (404, "session.unknown")
     session = opened(ann, "sample-office")
-    for look in ({"x": 1}, {"x": "nan", "y": 0, "scale": 1}, {"x": 0, "y": 0, "scale": 0}):
+    good = {"x": 0, "y": 0, "scale": 1, "width": 1, "height": 1}
+    for look in ({"x": 1}, good | {"x": "nan"}, good | {"scale": 0}, good | {"height": -1}, good | {"z": 1}):
         answer = ann.post("/api/links", json={"session": session, "look": look})
         assert refusal(answer) == (422, "request.invalid")
     for path in ("..%2flogs", "x" * 5000, "%00"):

@@ -6,8 +6,10 @@ import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
+import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
 import { openSession } from "./logs/library";
+import { linkOf } from "./logs/links";
 import { Viewer } from "./logs/Viewer";
 
 /** What the address says: `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the usual one. */
@@ -22,6 +24,8 @@ function placeOf(search: string): Place {
   return { log: query.get("log"), topic: query.get("topic"), session: query.get("session") };
 }
 
+/** The link by which this page is opened, in the place of the logs. */
+const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
@@ -68,6 +72,7 @@ function resume(): void {
 const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
+  if (link) return <Guest token={link} />;
   const { log, topic, session } = place.value;
   if (session) {
     return (

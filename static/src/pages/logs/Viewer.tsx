@@ -1,4 +1,5 @@
 import { computed, useSignal, useSignalEffect } from "@preact/signals";
+import type { RefObject } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { type Connection, connect } from "../../connect";
 import { exposeHook } from "../../debug";
@@ -17,19 +18,24 @@ import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
 import { toast } from "../../ui/Toast";
+import { framed, type Look } from "../../view";
 import { Doctor } from "./Doctor";
+import { Share } from "./Share";
 import { Transport } from "./Transport";
 import { sentence, witness } from "./words";
 
 interface ViewerProps {
   readonly session: string;
-  readonly onClose: () => void;
+  /** Back to the logs; not for a guest. */
+  readonly onClose?: () => void;
   /** The session has ended on the server: begin another on the same log. */
   readonly onGone: () => void;
+  /** For who came by a link: where to look first, and whom to tell that the session has ended. */
+  readonly guest?: { readonly look: Look | null; readonly onEnded: () => void };
 }
 
 /** One log: its map filling in, and everything that shapes it. */
-export function Viewer({ session, onClose, onGone }: ViewerProps) {
+export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
   useEffect(() => {
@@ -56,7 +62,13 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
     if (hello) document.title = `${hello.title} · Gridbloom`;
   }, [hello]);
 
-  if (status.value === "gone") {
+  useEffect(() => lookFirst(store, picture, guest?.look ?? null), [connection]);
+  const ended = status.value === "gone";
+  useEffect(() => {
+    if (ended) guest?.onEnded();
+  }, [ended]);
+
+  if (ended) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This view has ended</h1>
@@ -65,14 +77,14 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
           <Button kind="primary" icon="restart" onClick={onGone}>
             Open the log again
           </Button>
-          <Button onClick={onClose}>All logs</Button>
+          {onClose && <Button onClick={onClose}>All logs</Button>}
         </div>
       </div>
     );
   }
   return (
     <div class="viewer">
-      <Head connection={connection} session={session} onClose={onClose} />
+      <Head connection={connection} session={session} onClose={onClose} picture={picture} />
       <div class="viewer-map">
         <Belief
           store={store}
@@ -95,34 +107,56 @@ export function Viewer({ session, onClose, onGone }: ViewerProps) {
       <div class="viewer-readout">
         <Readout store={store} />
       </div>
-      <Side store={store} session={session} />
+      <Side store={store} session={session} isGuest={guest !== undefined} />
       <ProfileBox store={store} />
       <Why store={store} side="right" />
     </div>
   );
 }
 
-function Head({ connection, session, onClose }: { connection: Connection; session: string; onClose: () => void }) {
-  const hello = connection.store.hello.value;
-  const share = async (): Promise<void> => {
-    try {
-      await navigator.clipboard.writeText(location.href);
-      toast("The link is copied. Whoever opens it sees this very view, and can steer it too.");
-    } catch {
-      toast("Copy the address of this page: it opens this very view.");
-    }
+/** Look at the part of the map that somebody shared, once there is a picture of some size. */
+function lookFirst(store: Store, picture: RefObject<Picture | null>, look: Look | null): () => void {
+  let waiting = 0;
+  const wait = (): void => {
+    const size = picture.current?.size;
+    if (look && size && size.width > 0) store.look(framed(look, size));
+    else if (look) waiting = requestAnimationFrame(wait);
+  };
+  wait();
+  return () => cancelAnimationFrame(waiting);
+}
+
+interface HeadProps {
+  readonly connection: Connection;
+  readonly session: string;
+  readonly onClose: (() => void) | undefined;
+  readonly picture: RefObject<Picture | null>;
+}
+
+function Head({ connection, session, onClose, picture }: HeadProps) {
+  const { store } = connection;
+  const hello = store.hello.value;
+  /** Only what a person has chosen to look at: who has not looks at everything, however large their screen. */
+  const look = (): Look | null => {
+    const view = store.view.peek();
+    const size = picture.current?.size;
+    return store.viewHeld.peek() && view && size ? { ...view, width: size.width, height: size.height } : null;
   };
   return (
     <header class="viewer-head">
-      <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
+      {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
       <h1>{hello?.title ?? "…"}</h1>
-      <Remade store={connection.store} />
-      <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
-        <span class="button-text">3D</span>
-      </Button>
-      <Button icon="link" label="Share this view" onClick={() => void share()}>
-        <span class="button-text">Share</span>
-      </Button>
+      <Remade store={store} />
+      {onClose ? (
+        <>
+          <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
+            <span class="button-text">3D</span>
+          </Button>
+          {hello?.log && <Share session={session} log={hello.log.id} look={look} />}
+        </>
+      ) : (
+        <span class="guest-note">Shared with you: what you change here changes nothing for others.</span>
+      )}
     </header>
   );
 }
@@ -143,7 +177,7 @@ function Remade({ store }: { store: Store }) {
   );
 }
 
-function Side({ store, session }: { store: Store; session: string }) {
+function Side({ store, session, isGuest }: { store: Store; session: string; isGuest: boolean }) {
   const hello = store.hello.value;
   const picked = useSignal<string | null>(null);
   useSignalEffect(() => {
@@ -191,16 +225,21 @@ function Side({ store, session }: { store: Store; session: string }) {
           <Button icon="download" href={file("png")} download>
             png
           </Button>
-          <Button icon="download" href={of("run.mcap")} download>
-            mcap
-          </Button>
-          <Button icon="download" href={of("trajectory.tum")} download>
-            tum
-          </Button>
+          {!isGuest && (
+            <>
+              <Button icon="download" href={of("run.mcap")} download>
+                mcap
+              </Button>
+              <Button icon="download" href={of("trajectory.tum")} download>
+                tum
+              </Button>
+            </>
+          )}
         </div>
         <p class="quiet">
-          pgm and yaml together open in map_server and Nav2; png is for people. mcap is the whole run with this map, for
-          Foxglove, Lichtblick, Rerun and ROS 2; tum is the way of the robot.
+          pgm and yaml together open in map_server and Nav2; png is for people.
+          {!isGuest &&
+            " mcap is the whole run with this map, for Foxglove, Lichtblick, Rerun and ROS 2; tum is the way of the robot."}
         </p>
       </Panel>
     </aside>

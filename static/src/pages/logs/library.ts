@@ -62,10 +62,10 @@ export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
 
-const AWAY = "The server does not answer. This page tries again by itself.";
+export const AWAY = "The server does not answer. This page tries again by itself.";
 
 /** The server's own sentence about what went wrong, or one of ours. */
-async function sentence(answer: Response): Promise<string> {
+export async function sentence(answer: Response): Promise<string> {
   try {
     const body: unknown = await answer.json();
     if (body && typeof body === "object" && "message" in body && typeof body.message === "string") return body.message;

@@ -1,0 +1,68 @@
+"""A link to a view of a log: made on one page, opened on another visitor's, revoked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.conftest import WatchedPage
+from tests.browser.looking import SECONDS, frame, settled_digest, until
+from tests.server.library.small_logs import carmen
+
+SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
+
+
+def test_a_link_opens_exactly_this_view_until_it_is_revoked(
+    page: Page, browser: Browser, server: str, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.log").write_bytes(carmen(60))
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "mine.log")
+    page.locator(".log-card", has_text="mine.log").get_by_role("button", name="Make its map").click(
+        timeout=SECONDS * 1000
+    )
+    page.wait_for_function(SHOWN, timeout=SECONDS * 1000)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 25 })")
+    page.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 1.75)")
+    until("the view", lambda: frame(page)["index"] == 25 and not frame(page)["playing"])
+    look = {"x": 12.0, "y": 0.5, "scale": 0.03}
+    page.evaluate("(look) => gridbloom.connection.store.look(look)", look)
+    shown = settled_digest(page)
+
+    page.get_by_role("button", name="Share this view").click()
+    dialog = page.get_by_role("dialog", name="Share this view")
+    dialog.get_by_role("button", name="Make a link").click()
+    row = dialog.get_by_role("listitem")
+    expect(row).to_contain_text("25 of 60 scans")
+    address = row.get_by_role("textbox").input_value()
+    assert address.startswith(f"{server}/shared/")
+
+    other = browser.new_context(viewport={"width": 1440, "height": 900})
+    watched = WatchedPage(other, server)
+    guest = watched.page
+    guest.goto(address)
+    guest.wait_for_function(SHOWN, timeout=SECONDS * 1000)
+    until("the same map", lambda: settled_digest(guest) == shown)
+    assert (frame(guest)["index"], frame(guest)["playing"]) == (25, False)
+    assert guest.evaluate("() => gridbloom.connection.store.mapping.values.value.log_odds_hit") == 1.75
+    seen = guest.evaluate("() => gridbloom.connection.store.view.peek()")
+    assert (seen["x"], seen["y"]) == (look["x"], look["y"])
+    assert abs(seen["scale"] / look["scale"] - 1.0) < 0.2, "the head of their page is lower"
+    expect(guest.get_by_role("heading", level=1)).to_have_text("mine.log")
+    for name in ("Share this view", "All logs", "mcap"):
+        expect(guest.get_by_role("button", name=name)).to_have_count(0)
+    # It is theirs to play with.
+    guest.get_by_role("button", name="One scan on").click()
+    until("one scan more", lambda: frame(guest)["index"] == 26)
+    assert frame(page)["index"] == 25
+    assert watched.problems == []
+
+    dialog.get_by_role("button", name="Revoke").click()
+    page.get_by_role("dialog", name="Revoke this link?").get_by_role("button", name="Revoke").click()
+    expect(row).to_have_count(0)
+    expect(guest.get_by_role("alert")).to_contain_text("This link was revoked", timeout=SECONDS * 1000)
+    guest.goto(f"{server}/shared/{'x' * 32}")
+    expect(guest.get_by_role("alert")).to_contain_text("or there never was one: ask for another.")
+    other.close()
