@@ -44,6 +44,7 @@ export class Store extends Watched {
   teleport(point: Point): void {
     this.teleported.value = { at: performance.now(), point };
     this.#sendTo(point, "teleport");
+    this.outbox.flush(); // a click has no successor to wait for
   }
 
   /** The hand has the robot at a place; null when it lets go. */
