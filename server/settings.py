@@ -46,6 +46,12 @@ class Settings(BaseSettings):
         default=None,
         description="Database of the records: sqlite:///FILE or postgresql://…; by default a file in the data folder.",
     )
+    executor: str | None = Field(
+        default=None,
+        pattern=r"^tcp://[^/]+:[0-9]+$",
+        description="Where logs are read: by default a process of this machine; tcp://HOST:PORT is a Dask scheduler "
+        "whose workers see the data folder by the same path.",
+    )
     logs_dir: Path | None = Field(default=None, description="Folder whose logs everybody sees, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Live sessions at one time.")
     max_sessions_per_visitor: int = Field(default=8, ge=1, description="Live sessions of one browser at one time.")

@@ -28,6 +28,7 @@ from server.library.reading import Reader
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.storage import StorageError, private_folder
+from server.library.workers import worker_at
 from server.settings import Settings
 
 DAY_S = 86_400.0
@@ -64,6 +65,8 @@ def check_stores(settings: Settings) -> None:
     private_folder(root)
     Blobs.at(settings.blobs, root)
     Database.open(settings.database_url, root).close()
+    if settings.executor is not None:
+        worker_at(settings.executor, 0, root).close()
 
 
 class Library:
@@ -86,11 +89,6 @@ class Library:
         self._survey_job: asyncio.Task[None] | None = None
         self._uploads = 0
         self._own_reader = reader is None
-        self._reader = reader or Reader(
-            timeout_s=self._limits.read_timeout_s,
-            memory_bytes=self._limits.read_memory_bytes,
-            cpu_s=self._limits.read_cpu_s,
-        )
         self._cache = LogCache(self._limits.cache_bytes)
         self._unpacking = asyncio.Lock()
         self._sample = Sample(self._cache)
@@ -98,6 +96,13 @@ class Library:
         self._scratch = root / "incoming"
         for folder in (root, root / "packs", self._scratch):
             private_folder(folder)
+        memory = self._limits.read_memory_bytes
+        self._reader = reader or Reader(
+            timeout_s=self._limits.read_timeout_s,
+            memory_bytes=memory,
+            cpu_s=self._limits.read_cpu_s,
+            worker=worker_at(settings.executor, memory, self._scratch),
+        )
         blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)

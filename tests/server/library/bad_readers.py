@@ -12,13 +12,13 @@ from typing import Any
 
 from mapper.logs.summary import LogSummary
 from mapper.scan import ScanLog
-from server.library import reading
+from server.library import job as jobs
 
 OPEN = "open_log"  #: what the job calls
 
 
 def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
-    good = getattr(reading, OPEN)
+    good = getattr(jobs, OPEN)
 
     def read(path: Any, **options: Any) -> ScanLog:
         if b"FLASER 3 6.0" in path.read_bytes():  # the bad log
@@ -26,11 +26,11 @@ def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
         log: ScanLog = good(path, **options)
         return log
 
-    setattr(reading, OPEN, read)
+    setattr(jobs, OPEN, read)
     try:
-        return reading.read_job(*job)
+        return jobs.read_job(*job)
     finally:
-        setattr(reading, OPEN, good)
+        setattr(jobs, OPEN, good)
 
 
 def crash(*job: Any) -> LogSummary:

@@ -50,8 +50,8 @@ async def settled(library: Library, owner: str, log_id: str) -> Record:
 async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch, job, limits, code
 ) -> None:
-    monkeypatch.setattr("server.library.reading.read_job", job)
-    monkeypatch.setattr("server.library.reading.GRACE_S", 1.0)
+    monkeypatch.setattr("server.library.job.read_job", job)
+    monkeypatch.setattr("server.library.workers.GRACE_S", 1.0)
     library = make_library(own_reader=True, **limits)
     await library.start()
     bad = await library.put("ann", "bad", in_pieces(BAD))
@@ -70,7 +70,7 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
 async def test_a_job_is_stopped_and_run_again(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
     library = make_library(own_reader=True)
     await library.start()
     reading = await library.put("ann", "a", in_pieces(BAD))

@@ -1,0 +1,137 @@
+"""What runs in the process that reads a log: the reading itself, its limits, and how far it is.
+
+What a file can do there, it can do to nobody else: the process has a limit of memory, of processor time and of time on
+the clock, and it ends with the server.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import multiprocessing.connection
+import os
+import resource
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+
+from mapper.errors import LimitError
+from mapper.logs import open_log
+from mapper.logs.summary import LogSummary, summarise
+from server.library.packed import write_pack
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors."""
+
+    source: str
+    pack: str | None
+    topic: str | None
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int  #: of address space
+
+
+_report: Callable[[float], None] | None = None  #: where this process says how far it is
+
+
+def start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_bytes: int) -> None:
+    """Run once in the process of a pool: its limit of address space, who it is and where it says how far it is."""
+    pid.value = os.getpid()
+    threading.Thread(target=_end_with_server, name="end with the server", daemon=True).start()
+
+    def report(fraction: float) -> None:
+        progress.value = fraction
+
+    begin(memory_bytes, report)
+
+
+def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
+    """Limit this process for good, and have it say how far it is to ``report``."""
+    global _report  # noqa: PLW0603 - a worker process has no other place that outlives a job
+    _report = report
+    # A person who presses Ctrl-C speaks to the server, which ends its workers itself.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(ValueError, OSError):  # not every system can limit it
+        resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+
+
+def _note_progress(fraction: float) -> None:
+    if _report is not None:
+        _report(min(max(float(fraction), 0.0), 1.0))
+
+
+def _end_with_server() -> None:
+    """End this process when the server is gone: killed, it ends nobody, and what it began must not go on."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        multiprocessing.connection.wait([server.sentinel])
+        os._exit(1)
+
+
+class _OutOfTime(BaseException):
+    """The job's time is over: no ``Exception``, so that no reader catches it."""
+
+
+def _out_of_time(number: int, _: object) -> None:
+    raise _OutOfTime(number)
+
+
+@contextlib.contextmanager
+def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
+    """Interrupt what runs in it after so many seconds on the clock, or of processor time.
+
+    What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again.
+    """
+    alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    with contextlib.suppress(ValueError, OSError):
+        last = int(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (last, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    try:
+        for number, timer, seconds in alarms:
+            signal.signal(number, _out_of_time)
+            signal.setitimer(timer, seconds)
+        yield
+    except _OutOfTime as over:
+        raise time_error(timeout_s) if over.args[0] == signal.SIGALRM else _cpu_error(cpu_s) from None
+    finally:
+        for _, timer, _ in alarms:
+            signal.setitimer(timer, 0.0)
+
+
+def read_job(job: Job) -> LogSummary:
+    """Do the job and return what the log holds.
+
+    Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
+    """
+    _note_progress(0.0)
+    try:
+        with _timed(job.timeout_s, job.cpu_s):
+            return _read(job)
+    except MemoryError:
+        raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
+
+
+def _read(job: Job) -> LogSummary:
+    log = open_log(Path(job.source), topic=job.topic, progress=_note_progress)
+    if job.pack is not None:
+        try:
+            write_pack(log, Path(job.pack))
+        except OSError as error:
+            message = "What was read of the log could not be stored; the server's disk may be full."
+            raise LimitError("log.storage", message) from error
+    return summarise(log)
+
+
+def time_error(timeout_s: float) -> LimitError:
+    """Return the error for a job that took too long."""
+    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:g} s that the server allows.")
+
+
+def _cpu_error(cpu_s: float) -> LimitError:
+    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:g} s of processor time it may have.")

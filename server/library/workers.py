@@ -1,0 +1,200 @@
+"""Where logs are read: on a ``concurrent.futures.Executor``, each in a process of its own.
+
+A pool of one process on this machine is the default: it is warm from one log to the next. Any other executor, as that
+of a Dask cluster, starts a process for each log on a machine of its own choice, which sees the data folder by the same
+path.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import pickle
+import subprocess
+import sys
+import uuid
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+from typing import Protocol
+
+from mapper.logs.summary import LogSummary
+from server.library import job as jobs
+from server.library.job import Job
+from server.library.storage import StorageError
+
+GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
+DIED = 70  #: status of a process of whom nobody wants to know any more
+
+
+class Worker(Protocol):
+    """Reads logs, one at a time."""
+
+    @property
+    def progress(self) -> float:
+        """How far the log that is being read is, from 0 to 1."""
+
+    @property
+    def pid(self) -> int:
+        """The process that reads, 0 where there is none on this machine."""
+
+    def submit(self, job: Job) -> Future[LogSummary]:
+        """Have a log read in a process of its own, which keeps to the job's limits of memory and of time.
+
+        The future raises :class:`ReadError` or :class:`LimitError` as the reader does, and :class:`BrokenExecutor`
+        where the process was ended; neither harms the next job.
+        """
+
+    def end(self) -> None:
+        """End at once what is under way, if anything is; the next job is read all the same."""
+
+    def close(self) -> None:
+        """End what is under way and wait until it is gone."""
+
+
+class PoolWorker:
+    """One process of this machine, made when the first log is to be read."""
+
+    def __init__(self, memory_bytes: int) -> None:
+        self._memory_bytes = memory_bytes
+        self._context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the sockets
+        self._pool: ProcessPoolExecutor | None = None
+        self._progress: Synchronized[float] | None = None
+        self._pid: Synchronized[int] | None = None
+
+    @property
+    def progress(self) -> float:
+        """How far the log that is being read is."""
+        return 0.0 if self._progress is None else float(self._progress.value)
+
+    @property
+    def pid(self) -> int:
+        """The process."""
+        return 0 if self._pid is None else int(self._pid.value)
+
+    def submit(self, job: Job) -> Future[LogSummary]:
+        """Have a log read."""
+        if self._progress is not None:
+            self._progress.value = 0.0
+        try:
+            return self._submit(job)
+        except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
+            self.end()
+            return self._submit(job)
+
+    def _submit(self, job: Job) -> Future[LogSummary]:
+        if self._pool is None:
+            # Of its own: a process that was ended before it began may still note who it is.
+            self._progress = self._context.Value(ctypes.c_double, 0.0)
+            self._pid = self._context.Value(ctypes.c_int64, 0)
+            self._pool = ProcessPoolExecutor(
+                1,
+                mp_context=self._context,
+                initializer=jobs.start_worker,
+                initargs=(self._progress, self._pid, self._memory_bytes),
+            )
+        return self._pool.submit(jobs.read_job, job)
+
+    def end(self) -> None:
+        """End the process."""
+        self._ended()
+
+    def _ended(self) -> ProcessPoolExecutor | None:
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            for process in list((pool._processes or {}).values()):  # noqa: SLF001 - public only from Python 3.14 on
+                process.kill()
+            self._progress = self._pid = None
+            pool.shutdown(wait=False, cancel_futures=True)
+        return pool
+
+    def close(self) -> None:
+        """End the process and wait until it is gone."""
+        pool = self._ended()
+        if pool is not None:
+            pool.shutdown(wait=True)
+
+
+class ExecutorWorker:
+    """Whatever process ``executor`` chooses starts one for each log; they see ``folder`` by the same path.
+
+    A file in it is the job's lease: it says how far the job is, and without it the job ends.
+    """
+
+    pid = 0
+
+    def __init__(self, executor: Executor, folder: Path) -> None:
+        self._executor = executor
+        self._folder = folder
+        self._lease: Path | None = None
+        self._job: Future[LogSummary] | None = None
+
+    @property
+    def progress(self) -> float:
+        """How far the log that is being read is."""
+        try:
+            return float(self._lease.read_bytes() or 0.0) if self._lease is not None else 0.0
+        except (OSError, ValueError):
+            return 0.0
+
+    def submit(self, job: Job) -> Future[LogSummary]:
+        """Have a log read."""
+        self.end()
+        lease = self._lease = self._folder / f"{uuid.uuid4().hex}.lease"
+        lease.write_bytes(b"0")
+        self._job = self._executor.submit(read_apart, job, str(lease))
+        self._job.add_done_callback(lambda _: lease.unlink(missing_ok=True))
+        return self._job
+
+    def end(self) -> None:
+        """Take the lease away."""
+        if self._lease is not None:
+            self._lease.unlink(missing_ok=True)
+        if self._job is not None:
+            self._job.cancel()
+        self._lease = self._job = None
+
+    def close(self) -> None:
+        """Take the lease away, and let go of the executor."""
+        self.end()
+        self._executor.shutdown(wait=True)
+
+
+def read_apart(job: Job, lease: str) -> LogSummary:
+    """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
+    command = [sys.executable, "-m", "server.library.apart"]
+    try:
+        done = subprocess.run(  # noqa: S603 - nothing of it is anybody's input
+            command,
+            input=pickle.dumps((job, lease)),
+            stdout=subprocess.PIPE,
+            timeout=job.timeout_s + GRACE_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise jobs.time_error(job.timeout_s) from None
+    if done.returncode != 0:
+        raise BrokenExecutor(f"the process that read a log ended with {done.returncode}")
+    result = pickle.loads(done.stdout)  # noqa: S301 - by our own process, as a pool's are
+    if isinstance(result, Exception):
+        raise result
+    if not isinstance(result, LogSummary):
+        raise TypeError(f"a job returned {type(result).__name__}")
+    return result
+
+
+def worker_at(place: str | None, memory_bytes: int, folder: Path) -> Worker:
+    """Return the worker at ``place``: None is this machine, ``tcp://HOST:PORT`` the scheduler of a Dask cluster.
+
+    Raises :class:`StorageError` where there is none. Blocks until it is there.
+    """
+    if place is None:
+        return PoolWorker(memory_bytes)
+    try:
+        from distributed import Client  # noqa: PLC0415 - only where it is asked for
+    except ImportError:
+        raise StorageError("library.executor", "Reading on Dask needs it: pip install 'gridbloom[dask]'.") from None
+    try:
+        return ExecutorWorker(Client(place, timeout=10, set_as_default=False).get_executor(), folder)
+    except OSError as error:
+        raise StorageError("library.executor", f"The Dask scheduler at {place} cannot be reached.") from error

@@ -1,0 +1,78 @@
+"""Logs read on an executor that is not ours: the same promises, kept by a process for each log."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from mapper.errors import LimitError, ReadError
+from server.library import StorageError
+from server.library.reading import Reader
+from server.library.workers import ExecutorWorker, worker_at
+from tests.server.library.small_logs import carmen
+from tests.server.service import eventually
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def reader(tmp_path: Path) -> AsyncIterator[Reader]:
+    (tmp_path / "leases").mkdir()
+    worker = ExecutorWorker(ThreadPoolExecutor(1), tmp_path / "leases")
+    reader = Reader(timeout_s=60.0, memory_bytes=2 << 30, worker=worker)
+    yield reader
+    await reader.close()
+    assert list((tmp_path / "leases").iterdir()) == []
+
+
+def log(folder: Path, data: bytes) -> Path:
+    path = folder / "a.log"
+    path.write_bytes(data)
+    return path
+
+
+async def test_a_log_is_read_and_packed(reader: Reader, tmp_path: Path) -> None:
+    summary = await reader.read(log(tmp_path, carmen(7)), tmp_path / "a.npz")
+    assert (summary.scans, summary.beams) == (7, 3)
+    assert (tmp_path / "a.npz").exists()
+    with pytest.raises(ReadError) as caught:
+        await reader.read(log(tmp_path, b"Dear all,\n"), None)
+    assert caught.value.code == "log.unknown_format"
+
+
+async def test_a_job_says_how_far_it_is_and_is_cancelled(reader: Reader, tmp_path: Path) -> None:
+    source = log(tmp_path, carmen(500) * 600)
+    reading = asyncio.ensure_future(reader.read(source, tmp_path / "a.npz"))
+    await eventually(lambda: 0.0 < reader.progress < 1.0)
+    reading.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await reading
+    assert not list((tmp_path / "leases").iterdir())
+    assert (await reader.read(log(tmp_path, carmen(3)), None)).scans == 3, "its process has left the thread"
+    assert not (tmp_path / "a.npz").exists()
+
+
+async def test_a_job_keeps_to_its_limits(tmp_path: Path) -> None:
+    worker = ExecutorWorker(ThreadPoolExecutor(1), tmp_path)
+    source = log(tmp_path, carmen(500) * 100)
+    short = Reader(timeout_s=0.01, memory_bytes=2 << 30, worker=worker)
+    with pytest.raises(LimitError) as caught:
+        await short.read(source, None)
+    assert caught.value.code == "log.time"
+    small = Reader(timeout_s=60.0, memory_bytes=100 << 20, worker=worker)
+    with pytest.raises((LimitError, ReadError)) as told:
+        await small.read(source, None)
+    assert told.value.code in ("log.memory", "log.reader_died")
+    await small.close()
+
+
+async def test_an_executor_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(StorageError) as caught:
+        await asyncio.to_thread(worker_at, "tcp://127.0.0.1:1", 1 << 30, tmp_path)
+    assert caught.value.code == "library.executor"
+    assert caught.value.message.endswith(".")
