@@ -30,7 +30,7 @@ def main() -> None:
 
     def report(fraction: float) -> None:
         nonlocal written
-        if time.monotonic() - written > LOOK_S:
+        if fraction == 1.0 or time.monotonic() - written > LOOK_S:
             written = time.monotonic()
             try:
                 with path.open("r+b") as file:  # which must not make it again

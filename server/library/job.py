@@ -119,6 +119,7 @@ def read_job(job: Job) -> LogSummary:
 
 def _read(job: Job) -> LogSummary:
     log = open_log(Path(job.source), topic=job.topic, progress=_note_progress)
+    _note_progress(1.0)  # whoever is not wanted any more ends here and leaves no pack
     if job.pack is not None:
         try:
             write_pack(log, Path(job.pack))

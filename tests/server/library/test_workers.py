@@ -46,7 +46,8 @@ async def test_a_log_is_read_and_packed(reader: Reader, tmp_path: Path) -> None:
 
 
 async def test_a_job_says_how_far_it_is_and_is_cancelled(reader: Reader, tmp_path: Path) -> None:
-    source = log(tmp_path, carmen(500) * 600)
+    source = tmp_path / "long.log"
+    source.write_bytes(carmen(500) * 600)
     reading = asyncio.ensure_future(reader.read(source, tmp_path / "a.npz"))
     await eventually(lambda: 0.0 < reader.progress < 1.0)
     reading.cancel()
