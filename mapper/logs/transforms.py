@@ -20,6 +20,8 @@ from mapper.logs.ros_messages import BadMessageError, Pose7, StampedPose
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 MAX_FRAMES = 5000
+MAX_DEPTH = 64  #: frames from a sensor's up to the root
+MAX_WORLDS = 8  #: frames in which the robot's way is told
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: an edge that never differs by more is a mount, not a motion
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
@@ -77,6 +79,7 @@ class Timeline:
         self._limits = limits
         self._stamps = array("q")
         self._values = array("d")
+        self._in_order: tuple[Int64Array, Poses3] | None = None  #: made when first asked for
 
     def __len__(self) -> int:
         return len(self._stamps)
@@ -89,10 +92,16 @@ class Timeline:
             raise BadMessageError
         if len(self._stamps) >= self._limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {self._limits.max_messages} poses.")
+        self._in_order = None
         self._stamps.append(stamp_ns)
         self._values.extend(pose)
 
     def _sorted(self) -> tuple[Int64Array, Poses3]:
+        if self._in_order is None:
+            self._in_order = self._put_in_order()
+        return self._in_order
+
+    def _put_in_order(self) -> tuple[Int64Array, Poses3]:
         stamps = np.frombuffer(self._stamps, dtype=np.int64)
         values = np.frombuffer(self._values).reshape(-1, 7)
         if (np.diff(stamps) < 0).any():
@@ -163,13 +172,20 @@ class FrameTree:
         return len(self._parents)
 
     def ancestors(self, frame: str) -> list[str]:
-        """Return ``frame``, its parent, and so on to the root; where several state to be the parent, the busiest is."""
+        """Return ``frame``, its parent, and so on to the root; where several state to be the parent, the busiest is.
+
+        Raises :class:`LimitError` for a chain that no robot has.
+        """
         chain = [frame]
         while True:
             parents = {parent: edge for parent, edge in self._parents.get(chain[-1], {}).items() if len(edge)}
             parent = max(parents, key=lambda name: len(parents[name]), default=None)
             if parent is None or parent in chain:
                 return chain
+            if len(chain) >= MAX_DEPTH:
+                raise LimitError(
+                    "log.too_many_frames", f"In the log's tf tree a chain has more than {MAX_DEPTH} frames."
+                )
             chain.append(parent)
 
     def edges(self, chain: list[str]) -> list[Timeline]:
@@ -204,7 +220,7 @@ class FrameTree:
     def worlds(self, chain: list[str]) -> list[str]:
         """Return the ancestors of ``chain``'s first frame in which it moves, or that are named as worlds are.
 
-        ``map`` comes first, then from the root down.
+        ``map`` comes first, then from the root down, at most :data:`MAX_WORLDS`.
         """
         found = []
         moves = False
@@ -213,4 +229,4 @@ class FrameTree:
             if moves or frame.rsplit("/", 1)[-1] in WORLDS:
                 found.append(frame)
         found.reverse()
-        return sorted(found, key=lambda frame: frame.rsplit("/", 1)[-1] != "map")
+        return sorted(found, key=lambda frame: frame.rsplit("/", 1)[-1] != "map")[:MAX_WORLDS]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -122,3 +123,25 @@ def test_a_length_of_four_billion_anywhere(path, kind):
     data = recording(kind)
     for at in range(0, len(data) - 4, 1 if ALL else len(data) // 40):
         opened(path, data[:at] + b"\xff\xff\xff\xff" + data[at + 4 :])
+
+
+ODD = [
+    *(struct.pack("<f", value) for value in (np.nan, np.inf, -np.inf, 3e38, 1e-40, 0.0, -0.0, -1.0, 1e5, 99.0, 6.3)),
+    *(struct.pack("<d", value) for value in (np.nan, np.inf, -np.inf, 1e308, 1e-310, 0.0, -0.0, -1.0, 1e6, 9.99e5)),
+]
+
+
+def test_odd_numbers_anywhere_in_the_messages(path):
+    """Well-formed messages of what no sensor measures: nan, infinities, numbers whose sum overflows."""
+    rng = seeded("odd")
+    messages = said(3)
+    data = recorded.mcap_bytes(messages, "none", use_chunking=False, enable_crcs=False)
+    places = [(data.index(content), len(content)) for content in (recorded.serialised(one, 2) for one in messages)]
+    for _ in range(ROUNDS):
+        odd = bytearray(data)
+        for _ in range(int(rng.integers(1, 4))):
+            start, size = places[int(rng.integers(0, len(places)))]
+            number = ODD[int(rng.integers(0, len(ODD)))]
+            at = start + 4 + len(number) * int(rng.integers(0, (size - 4) // len(number)))
+            odd[at : at + len(number)] = number
+        opened(path, bytes(odd))

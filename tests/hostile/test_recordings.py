@@ -132,14 +132,6 @@ def test_poses_that_are_no_places_are_left_out(tmp_path):
     assert any("4 of 5 on /odom" in note for note in log.notes)
 
 
-def test_frames_that_go_round_in_a_circle(tmp_path):
-    circle = [transform(T0 + i, f"f{(i + 1) % 5}", f"f{i}", 0.1 * i) for i in range(5)]
-    log = opened(
-        tmp_path / "a.log", recorded.mcap_bytes([*circle, scan(T0, [1.0], frame="f0"), transform(T0, "f0", "f0")])
-    )
-    assert isinstance(log, ScanLog)
-
-
 @pytest.mark.parametrize(
     ("change", "code"),
     [
