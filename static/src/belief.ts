@@ -21,6 +21,10 @@ export function byteAt(logOdds: number, range: Range): number {
   return 1 + (254 * (logOdds - range.log_odds_min)) / (range.log_odds_max - range.log_odds_min);
 }
 
+/** The same, limited to what a byte can say: its ends stand for all that lies beyond them. */
+export const shownByteAt = (logOdds: number, range: Range): number =>
+  Math.min(255, Math.max(1, byteAt(logOdds, range)));
+
 export function stateAt(byte: number, range: Range): CellState {
   if (byte === 0) return "unknown";
   const value = logOddsAt(byte, range);

@@ -1,13 +1,13 @@
-"""The viewer of a log under fingers: the browser's own touch events, so that its scrolling takes part."""
+"""Viewer, lecture and lab under fingers: the browser's own touch events, so that its scrolling takes part."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import ElementHandle, Locator, Page, expect
 
-from tests.browser.looking import SECONDS, frame, until
+from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
 
 pytestmark = pytest.mark.parametrize("context", ["phone"], indirect=True)
 
@@ -127,3 +127,132 @@ def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> No
     expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked(timeout=SECONDS * 1000)
     viewer.get_by_text("the truth", exact=True).tap()
     expect(other.get_by_role("radio", name="the truth")).to_be_checked(timeout=SECONDS * 1000)
+
+
+# --- the lecture -----------------------------------------------------------------------------------------------------
+
+# A slider put into the middle of the window: where a finger takes it, how large what it takes is, and what it says.
+_HOLD = """slider => {
+  slider.scrollIntoView({ block: "center", behavior: "instant" });
+  const box = (slider.querySelector(".knob-grab, .handle-grab") ?? slider).getBoundingClientRect();
+  let x = box.x + box.width / 2;
+  if (slider.type === "range") {
+    const share = (slider.value - slider.min) / (slider.max - slider.min);
+    x = box.x + 11 + (box.width - 22) * share;
+  }
+  return { x, y: box.y + box.height / 2, width: box.width, height: box.height };
+}"""
+
+# A place of a figure where nothing can be taken hold of.
+_PASSIVE = """figure => {
+  const taken = "[role=slider], button, input, label, select, a, .program-text";
+  const area = figure.querySelector(".stage, .plot, .profile-frame, .cell-chart, .cone-box") ?? figure;
+  area.scrollIntoView({ block: "center", behavior: "instant" });
+  const box = area.getBoundingClientRect();
+  for (let up = 0.9; up > 0.1; up -= 0.1)
+    for (let across = 0.05; across < 1; across += 0.1) {
+      const [x, y] = [box.x + box.width * across, box.y + box.height * up];
+      const here = document.elementFromPoint(x, y);
+      if (here && area.contains(here) && !here.closest(taken)) return [x, y];
+    }
+  return null;
+}"""
+
+
+def value_of(slider: ElementHandle) -> str:
+    return str(slider.get_attribute("aria-valuetext"))
+
+
+def moves(fingers: Fingers, slider: ElementHandle) -> bool:
+    """Whether a finger on a slider changes what it says."""
+    before = value_of(slider)
+    for dx, dy in ((45, 0), (-45, 0), (0, -45), (0, 45)):
+        at = slider.evaluate(_HOLD)
+        x, y = at["x"], at["y"]
+        fingers.drag(((x, y), (x + dx, y + dy)), steps=3)
+        if value_of(slider) != before:
+            return True
+    return False
+
+
+def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lecture.html")
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    fingers = Fingers(page)
+    driven = 0
+    for section in page.locator(".lesson").all():
+        name = section.get_attribute("id")
+        in_figure = section.locator("figure").locator("[role=slider], input[type=range]").element_handles()
+        in_prose = section.locator(".prose .scrub").element_handles()[:1]
+        for slider in in_figure + in_prose:
+            at = slider.evaluate(_HOLD)
+            assert min(at["width"], at["height"]) >= 24, (name, slider.get_attribute("aria-label"), at)
+            if slider.get_attribute("aria-label") == "Cell along the beam":
+                continue  # the keyboard's: a finger touches the cells themselves
+            assert moves(fingers, slider), (name, slider.get_attribute("aria-label"), value_of(slider))
+            driven += 1
+        place = section.locator("figure").first.evaluate(_PASSIVE)
+        if name != "log":
+            assert place, name
+            before = scrolled(page)
+            x, y = place
+            fingers.drag(((x, y), (x + 2, y - 200)), steps=5)
+            until(f"the page to scroll on {name}", lambda before=before: scrolled(page) > before + 60)  # type: ignore[misc]
+    assert driven > 30
+
+    # The list of sections, folded on a phone, leads on and folds up again.
+    sections = page.get_by_role("navigation", name="Sections of the lecture")
+    expect(sections.get_by_role("link", name="One cell")).to_be_hidden()
+    sections.get_by_role("button", name="Sections").tap()
+    sections.get_by_role("link", name="One cell").tap()
+    expect(page.locator("#cell h2")).to_be_in_viewport()
+    expect(sections.get_by_role("link", name="One cell")).to_be_hidden()
+    expect(sections.get_by_role("button")).to_contain_text("2 One cell")
+
+
+# --- the lab ---------------------------------------------------------------------------------------------------------
+
+
+def on_world(page: Page, xy: list[float]) -> Place:
+    """Where a place of the world lies on the picture of the world."""
+    box = page.locator(".picture").first.bounding_box()
+    assert box is not None
+    x, y = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
+    return box["x"] + x, box["y"] + y
+
+
+def test_a_finger_draws_erases_and_moves_the_table(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    fingers = Fingers(page)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'world', name: 'room' })")
+    until("the room", lambda: page.evaluate("() => gridbloom.connection.store.world.peek().name") == "room")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'teleport', x: 4, y: 5, yaw: 0 })")
+    until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
+    settled_digest(page)
+
+    def added() -> list[list[object]]:
+        return list(page.evaluate("() => gridbloom.connection.store.world.peek().edits.added"))
+
+    page.get_by_role("button", name="Draw a wall").tap()
+    page.locator(".picture").first.scroll_into_view_if_needed()
+    before = scrolled(page)
+    fingers.drag((on_world(page, [3.0, 4.0]), on_world(page, [3.0, 6.5])))  # upwards: it draws and does not scroll
+    until("the wall", lambda: len(added()) == 1)
+    assert scrolled(page) == before
+    page.get_by_role("button", name="Erase").tap()
+    page.touchscreen.tap(*on_world(page, [3.0, 5.2]))
+    until("the wall to be gone", lambda: added() == [])
+
+    page.get_by_role("button", name="Move the robot").tap()
+    page.get_by_text("The moving table").tap()
+    page.get_by_role("button", name="Put a table there").tap()
+    guess = page.get_by_role("slider", name="My guess")
+    guess.wait_for(timeout=SECONDS * 1000)
+    assert moves(fingers, guess.element_handle())
+    page.get_by_role("button", name="Take the table away").tap(timeout=SECONDS * 1000)
+    expect(page.locator(".table-outcome")).to_contain_text("You said", timeout=SECONDS * 1000)

@@ -59,6 +59,15 @@ def log(page: Page, server: str) -> None:
     save(page, "log")
 
 
+def lecture(page: Page, server: str) -> None:
+    """A section of the lecture beside the list of all of them."""
+    page.goto(f"{server}/lecture.html#mount")
+    figure = page.locator("#mount figure")
+    figure.scroll_into_view_if_needed()
+    page.wait_for_timeout(800)
+    save(page, "lecture")
+
+
 def main() -> None:
     """Take them all."""
     data = os.environ.get("GRIDBLOOM_TEST_DATA")
@@ -70,6 +79,7 @@ def main() -> None:
         with running_server(Path(folder) / "data", "--logs-dir", str(logs)) as server, running_chromium() as browser:
             page = browser.new_page(viewport=SIZE, color_scheme="light")
             lab(page, server)
+            lecture(page, server)
             if data:
                 log(page, server)
 

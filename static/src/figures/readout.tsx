@@ -2,7 +2,7 @@
 
 import { computed, effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { logOddsAt, probability, stateAt } from "../belief";
+import { logOddsAt, probability, shownByteAt, stateAt } from "../belief";
 import type { CellState } from "../protocol";
 import type { Store } from "../state";
 import { Button } from "../ui/Button";
@@ -35,8 +35,8 @@ function readingOf(store: Store): ReadonlySignal<Reading> {
     // The server's exact value, as long as it is the one that is shown.
     const exact = store.inspected.value;
     const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
-    const step = (geometry.log_odds_max - geometry.log_odds_min) / 254;
-    const value = isExact && Math.abs(exact.log_odds - coarse) <= step ? exact.log_odds : coarse;
+    const isSame = isExact && Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 1;
+    const value = isSame ? exact.log_odds : coarse;
     return { ...place, logOdds: signed(value, 2), p: written(probability(value), 3), state: stateAt(byte, geometry) };
   });
 }

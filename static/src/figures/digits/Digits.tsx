@@ -131,7 +131,7 @@ function Lines({ path, hits, misses, at, width }: LinesProps) {
     <>
       <rect class="digits-lost" x={LEFT} y={2} width={right - LEFT} height={38} rx={4} />
       <text class="tick" x={right - 8} y={34} text-anchor="end">
-        out of digits: no reading can bring it back
+        {width < 480 ? "out of digits" : "out of digits: no reading can bring it back"}
       </text>
       <rect class="zone-hit" x={LEFT} y={TOP} width={x(hits) - LEFT} height={BOTTOM - TOP} />
       <rect class="zone-miss" x={x(hits)} y={TOP} width={right - x(hits)} height={BOTTOM - TOP} />

@@ -1,7 +1,7 @@
 import { effect, type ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { byteAt } from "../../belief";
+import { shownByteAt } from "../../belief";
 import { mapColours, palette } from "../../gl/palette";
 import { fromLattice, toLattice } from "../../lattice";
 import type { Point } from "../../protocol";
@@ -48,7 +48,7 @@ function paint(canvas: HTMLCanvasElement, grid: LessonGrid): void {
   for (let row = 0; row < rows; row++)
     for (let col = 0; col < cols; col++) {
       const index = row * cols + col;
-      const byte = Math.min(255, Math.max(1, Math.round(byteAt(grid.logOdds[index] ?? 0, RANGE))));
+      const byte = Math.round(shownByteAt(grid.logOdds[index] ?? 0, RANGE));
       const from = 4 * (grid.observed[index] === 1 ? byte : 0);
       image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
     }

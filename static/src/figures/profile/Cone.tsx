@@ -112,11 +112,12 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
   const degrees = (values.opening * 180) / Math.PI;
   const certain = values.model === "moravec_elfes";
   const zx = x(z);
+  const narrow = view.width.value < 560;
   return (
     <g>
       <path class="cone-edge" d={`M${at(end, edge).join(" ")}L${box.left} ${axis}L${at(end, -edge).join(" ")}`} />
       {!noReturn && <path class="cone-arc" d={arc(z)} />}
-      {ticks(0, view.reach.value, view.width.value < 560 ? 4 : 8).map((tick) => (
+      {ticks(0, view.reach.value, narrow ? 4 : 8).map((tick) => (
         <text key={tick} class="tick" x={x(tick)} y={box.bottom + 36} text-anchor="middle">
           {written(tick, tick % 1 === 0 ? 0 : 1)}
           {tick === 0 ? " m" : ""}
@@ -125,8 +126,10 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       <text class="label-miss" x={box.left + 12} y={box.top + 16}>
         {certain ? "empty: certain up to 1" : `closer ${signed(model.miss)}`}
       </text>
-      <text class="label-hit" x={box.right - 8} y={box.top + 16} text-anchor="end">
-        {certain ? "occupied: one obstacle, somewhere on the arc" : `on the arc ${signed(model.hit)}`}
+      <text class="label-hit" x={box.right - 8} y={box.top + (narrow ? 36 : 16)} text-anchor="end">
+        {certain
+          ? `occupied: ${narrow ? "" : "one obstacle, "}somewhere on the arc`
+          : `on the arc ${signed(model.hit)}`}
       </text>
       <Handle
         label="Opening angle"

@@ -89,7 +89,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const miss = level("miss", values, controls.bounds);
   const labelLeft = hitTo > curve.right - (narrow ? 128 : 170);
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}`;
-  const missText = `${narrow ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
+  const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;

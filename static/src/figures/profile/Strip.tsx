@@ -83,7 +83,9 @@ export function Strip({ view }: { view: ProfileView }) {
           y={strip.bottom + 16}
           text-anchor="end"
         >
-          {narrow ? `${passed} × ${signed(model.miss)}` : `${passed} cells passed, each ${signed(model.miss)}`}
+          {narrow || hitMiddle - room - strip.left < 190
+            ? `${passed} × ${signed(model.miss)}`
+            : `${passed} cells passed, each ${signed(model.miss)}`}
         </text>
       )}
       {hitCount > 0 && (

@@ -1,7 +1,7 @@
 /** Step by step: on and back by a cell or a beam of the newest scan, by a scan, by a second. */
 
 import { effect } from "@preact/signals";
-import { byteAt, logOddsAt } from "../../belief";
+import { logOddsAt, shownByteAt } from "../../belief";
 import type { Cell } from "../../lattice";
 import type { Store } from "../../state";
 import { toast } from "../../ui/Toast";
@@ -85,8 +85,9 @@ export function beneath(store: Store, { geometry, config }: Walk, { row, col }: 
   if (byte === 0) return config.log_odds_prior;
   const exact = store.inspected.peek();
   if (exact?.row === row && exact.col === col && exact.epoch === store.map.peek()?.geometry.epoch) {
-    // Of the cell that the server was asked about more is known than a byte says, while it is still the same byte.
-    if (Math.abs(byteAt(exact.log_odds, geometry) - byte) <= 0.51) return exact.log_odds;
+    // Of the cell that the server was asked about more is known than a byte says, while it is still the same byte; the
+    // first and the last byte stand for all that lies beyond them, where nothing is clamped.
+    if (Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 0.51) return exact.log_odds;
   }
   return logOddsAt(byte, geometry);
 }

@@ -7,7 +7,7 @@ import { Beside } from "../../figures/beside";
 import type { Picture } from "../../figures/picture/Picture";
 import { Readout } from "../../figures/readout";
 import { TrueWorld } from "../../figures/world";
-import type { Values } from "../../protocol";
+import type { Parameter, Values } from "../../protocol";
 import { Button } from "../../ui/Button";
 import { readable } from "../../ui/parameters";
 
@@ -24,13 +24,14 @@ interface PicturesProps {
 
 const clampTitle = (values: Values): string => (values.clamp === true ? "With the clamp" : "Without the clamp");
 
-/** In what the second map differs, in words. */
-function difference(values: Values): string {
+/** In what the second map differs, in words: under the labels that the parameters have in their panel. */
+function difference(values: Values, table: readonly Parameter[]): string {
   const parts = Object.entries(values).map(([name, value]) => {
+    const row = table.find((one) => one.name === name);
     const told = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
-    return `${readable(name)} ${told}`;
+    return `${row?.label ?? readable(name)}: ${told}${row?.unit ? ` ${row.unit}` : ""}`;
   });
-  return parts.length > 0 ? `True poses, every return; ${parts.join(", ")}.` : "True poses, every return.";
+  return ["True poses, every return", ...parts].join(" · ");
 }
 
 interface PlateProps {
@@ -111,7 +112,13 @@ export function Pictures({ session, onPicture }: PicturesProps) {
               onClick={() => store.send({ type: "compare", values: null })}
             />
           }
-          caption={<p class="hint">{compared.with_faults ? "Only the clamp differs." : difference(compared.values)}</p>}
+          caption={
+            <p class="hint">
+              {compared.with_faults
+                ? "Only the clamp differs."
+                : difference(compared.values, store.hello.value?.parameters.table ?? [])}
+            </p>
+          }
         >
           <Beside store={store} session={session.id} />
         </Plate>

@@ -6,7 +6,7 @@ export const LESSONS = [
   { id: "grid", title: "A grid and three assumptions", reserve: [383, 323, 585] },
   { id: "cell", title: "One cell", reserve: [402, 402, 359] },
   { id: "log-odds", title: "Why log-odds", reserve: [579, 579, 624] },
-  { id: "model", title: "What one reading says", reserve: [638, 661, 776] },
+  { id: "model", title: "What one reading says", reserve: [638, 661, 798] },
   { id: "rays", title: "Rays on a grid", reserve: [678, 620, 449] },
   { id: "algorithm", title: "The whole algorithm", reserve: [518, 941, 787] },
   { id: "sonar", title: "Sonar and its cone", reserve: [408, 381, 740] },
