@@ -116,6 +116,8 @@ class CarmenReader:
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        if text.startswith((b"FLASER ", b"RLASER ")) and self._take_plain_laser(text, line):
+            return
         tokens = text.decode("latin-1").split()
         if not tokens or tokens[0].startswith("#"):
             return
@@ -138,6 +140,28 @@ class CarmenReader:
     def _messages_before(self) -> tuple[int, int]:
         return (len(self.odometry), len(self.truth))
 
+    def _take_plain_laser(self, text: bytes, line: int) -> bool:
+        """Take a whole line of a laser as CARMEN writes it, faster; False, and nothing taken, for any other."""
+        head, *tail = text.rsplit(b" ", 9)
+        word, stated, readings = [*head.split(b" ", 2), b"", b""][:3]
+        rest = b" ".join(tail).decode("latin-1").split()
+        values = (
+            fields.listed(readings) if len(rest) == len(tail) == 9 and len(stated) < 9 and stated.isdigit() else None
+        )
+        if not values or len(values) != int(stated) or len(values) > self.limits.max_beams:
+            return False
+        self._add_laser(word.decode(), values, rest, line)
+        return True
+
+    def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
+        """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
+        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[6], line, word)
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
+        if word not in self.beams:
+            self.beams[word] = _Beams(*front_laser_beams(len(readings)))
+
     def _take_laser(self, tokens: list[str], line: int) -> None:
         word = tokens[0]
         if len(tokens) < 2:
@@ -145,12 +169,7 @@ class CarmenReader:
         n = fields.count(tokens[1], line, word, "beams", self.limits.max_beams)
         fields.require_fields(tokens, (n + 9, n + 11), line, word, f"{n} beams")
         readings = fields.numbers(tokens[2 : n + 2], line, word)
-        laser = fields.pose(tokens[n + 2 : n + 5], line, word, "the laser's", self.limits)
-        robot = fields.pose(tokens[n + 5 : n + 8], line, word, "the robot's", self.limits)
-        stamp = fields.stamp(tokens[n + 8], line, word)
-        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
-        if word not in self.beams:
-            self.beams[word] = _Beams(*front_laser_beams(n))
+        self._add_laser(word, readings, tokens[n + 2 : n + 9], line)
 
     def _take_robot_laser(self, tokens: list[str], line: int) -> None:
         word = tokens[0]

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import msgspec
+
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
 
 MAX_STAMP = 9e9  #: seconds: beyond this a time in nanoseconds no longer fits 64 bits
 _INFINITE = ("inf", "infinity")
+_LIST = msgspec.json.Decoder(list[float])
 
 
 def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
@@ -30,6 +33,17 @@ def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
         bad = next(token for token in tokens if "_" in token)
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number.")
     return values
+
+
+def listed(text: bytes) -> list[float] | None:
+    """Return the numbers of ``text``, one space between any two; None where it is not as plain as a list of JSON's.
+
+    :func:`numbers` takes more than this and says what is wrong with the rest; this is twice as fast.
+    """
+    try:
+        return _LIST.decode(b"[" + text.replace(b" ", b",") + b"]")
+    except msgspec.DecodeError:
+        return None
 
 
 def _is_number(token: str) -> bool:
