@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from unittest.mock import patch
 
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mapper.errors import MapperError
@@ -33,16 +33,31 @@ def test_a_plain_list_is_the_same_numbers(tokens: list[str]) -> None:
     assert all(map(math.isfinite, found))
 
 
-@given(st.lists(st.tuples(NUMBERS, SPACE), min_size=1, max_size=12), st.integers(0, 13), SPACE, st.booleans())
-@example([("1.5", " ")] * 3 + [("0.25", " ")] * 6 + [("12.5", " ")], 3, " ", True)
-def test_a_line_is_taken_or_refused_alike(
-    tmp_path_factory, numbers: list[tuple[str, str]], stated: int, first: str, whole: bool
-) -> None:
-    path: Path = tmp_path_factory.getbasetemp() / "plain.log"
-    text = (
-        f"FLASER {stated}{first}" + "".join(number + space for number, space in numbers) + ("host 0.5" if whole else "")
+@st.composite
+def lines(draw: st.DrawFn) -> str:
+    """A laser's line as CARMEN writes it, with a few places that are otherwise."""
+    n = draw(st.integers(0, 4))
+    tokens = (
+        ["1.25"] * n + ["0.5"] * 6 + ["12.5"] + draw(st.sampled_from([["host", "0.5"], [], ["host"], ["a b", "1"]]))
     )
-    path.write_bytes(text.encode("latin-1") + b"\n")
+    spaces = [" "] * (len(tokens) + 1)
+    for _ in range(draw(st.integers(0, 2))):
+        tokens[draw(st.integers(0, len(tokens) - 1))] = draw(NUMBERS)
+    for _ in range(draw(st.integers(0, 2))):
+        spaces[draw(st.integers(0, len(spaces) - 1))] = draw(SPACE)
+    stated = str(n + draw(st.sampled_from([0, 0, 0, 0, 1, -1, 9])))
+    return (
+        f"FLASER {stated}" + "".join(space + token for space, token in zip(spaces, tokens, strict=False)) + spaces[-1]
+    )
+
+
+@settings(max_examples=400)
+@given(lines())
+@example("FLASER 3 1.5 1.5 1.5 0 0 0 0 0 0 12.5 host 0.5")
+def test_a_line_is_taken_or_refused_alike(tmp_path_factory, text: str) -> None:
+    path: Path = tmp_path_factory.getbasetemp() / "plain.log"
+    good = "FLASER 2 1.0 2.0 0 0 0 0 0 0 12.5 host 0.5\n"
+    path.write_bytes((good * ("FLASER 2 " in text) + text + "\n").encode("latin-1"))
 
     def told() -> object:
         try:
