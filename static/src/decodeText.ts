@@ -27,6 +27,13 @@ const isTable: Check = (value) => {
   return isList(table) && isObject(values);
 };
 
+const isCompared: Check = (value) => {
+  const { states, only, entropy_bits, contrast, ...rest } = (value ?? {}) as Record<string, unknown>;
+  const isTable = Array.isArray(states) && states.length === 3 && states.every(isNumbers(3));
+  const scalars = ["cells", "same", "both", "mean_difference", "max_difference"];
+  return isTable && [only, entropy_bits, contrast].every(isNumbers(2)) && scalars.every((name) => isNumber(rest[name]));
+};
+
 /** The fields that the pages rely on; a message may have more. */
 const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {
   hello: {
@@ -74,6 +81,11 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     without_clamp: orNull(isNumber),
     free_with_clamp: isNumber,
     free_without_clamp: isNumber,
+  },
+  comparison: {
+    index: isNumber,
+    refused: orNull(isText),
+    numbers: orNull(isCompared),
   },
   trajectory: { name: isText, every: isNumber, poses: isList, stamps: isList },
   parameters: { values: isObject, sensor: orNull(isObject) },

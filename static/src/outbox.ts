@@ -16,7 +16,9 @@ export class Outbox {
 
   put(command: Command): void {
     const isFirst = this.#waiting.size === 0;
-    this.#waiting.set(command.type, command);
+    // Of questions about two maps the newest of each counts.
+    const about = "map" in command && command.map === "second" ? " second" : "";
+    this.#waiting.set(command.type + about, command);
     if (isFirst) this.#schedule(() => this.flush());
   }
 

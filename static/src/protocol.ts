@@ -157,7 +157,40 @@ export interface Forgetting {
 export interface Compared {
   readonly values: Values;
   readonly with_faults: boolean;
+  /** Of a log's other side: the poses it is made with. */
+  readonly trajectory?: string;
+  /** Of a log's other side: which log it is of, null for the session's own. */
+  readonly log?: string | null;
+  readonly topic?: string | null;
+  readonly title?: string;
+  readonly trajectories?: LogInfo["trajectories"];
 }
+
+/** How a log's map, b, differs from its other side, a; pairs are [a, b]. As `Comparison` of mapper/compare.py has it. */
+export interface Numbers {
+  readonly cells: number;
+  /** Cells by state in a, then in b: free, occupied, unknown. */
+  readonly states: readonly (readonly number[])[];
+  readonly same: number;
+  readonly only: readonly [a: number, b: number];
+  readonly both: number;
+  readonly entropy_bits: readonly [a: number, b: number];
+  readonly contrast: readonly [a: number, b: number];
+  readonly mean_difference: number;
+  readonly max_difference: number;
+  readonly max_at: Point | null;
+}
+
+/** The two maps in numbers, or why there are none; neither where nothing is compared. */
+export interface ComparisonMessage {
+  readonly type: "comparison";
+  readonly index: number;
+  readonly refused: string | null;
+  readonly numbers: Numbers | null;
+}
+
+/** Which of a session's maps a question or an answer is about; the first where nothing is said. */
+export type Which = "first" | "second";
 
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -178,6 +211,7 @@ export interface CellMessage {
   readonly log_odds: number;
   readonly p_occ: number;
   readonly state: CellState;
+  readonly map?: Which;
 }
 
 /** One beam that touched a cell: touch `n`, from 1, is beam `beam` of scan `scan`, from 0. */
@@ -204,6 +238,7 @@ export interface WhyMessage {
   readonly col: number;
   readonly epoch: number;
   readonly index: number;
+  readonly map?: Which;
   readonly log_odds: number;
   readonly prior: number;
   readonly log_odds_min: number | null;
@@ -224,6 +259,7 @@ export type ServerMessage =
   | Geometry
   | FrameMessage
   | Forgetting
+  | ComparisonMessage
   | WorldMessage
   | CellMessage
   | WhyMessage
@@ -249,13 +285,20 @@ export type Command =
   | ({ readonly type: "edit"; readonly watch?: boolean } & Edits)
   | ({ readonly type: "world"; readonly name: string } & Partial<Edits>)
   | { readonly type: "trajectory"; readonly name: string }
-  | { readonly type: "inspect"; readonly row: number; readonly col: number; readonly epoch: number }
+  | {
+      readonly type: "inspect";
+      readonly row: number;
+      readonly col: number;
+      readonly epoch: number;
+      readonly map?: Which;
+    }
   | {
       readonly type: "why";
       readonly row: number;
       readonly col: number;
       readonly epoch: number;
       readonly until?: number;
+      readonly map?: Which;
     }
   | { readonly type: "ping"; readonly id: number };
 

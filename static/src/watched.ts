@@ -13,6 +13,7 @@ import type {
   CellMessage,
   Command,
   Compared,
+  ComparisonMessage,
   Forgetting,
   Frame,
   FrameMessage,
@@ -23,6 +24,7 @@ import type {
   Touch,
   Trajectory,
   Values,
+  Which,
   WhyMessage,
   WorldMessage,
 } from "./protocol";
@@ -34,6 +36,13 @@ export interface Notice {
   readonly kind: "note" | "error";
   readonly code: string;
   readonly message: string;
+}
+
+/** The cell of a map that holds a place; null outside the grid. */
+export function cellIn(map: MapPicture | null, point: Point): Cell | null {
+  if (!map) return null;
+  const cell = cellAt(map.geometry, point[0], point[1]);
+  return contains(map.geometry, cell) ? cell : null;
 }
 
 /** What a page knows of the session that it watches, and where it looks. */
@@ -69,6 +78,8 @@ export class Watched implements Receiver {
   /** A place that is looked at although the pointer is elsewhere: chosen by click or by the keyboard's cursor. */
   readonly pinned = signal<Point | null>(null);
   readonly inspected = signal<CellMessage | null>(null);
+  /** The same of the cell of the second map. */
+  readonly inspectedSecond = signal<CellMessage | null>(null);
   /** Where the robot was last sent by hand, and when (performance.now). */
   readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
 
@@ -77,6 +88,8 @@ export class Watched implements Receiver {
 
   /** The place whose cell is explained; null while nobody asks why. */
   readonly asked = signal<Point | null>(null);
+  /** In which map it is explained. */
+  readonly askedMap = signal<Which>("first");
   /** The answer about that cell, the newest there is. */
   readonly why = signal<WhyMessage | null>(null);
   /** Number of the touch that is looked at; null for the newest. */
@@ -88,6 +101,8 @@ export class Watched implements Receiver {
   readonly cell: ReadonlySignal<Cell | null>;
   /** The cell that is explained; null outside the grid. */
   readonly askedCell: ReadonlySignal<Cell | null>;
+  /** The map in which it is. */
+  readonly askedPicture: ReadonlySignal<MapPicture | null>;
   /** The touch that is looked at; null where the answer does not tell of it. */
   readonly touch: ReadonlySignal<Touch | null>;
   /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
@@ -103,6 +118,12 @@ export class Watched implements Receiver {
   readonly faults = signal<Values | null>(null);
   /** What the second map has otherwise; null where there is none. */
   readonly compared = signal<Compared | null>(null);
+  /** The second map, while the page watches it. */
+  readonly second = signal<ShownMap | null>(null);
+  /** How the two maps of a log differ. */
+  readonly comparison = signal<ComparisonMessage | null>(null);
+  /** Which map a person sees at a place, where the page shows two in one picture. */
+  whichAt: ((point: Point) => Which) | null = null;
   /** How far the maps have forgotten what was taken away; null while nobody watches that. */
   readonly forgetting = signal<Forgetting | null>(null);
 
@@ -144,10 +165,12 @@ export class Watched implements Receiver {
       void this.map.value;
       return probe && this.cellOf(probe);
     });
+    this.askedPicture = computed(() =>
+      this.askedMap.value === "second" ? (this.second.value?.map.value ?? null) : this.map.value,
+    );
     this.askedCell = computed(() => {
       const asked = this.asked.value;
-      void this.map.value;
-      return asked && this.cellOf(asked);
+      return asked && cellIn(this.askedPicture.value, asked);
     });
     this.touch = computed(() => {
       const why = this.why.value;
@@ -172,10 +195,7 @@ export class Watched implements Receiver {
 
   /** The cell of the map on show that holds a place; null outside the grid. */
   cellOf(point: Point): Cell | null {
-    const map = this.map.peek();
-    if (!map) return null;
-    const cell = cellAt(map.geometry, point[0], point[1]);
-    return contains(map.geometry, cell) ? cell : null;
+    return cellIn(this.map.peek(), point);
   }
 
   /** Show everything, in every picture, unless a person has chosen a part. */
@@ -209,18 +229,21 @@ export class Watched implements Receiver {
     this.outbox.put(command);
   }
 
-  inspect({ row, col }: Cell): void {
-    const map = this.map.peek();
-    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch });
+  inspect({ row, col }: Cell, which: Which = "first"): void {
+    const map = which === "second" ? this.second.peek()?.map.peek() : this.map.peek();
+    const about = which === "second" ? { map: which } : {};
+    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch, ...about });
   }
 
-  /** Ask why the cell at a place is what it is; null for no more questions. */
-  ask(place: Point | null): void {
+  /** Ask why the cell at a place is what it is, in the map that is seen there; null for no more questions. */
+  ask(place: Point | null, which: Which = (place && this.whichAt?.(place)) ?? "first"): void {
     batch(() => {
       const before = this.askedCell.peek();
+      const map = this.askedMap.peek();
       this.asked.value = place;
+      this.askedMap.value = which;
       const now = this.askedCell.peek();
-      if (now && before && now.row === before.row && now.col === before.col) return;
+      if (map === which && now && before && now.row === before.row && now.col === before.col) return;
       this.why.value = null;
       this.touched.value = null;
     });
@@ -266,13 +289,18 @@ export class Watched implements Receiver {
         this.forgetting.value = message.cells > 0 ? message : null;
         return;
       case "cell":
-        this.inspected.value = message;
+        if (message.map === "second") this.inspectedSecond.value = message;
+        else this.inspected.value = message;
         return;
       case "why": {
         const cell = this.askedCell.peek();
-        if (cell?.row === message.row && cell.col === message.col) this.why.value = message;
+        const isAsked = (message.map ?? "first") === this.askedMap.peek();
+        if (isAsked && cell?.row === message.row && cell.col === message.col) this.why.value = message;
         return;
       }
+      case "comparison":
+        this.comparison.value = message;
+        return;
       case "notice":
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;

@@ -6,6 +6,7 @@ import { cellsOf } from "../beams";
 import { centreOf } from "../lattice";
 import type { Point } from "../protocol";
 import type { Store } from "../state";
+import type { Comparison } from "./compare/comparison";
 import { paintBeamCells } from "./picture/beamCells";
 import { type Brush, paintBeam, paintBeams, paintCell, paintCrosshair, paintPath, paintRobot } from "./picture/brush";
 import { inks } from "./picture/inks";
@@ -22,6 +23,8 @@ interface BeliefProps {
   readonly onTap?: (point: Point) => void;
   /** Hears of the picture, for whoever wants to read its pixels. */
   readonly onPicture?: (picture: Picture) => void;
+  /** Shows a second map in the same picture. */
+  readonly comparison?: Comparison;
 }
 
 function pin(store: Store, point: Point): void {
@@ -31,7 +34,7 @@ function pin(store: Store, point: Point): void {
   store.pinned.value = isSame ? null : point;
 }
 
-export function Belief({ store, onTap, onPicture }: BeliefProps) {
+export function Belief({ store, onTap, onPicture, comparison }: BeliefProps) {
   const failure = useMemo(() => signal(""), []);
   return (
     <LinkedPicture
@@ -45,8 +48,8 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
           store,
           canvas,
           invalidate,
-          () => store.map.peek(),
-          (brush, now) => paintOverlay(store, brush, beat, now),
+          () => comparison?.layers() ?? [{ map: store.map.peek(), glows: true }],
+          (brush, now) => paintOverlay(store, brush, beat, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
         const glow = surface.renderer?.glow;
@@ -67,6 +70,7 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
             void store.walk.value;
             void store.inspected.value;
             void inks.value;
+            comparison?.watch();
           },
           paint: surface.paint,
           dispose: () => {
@@ -80,7 +84,33 @@ export function Belief({ store, onTap, onPicture }: BeliefProps) {
   );
 }
 
-function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
+/** `part` of the picture's width is where the way and the beams are painted. */
+function paintOverlay(
+  store: Store,
+  brush: Brush,
+  beat: ReturnType<typeof pulse>,
+  now: number,
+  [from, to]: readonly [from: number, to: number],
+): boolean {
+  const { ctx, size } = brush;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
+  ctx.clip();
+  const moves = paintScan(store, brush, beat, now);
+  ctx.restore();
+  paintWhy(store, brush);
+  const cell = store.cell.peek();
+  const map = store.map.peek();
+  if (cell && map) {
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(map.geometry, cell));
+  }
+  return moves;
+}
+
+/** The way, the newest scan and the robot; true while they fade. */
+function paintScan(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
   const frame = store.beliefFrame.peek();
   const from = store.beliefPose.peek();
   const map = store.map.peek();
@@ -98,12 +128,6 @@ function paintOverlay(store: Store, brush: Brush, beat: ReturnType<typeof pulse>
       paintBeam(brush, from, beam, frame.range_max);
     }
     paintRobot(brush, frame.pose, store.carried.peek() !== null);
-  }
-  paintWhy(store, brush);
-  const cell = store.cell.peek();
-  if (cell && map) {
-    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
-    paintCrosshair(brush, centreOf(map.geometry, cell));
   }
   return strength > 0;
 }

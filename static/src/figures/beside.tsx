@@ -41,7 +41,7 @@ export function Beside({ store, session }: BesideProps) {
           store,
           canvas,
           invalidate,
-          () => shown.map.peek(),
+          () => [{ map: shown.map.peek() }],
           (brush) => paintOverlay(store, brush),
         );
         return {

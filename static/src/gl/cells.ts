@@ -28,6 +28,8 @@ export type OnBloom = (row: number, col: number) => void;
 
 export class Cells {
   readonly #chunks = new Map<number, Chunk>();
+  /** Hear of each tile that was taken. */
+  readonly listeners = new Set<(tx: number, ty: number) => void>();
   #revision = 0;
 
   /** Grows with every tile that is taken. */
@@ -73,6 +75,19 @@ export class Cells {
     }
     reduce(chunk.pyramid, row0, col0, TILE);
     chunk.stale[(ty & (TILES - 1)) * TILES + (tx & (TILES - 1))] = ALL_LEVELS;
+    for (const hear of this.listeners) hear(tx, ty);
+  }
+
+  /** Copy the bytes of a tile, row by row; false, and nothing copied, where nothing of its chunk was ever observed. */
+  readTile(tx: number, ty: number, out: Uint8Array): boolean {
+    const level0 = this.chunk(ty >> 3, tx >> 3)?.pyramid[0];
+    if (!level0) return false;
+    const first = (ty & (TILES - 1)) * TILE * CHUNK + (tx & (TILES - 1)) * TILE;
+    for (let r = 0; r < TILE; r++) {
+      const at = first + r * CHUNK;
+      out.set(level0.subarray(at, at + TILE), r * TILE);
+    }
+    return true;
   }
 
   /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; what was never seen is not counted. */

@@ -2,14 +2,13 @@
 
 import { fromLattice } from "../lattice";
 import type { Geometry } from "../protocol";
-import type { MapPicture } from "../shownMap";
 import { tokenRgb } from "../style/colour";
 import { type Size, toScreen, type View } from "../view";
 import { paintContext } from "./context";
 import { Glow, strengthOf } from "./glow";
-import { mapColours, palette } from "./palette";
-import { rasterise } from "./raster";
-import { ANY_RANGE, type MapRenderer } from "./renderer";
+import { beliefPalette, type Palette } from "./palette";
+import { overlay, rasterise } from "./raster";
+import { type Layer, MAX_PALETTES, type MapRenderer } from "./renderer";
 import { type PaintWhole, sized } from "./surface";
 
 export class PaintRenderer implements MapRenderer {
@@ -20,10 +19,9 @@ export class PaintRenderer implements MapRenderer {
   readonly #cells = document.createElement("canvas");
   #image = new ImageData(1, 1);
   #made: readonly unknown[] = [];
-  #shown: unknown = null;
-  #colours = new Uint32Array(256);
-  #glowColour = "";
-  #paletteKey = "";
+  #glowing: unknown = null;
+  readonly #palettes = new Map<string, Uint32Array>();
+  #colours: { readonly background: string; readonly glow: string } | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
     this.#canvas = canvas;
@@ -31,49 +29,68 @@ export class PaintRenderer implements MapRenderer {
   }
 
   recolour(): void {
-    this.#paletteKey = "";
+    this.#palettes.clear();
+    this.#colours = null;
   }
 
-  draw(map: MapPicture | null, view: View, size: Size, now: number, over: PaintWhole): boolean {
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintWhole): boolean {
     const { width, height } = this.#canvas;
     const context = this.#context;
-    if (map?.cells !== this.#shown) {
+    const glowing = layers.find((layer) => layer.glows)?.map ?? null;
+    if (glowing?.cells !== this.#glowing) {
       this.glow.clear();
-      this.#shown = map?.cells;
+      this.#glowing = glowing?.cells;
     }
-    this.#usePalette(map?.geometry ?? ANY_RANGE);
+    this.#colours ??= {
+      background: `rgb(${tokenRgb("--map-unobserved").join(" ")})`,
+      glow: `rgb(${tokenRgb("--beam-fill").join(" ")})`,
+    };
     context.setTransform(1, 0, 0, 1, 0, 0);
-    if (map) {
-      this.#refresh(map, view, size);
+    if (layers.some((layer) => layer.map)) {
+      this.#refresh(layers, view, size);
       context.drawImage(this.#cells, 0, 0);
     } else {
-      context.fillStyle = `rgb(${mapColours().unobserved.join(" ")})`;
+      context.fillStyle = this.#colours.background;
       context.fillRect(0, 0, width, height);
     }
-    const glows = map !== null && this.#paintGlow(map.geometry, view, size, now);
+    const glows = glowing !== null && this.#paintGlow(glowing.geometry, view, size, now, this.#colours.glow);
     over(this.#canvas);
     return glows;
   }
 
-  #refresh(map: MapPicture, view: View, size: Size): void {
+  #refresh(layers: readonly Layer[], view: View, size: Size): void {
     const { width, height } = this.#canvas;
-    const basis = [map, map.cells.revision, view, this.#colours, width, height];
-    if (basis.every((value, i) => value === this.#made[i])) return;
+    const basis: unknown[] = [view, width, height];
+    for (const { map, palette, part } of layers) {
+      basis.push(map?.cells, map?.cells.revision, map && this.#coloursOf(palette ?? beliefPalette(map.geometry)));
+      basis.push(...(part ?? []));
+    }
+    if (basis.length === this.#made.length && basis.every((value, i) => value === this.#made[i])) return;
     this.#made = basis;
     sized(this.#cells, width, height);
     if (this.#image.width !== width || this.#image.height !== height) this.#image = new ImageData(width, height);
-    rasterise(new Uint32Array(this.#image.data.buffer), width, map, this.#colours, view, size);
+    const pixels = new Uint32Array(this.#image.data.buffer);
+    for (const { map, palette, part = [0, 1] } of layers) {
+      const [from, to] = part.map((at) => Math.round(at * width)) as [number, number];
+      if (!map || from >= to) continue;
+      if (palette) {
+        const stripe = width > 1.5 * size.width ? 3 : 2;
+        overlay(pixels, width, map, this.#coloursOf(palette), view, size, stripe);
+      } else {
+        rasterise(pixels, width, map, this.#coloursOf(beliefPalette(map.geometry)), view, size, from, to);
+      }
+    }
     paintContext(this.#cells).putImageData(this.#image, 0, 0);
   }
 
-  #paintGlow(geometry: Geometry, view: View, size: Size, now: number): boolean {
+  #paintGlow(geometry: Geometry, view: View, size: Size, now: number, colour: string): boolean {
     const { glow } = this;
     if (!glow.isAlive(now)) return false;
     const context = this.#context;
     const ratio = this.#canvas.width / size.width;
     const side = Math.max(1, Math.ceil((ratio * geometry.resolution) / view.scale));
     const seconds = glow.seconds(now);
-    context.fillStyle = this.#glowColour;
+    context.fillStyle = colour;
     const { data } = glow;
     for (let i = 0; i < 3 * glow.count; i += 3) {
       const strength = strengthOf(seconds - (data[i + 2] as number));
@@ -87,11 +104,14 @@ export class PaintRenderer implements MapRenderer {
     return true;
   }
 
-  #usePalette(range: Pick<Geometry, "log_odds_min" | "log_odds_max">): void {
-    const key = `${range.log_odds_min} ${range.log_odds_max}`;
-    if (key === this.#paletteKey) return;
-    this.#paletteKey = key;
-    this.#colours = new Uint32Array(palette(range, mapColours()).buffer);
-    this.#glowColour = `rgb(${tokenRgb("--beam-fill").join(" ")})`;
+  /** The colours of a palette, in four rows of 256: the same object until the page's colours change. */
+  #coloursOf({ key, colours }: Palette): Uint32Array {
+    let known = this.#palettes.get(key);
+    if (!known) {
+      if (this.#palettes.size >= MAX_PALETTES) this.#palettes.clear();
+      known = new Uint32Array(colours().buffer);
+      this.#palettes.set(key, known);
+    }
+    return known;
   }
 }

@@ -42,7 +42,7 @@ export function fromLab([L, A, B]: Lab): Rgb {
   ];
 }
 
-const mixed = (a: Lab, b: Lab, t: number): Lab => [
+export const mixed = (a: Lab, b: Lab, t: number): Lab => [
   a[0] + (b[0] - a[0]) * t,
   a[1] + (b[1] - a[1]) * t,
   a[2] + (b[2] - a[2]) * t,
@@ -60,6 +60,28 @@ export const mapColours = (): MapColours => ({
   free: tokenRgb("--map-free"),
   undecided: tokenRgb("--map-undecided"),
   occupied: tokenRgb("--map-occupied"),
+});
+
+/** The colours of all bytes, for {@link PALETTE_ROWS} rows of stripes. Palettes of the same key are the same. */
+export interface Palette {
+  readonly key: string;
+  readonly colours: () => Uint8Array<ArrayBuffer>;
+}
+
+/** Whether a pixel lies in a falling stripe, and twice that in a rising one: as the shader has it. */
+export const PALETTE_ROWS = 4;
+
+/** A row of colours as all rows: without stripes. */
+export function plain(row: Uint8Array): Uint8Array<ArrayBuffer> {
+  const out = new Uint8Array(row.length * PALETTE_ROWS);
+  for (let i = 0; i < PALETTE_ROWS; i++) out.set(row, i * row.length);
+  return out;
+}
+
+/** The colours of a belief. */
+export const beliefPalette = (range: Pick<Geometry, "log_odds_min" | "log_odds_max">): Palette => ({
+  key: `belief ${range.log_odds_min} ${range.log_odds_max}`,
+  colours: () => plain(palette(range, mapColours())),
 });
 
 /** 256 RGBA colours: byte 0 is never observed; free at the lower end, undecided at log-odds 0, occupied at the upper. */

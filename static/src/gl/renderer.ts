@@ -1,13 +1,12 @@
 /** Draws a map into a canvas with a graphics card: crisp cells at every zoom and pixel ratio, and only when asked to. */
 
 import { fromLattice } from "../lattice";
-import type { Geometry } from "../protocol";
 import type { MapPicture } from "../shownMap";
-import { tokenRgb } from "../style/colour";
+import { type Rgb, tokenRgb } from "../style/colour";
 import type { Size, View } from "../view";
 import type { Cells } from "./cells";
 import { Glow } from "./glow";
-import { mapColours, palette } from "./palette";
+import { beliefPalette, PALETTE_ROWS, type Palette } from "./palette";
 import { CHUNK, levelFor } from "./pyramid";
 import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
 import { CORNERS, nearestTexture, Sheet, vertexArray } from "./sheet";
@@ -29,14 +28,27 @@ export function clipMatrix(
   return { matrix, cellPx: geometry.resolution / view.scale };
 }
 
-/** Before a map has come only the colour of what was never observed is needed. */
-export const ANY_RANGE = { log_odds_min: -1, log_odds_max: 1 };
+/** A map as a part of a picture; later ones lie over earlier ones. */
+export interface Layer {
+  readonly map: MapPicture | null;
+  /** How its bytes are coloured; without it as a belief. */
+  readonly palette?: Palette;
+  /** The part of the picture that shows it: from … to, of its width. What is not shown now is kept for the next time. */
+  readonly part?: readonly [from: number, to: number];
+  /** Whether the colours' transparency counts. */
+  readonly blends?: boolean;
+  /** Whether the cells that glow are this map's. */
+  readonly glows?: boolean;
+}
+
+/** Palettes kept: the clamp's limits, which a palette is made for, move under the hand. */
+export const MAX_PALETTES = 16;
 
 /** What depends on the context and is made anew when it was lost. */
 interface Resources {
   readonly cells: WebGLProgram;
   readonly cellsAt: Record<
-    "u_clip" | "u_box" | "u_cells" | "u_palette" | "u_level" | "u_mip",
+    "u_clip" | "u_box" | "u_cells" | "u_palette" | "u_level" | "u_mip" | "u_stripe",
     WebGLUniformLocation | null
   >;
   readonly glow: WebGLProgram;
@@ -44,9 +56,9 @@ interface Resources {
   readonly quad: WebGLVertexArrayObject;
   readonly points: WebGLVertexArrayObject;
   readonly pointBuffer: WebGLBuffer;
-  readonly palette: WebGLTexture;
+  readonly palettes: Map<string, WebGLTexture>;
   readonly overlay: Sheet;
-  readonly textures: ChunkTextures;
+  readonly textures: Map<Cells, ChunkTextures>;
 }
 
 /** Draws maps into a canvas. */
@@ -56,10 +68,10 @@ export interface MapRenderer {
   /** Colours are read from the page's tokens anew with the next drawing. */
   recolour(): void;
   /**
-   * Draw a map and, over it, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Says whether something
+   * Draw maps and, over them, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Says whether something
    * still moves.
    */
-  draw(map: MapPicture | null, view: View, size: Size, now: number, over: PaintWhole): boolean;
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintWhole): boolean;
 }
 
 export class CardRenderer implements MapRenderer {
@@ -68,9 +80,9 @@ export class CardRenderer implements MapRenderer {
   readonly #canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
   #resources: Resources | null = null;
-  #shown: Cells | null = null;
-  #paletteKey = "";
-  #background: readonly number[] = [0, 0, 0];
+  #glowing: Cells | null = null;
+  /** Of what was never observed, and of the cells that glow: read from the page's tokens once. */
+  #colours: { readonly background: Rgb; readonly glow: Rgb } | null = null;
   #draws = 0;
 
   /** `redraw` is called when the canvas must be drawn again although nothing of the map changed. */
@@ -86,37 +98,49 @@ export class CardRenderer implements MapRenderer {
 
   /** Colours are read from the page's tokens anew with the next drawing. */
   recolour(): void {
-    this.#paletteKey = "";
+    this.#colours = null;
+    if (this.#resources) this.#dropPalettes(this.#resources);
   }
 
-  /**
-   * One opaque canvas with map and overlay in it costs the browser far less than two that it has to blend.
-   */
-  draw(map: MapPicture | null, view: View, size: Size, now: number, over: PaintWhole): boolean {
+  #dropPalettes({ palettes }: Resources): void {
+    for (const texture of palettes.values()) this.#gl.deleteTexture(texture);
+    palettes.clear();
+  }
+
+  /** One opaque canvas with maps and overlay in it costs the browser far less than two that it has to blend. */
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintWhole): boolean {
     const gl = this.#gl;
     if (gl.isContextLost()) return false;
     this.#resources ??= this.#make();
     const made = this.#resources;
-    const cells = map?.cells ?? null;
-    if (cells !== this.#shown) {
-      made.textures.clear();
-      this.glow.clear();
-      this.#shown = cells;
-    }
-    this.#usePalette(made, map?.geometry ?? ANY_RANGE);
-    gl.viewport(0, 0, this.#canvas.width, this.#canvas.height);
-    const [red, green, blue] = this.#background as [number, number, number];
+    this.#forget(made, layers);
+    const { width, height } = this.#canvas;
+    gl.viewport(0, 0, width, height);
+    this.#colours ??= { background: tokenRgb("--map-unobserved"), glow: tokenRgb("--beam-fill") };
+    const [red, green, blue] = this.#colours.background;
     gl.clearColor(red / 255, green / 255, blue / 255, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
+    this.#draws++;
     let glows = false;
-    if (map) {
+    for (const layer of layers) {
+      const { map, part = [0, 1] } = layer;
+      const [from, to] = part.map((at) => Math.round(at * width)) as [number, number];
+      if (!map || from >= to) continue;
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(from, 0, to - from, height);
       const { matrix, cellPx } = clipMatrix(map.geometry, view, size);
-      const devicePx = (cellPx * this.#canvas.width) / size.width;
-      this.#drawCells(made, map, matrix, levelFor(devicePx));
-      glows = this.#drawGlow(made, matrix, devicePx, now);
+      const devicePx = (cellPx * width) / size.width;
+      if (layer.blends) {
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      }
+      this.#drawCells(made, layer, map, matrix, levelFor(devicePx), width > 1.5 * size.width ? 3 : 2);
+      gl.disable(gl.BLEND);
+      if (layer.glows) glows = this.#drawGlow(made, matrix, devicePx, now, this.#colours.glow);
+      gl.disable(gl.SCISSOR_TEST);
     }
     const overlay = this.#overlay;
-    sized(overlay, this.#canvas.width, this.#canvas.height);
+    sized(overlay, width, height);
     const context = overlay.getContext("2d", { willReadFrequently: true });
     context?.setTransform(1, 0, 0, 1, 0, 0);
     context?.clearRect(0, 0, overlay.width, overlay.height);
@@ -125,15 +149,40 @@ export class CardRenderer implements MapRenderer {
     return glows;
   }
 
-  #drawCells(made: Resources, { geometry, cells }: MapPicture, matrix: Float32Array, level: number): void {
+  /** Let go of what no layer shows any more. */
+  #forget(made: Resources, layers: readonly Layer[]): void {
+    const glowing = layers.find((layer) => layer.glows)?.map?.cells ?? null;
+    if (glowing !== this.#glowing) this.glow.clear();
+    this.#glowing = glowing;
+    const kept = new Set(layers.map((layer) => layer.map?.cells));
+    for (const [cells, textures] of made.textures) {
+      if (kept.has(cells)) continue;
+      textures.clear();
+      made.textures.delete(cells);
+    }
+  }
+
+  #drawCells(
+    made: Resources,
+    layer: Layer,
+    { geometry, cells }: MapPicture,
+    matrix: Float32Array,
+    level: number,
+    stripe: number,
+  ): void {
     const gl = this.#gl;
-    this.#draws++;
+    let textures = made.textures.get(cells);
+    if (!textures) {
+      textures = new ChunkTextures(gl);
+      made.textures.set(cells, textures);
+    }
     gl.useProgram(made.cells);
     gl.bindVertexArray(made.quad);
     gl.uniformMatrix3fv(made.cellsAt.u_clip, false, matrix);
     gl.uniform1i(made.cellsAt.u_level, level);
+    gl.uniform1i(made.cellsAt.u_stripe, stripe);
     gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, made.palette);
+    this.#bindPalette(made, layer.palette ?? beliefPalette(geometry));
     gl.activeTexture(gl.TEXTURE0);
     for (const chunk of cells.chunks()) {
       const row = chunk.row * CHUNK;
@@ -141,16 +190,16 @@ export class CardRenderer implements MapRenderer {
       const rows = Math.min(CHUNK, geometry.rows - row);
       const cols = Math.min(CHUNK, geometry.cols - col);
       if (rows <= 0 || cols <= 0 || isOutside(matrix, col, row, cols, rows)) continue;
-      const { texture, mip } = made.textures.locate(chunk, level, this.#draws);
+      const { texture, mip } = textures.locate(chunk, level, this.#draws);
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.uniform1i(made.cellsAt.u_mip, mip);
       gl.uniform4f(made.cellsAt.u_box, col, row, cols, rows);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
-    made.textures.trim(this.#draws);
+    textures.trim(this.#draws);
   }
 
-  #drawGlow(made: Resources, matrix: Float32Array, devicePx: number, now: number): boolean {
+  #drawGlow(made: Resources, matrix: Float32Array, devicePx: number, now: number, [red, green, blue]: Rgb): boolean {
     if (!this.glow.isAlive(now)) return false;
     const gl = this.#gl;
     gl.useProgram(made.glow);
@@ -158,6 +207,7 @@ export class CardRenderer implements MapRenderer {
     gl.bindBuffer(gl.ARRAY_BUFFER, made.pointBuffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.glow.data, 0, 3 * this.glow.count);
     gl.uniformMatrix3fv(made.glowAt.u_clip, false, matrix);
+    gl.uniform3f(made.glowAt.u_colour, red / 255, green / 255, blue / 255);
     gl.uniform1f(made.glowAt.u_now, this.glow.seconds(now));
     gl.uniform1f(made.glowAt.u_size, Math.max(1, Math.ceil(devicePx)));
     gl.enable(gl.BLEND);
@@ -167,33 +217,30 @@ export class CardRenderer implements MapRenderer {
     return true;
   }
 
-  #usePalette(made: Resources, range: Pick<Geometry, "log_odds_min" | "log_odds_max">): void {
-    const key = `${range.log_odds_min} ${range.log_odds_max}`;
-    if (key === this.#paletteKey) return;
-    this.#paletteKey = key;
+  #bindPalette(made: Resources, { key, colours }: Palette): void {
     const gl = this.#gl;
-    const colours = mapColours();
-    this.#background = colours.unobserved;
-    gl.bindTexture(gl.TEXTURE_2D, made.palette);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGBA, gl.UNSIGNED_BYTE, palette(range, colours));
-    const [red, green, blue] = tokenRgb("--beam-fill");
-    gl.useProgram(made.glow);
-    gl.uniform3f(made.glowAt.u_colour, red / 255, green / 255, blue / 255);
+    const known = made.palettes.get(key);
+    if (known) {
+      gl.bindTexture(gl.TEXTURE_2D, known);
+      return;
+    }
+    if (made.palettes.size >= MAX_PALETTES) this.#dropPalettes(made);
+    const texture = nearestTexture(gl);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 256, PALETTE_ROWS);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, PALETTE_ROWS, gl.RGBA, gl.UNSIGNED_BYTE, colours());
+    made.palettes.set(key, texture);
   }
 
   #make(): Resources {
     const gl = this.#gl;
-    this.#paletteKey = "";
     const cells = program(gl, CELLS_VERTEX, CELLS_FRAGMENT);
     const glow = program(gl, GLOW_VERTEX, GLOW_FRAGMENT);
-    const cellsAt = uniforms(gl, cells, ["u_clip", "u_box", "u_cells", "u_palette", "u_level", "u_mip"]);
+    const cellsAt = uniforms(gl, cells, ["u_clip", "u_box", "u_cells", "u_palette", "u_level", "u_mip", "u_stripe"]);
     gl.useProgram(cells);
     gl.uniform1i(cellsAt.u_cells, 0);
     gl.uniform1i(cellsAt.u_palette, 1);
     const quad = vertexArray(gl, cells, "a_corner", 2, CORNERS, gl.STATIC_DRAW);
     const points = vertexArray(gl, glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
-    const colours = nearestTexture(gl);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 256, 1);
     return {
       cells,
       cellsAt,
@@ -202,9 +249,9 @@ export class CardRenderer implements MapRenderer {
       quad: quad.array,
       points: points.array,
       pointBuffer: points.buffer,
-      palette: colours,
+      palettes: new Map(),
       overlay: new Sheet(gl),
-      textures: new ChunkTextures(gl),
+      textures: new Map(),
     };
   }
 }

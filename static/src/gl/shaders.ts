@@ -18,12 +18,16 @@ uniform highp sampler2D u_cells;
 uniform highp sampler2D u_palette;
 uniform int u_level;   // of the pyramid
 uniform int u_mip;     // of the texture, which may begin at a higher level
+uniform int u_stripe;  // binary logarithm of the width of a stripe in pixels
 in vec2 v_cell;
 out vec4 colour;
 void main() {
   ivec2 cell = clamp(ivec2(v_cell), ivec2(0), ivec2(511)) >> u_level;
   int value = int(texelFetch(u_cells, cell, u_mip).r * 255.0 + 0.5);
-  colour = texelFetch(u_palette, ivec2(value, 0), 0);
+  // A colour may be striped: the palette's rows are the sides of falling stripes and, twice as far apart, of rising ones.
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  int row = ((at.x + at.y) >> u_stripe & 1) + 2 * ((at.x - at.y) >> u_stripe & 1);
+  colour = texelFetch(u_palette, ivec2(value, row), 0);
 }`;
 
 /** Cells that have just changed: a square each, which fades. */

@@ -37,7 +37,8 @@ function go({ log, topic, session }: Place, replace = false): void {
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
-  const address = query.size > 0 ? `?${query}` : location.pathname;
+  // In place the rest of the address stays: it may tell of a comparison.
+  const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
   place.value = { log, topic, session };

@@ -1,6 +1,6 @@
 /** A map with a drawing over it: the canvas of every belief. */
 
-import type { MapRenderer } from "../../gl/renderer";
+import type { Layer, MapRenderer } from "../../gl/renderer";
 import { rendererOn } from "../../gl/rendererOn";
 import type { Store } from "../../state";
 import { type Brush, brushOn } from "./brush";
@@ -14,12 +14,12 @@ interface MapSurface {
   readonly paint: Paint;
 }
 
-/** Draw what `map` returns in the view of `store`, and over it what `draw` paints; true while that moves by itself. */
+/** Draw the `layers` in the view of `store`, and over it what `draw` paints; true while that moves by itself. */
 export function mapSurface(
   store: Store,
   canvas: HTMLCanvasElement,
   invalidate: () => void,
-  map: () => Parameters<MapRenderer["draw"]>[0],
+  layers: () => readonly Layer[],
   draw: (brush: Brush, now: number) => boolean,
 ): MapSurface {
   let renderer: MapRenderer | null = null;
@@ -38,7 +38,7 @@ export function mapSurface(
       renderer.recolour();
     }
     let moves = false;
-    const glows = renderer.draw(map(), view, size, now, (overlay) => {
+    const glows = renderer.draw(layers(), view, size, now, (overlay) => {
       const brush = brushOn(overlay, size, ratio, view, inks.peek());
       moves = brush !== null && draw(brush, now);
     });

@@ -2,9 +2,10 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
-import type { Touch, WhyMessage } from "../../protocol";
+import type { Touch, Which, WhyMessage } from "../../protocol";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
 import { keepAsking } from "./asking";
 import { Chart } from "./Chart";
 import { describe, equation, sentence, updateOf, verdict } from "./model";
@@ -54,6 +55,15 @@ function Panel({ store, side }: WhyProps) {
         )}
         <Button kind="quiet" icon="close" label="Close" onClick={() => store.ask(null)} />
       </header>
+      {store.second.value && store.comparison.value && (
+        <Choice
+          label="In which map"
+          bare
+          options={MAPS}
+          value={store.askedMap.value}
+          onChange={(which) => store.ask(store.asked.peek(), which as Which)}
+        />
+      )}
       <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
       <Spoken store={store} hitWindow={hitWindow} />
       <Story store={store} hitWindow={hitWindow} scrub={scrub} />
@@ -69,8 +79,21 @@ function newestOf(why: WhyMessage): Touch | null {
   return last && last.n === why.total ? last : null;
 }
 
+/** The two maps of a comparison, as the page names them. */
+const MAPS = [
+  { value: "second", label: "In A" },
+  { value: "first", label: "In B" },
+];
+
 const useHitWindow = (store: Store): ReadonlySignal<number> =>
-  useMemo(() => computed(() => Number(store.mapping.values.value.window ?? 0)), [store]);
+  useMemo(
+    () =>
+      computed(() => {
+        const kept = store.askedMap.value === "second" ? store.compared.value?.values.window : undefined;
+        return Number(kept ?? store.mapping.values.value.window ?? 0);
+      }),
+    [store],
+  );
 
 /** The sentence, said once for each cell and not again with each beam. */
 function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
@@ -80,7 +103,7 @@ function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindo
     return effect(() => {
       const why = store.why.value;
       if (!why) return;
-      const place = `${why.epoch} ${why.row} ${why.col}`;
+      const place = `${why.map} ${why.epoch} ${why.row} ${why.col}`;
       if (place === said) return;
       said = place;
       spoken.value = sentence(why, newestOf(why), hitWindow.peek());
@@ -110,7 +133,9 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
     store.touched.value = to >= total ? null : Math.max(1, to);
   };
   const update = why && touch && updateOf(why, touch.n);
-  const isLog = store.hello.value?.kind === "log";
+  // Of another log than the session's a scan cannot be gone to.
+  const isElsewhere = store.askedMap.value === "second" && Boolean(store.compared.value?.log);
+  const isLog = store.hello.value?.kind === "log" && !isElsewhere;
   return (
     <div class="why-story" hidden={why !== null && total === 0}>
       {why && <Chart why={why} touch={store.touch} onTouch={choose} />}

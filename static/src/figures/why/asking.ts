@@ -32,16 +32,25 @@ export function keepAsking(store: Store): () => void {
 
   const question = (): (Question & { readonly send: () => void }) | null => {
     const cell = store.askedCell.peek();
-    const map = store.map.peek();
+    const map = store.askedPicture.peek();
+    const which = store.askedMap.peek();
     const epoch = map?.geometry.epoch ?? -1;
     if (!cell || !map || epoch < 0) return null;
     const until = untilFor(store.touched.peek(), store.why.peek()?.total ?? 0);
     const { row, col } = cell;
     return {
-      place: `${epoch} ${row} ${col} ${until}`,
+      place: `${which} ${epoch} ${row} ${col} ${until}`,
       content: [map.cells.at(row, col), store.mapping.values.peek()],
       index: store.frame.peek()?.index ?? 0,
-      send: () => store.send({ type: "why", row, col, epoch, ...(until === undefined ? {} : { until }) }),
+      send: () =>
+        store.send({
+          type: "why",
+          row,
+          col,
+          epoch,
+          ...(until === undefined ? {} : { until }),
+          ...(which === "second" ? { map: which } : {}),
+        }),
     };
   };
   const waitFor = (next: Question): number | null => {
@@ -58,6 +67,7 @@ export function keepAsking(store: Store): () => void {
   };
   const stop = effect(() => {
     void [store.askedCell.value, store.map.value, store.mapVersion.value, store.frame.value?.index];
+    void [store.askedPicture.value, store.second.value?.version.value];
     void [store.mapping.values.value, store.touched.value];
     const next = question();
     if (!next) last = { place: "", content: [], index: -1 };

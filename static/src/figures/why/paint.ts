@@ -7,7 +7,7 @@ import { type Brush, paintBeam, paintCell } from "../picture/brush";
 
 export function paintWhy(store: Store, brush: Brush): void {
   const cell = store.askedCell.peek();
-  const map = store.map.peek();
+  const map = store.askedPicture.peek();
   const frame = store.frame.peek();
   if (!cell || !map || !frame) return;
   const { ctx, view, size, inks } = brush;

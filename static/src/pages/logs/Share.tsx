@@ -56,7 +56,8 @@ export function Share({ session, log, look }: ShareProps) {
     attempt(async () => {
       const link = await makeLink(session, look());
       links.value = [link, ...(links.peek() ?? [])];
-      await copy(absolute(link), "The link is copied.");
+      // What the map is compared with is told in the address itself.
+      await copy(absolute(link) + location.hash, "The link is copied.");
     });
   const revoke = async (link: Link): Promise<void> => {
     const text = "It opens nothing any more, and the views of all who came by it end.";

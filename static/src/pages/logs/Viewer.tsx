@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { type Connection, connect } from "../../connect";
 import { exposeHook } from "../../debug";
 import { Belief } from "../../figures/belief";
+import { CompareReadout } from "../../figures/compare/Readout";
 import type { Picture } from "../../figures/picture/Picture";
 import { stillness } from "../../figures/picture/pulse";
 import { Profile } from "../../figures/profile/Profile";
@@ -19,6 +20,8 @@ import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
 import { toast } from "../../ui/Toast";
 import { framed, type Look } from "../../view";
+import { BothMaps, useComparison } from "./compare/both";
+import { Compare } from "./compare/Compare";
 import { Doctor } from "./Doctor";
 import { Share } from "./Share";
 import { Transport } from "./Transport";
@@ -44,6 +47,7 @@ export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
     return () => connection.stop();
   }, [connection]);
   const { store, status } = connection;
+  const comparison = useComparison(session, store);
   useSignalEffect(() => {
     const notice = store.notice.value;
     // That the log has come to its end is plain to see.
@@ -88,10 +92,12 @@ export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
       <div class="viewer-map">
         <Belief
           store={store}
+          comparison={comparison}
           onPicture={(made) => {
             picture.current = made;
           }}
         />
+        <BothMaps store={store} comparison={comparison} />
         {!hello && (
           <p class="viewer-over" role="status">
             Opening the log …
@@ -105,8 +111,9 @@ export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
       </div>
       <Transport store={store} />
       <div class="viewer-readout">
-        <Readout store={store} />
+        {comparison.isOn.value ? <CompareReadout store={store} /> : <Readout store={store} />}
       </div>
+      <Compare store={store} session={session} comparison={comparison} isGuest={guest !== undefined} />
       <Side store={store} session={session} isGuest={guest !== undefined} />
       <ProfileBox store={store} />
       <Why store={store} side="right" />

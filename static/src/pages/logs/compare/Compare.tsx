@@ -1,0 +1,263 @@
+/** Choose what a log's map is compared with, and how to look at both; and how they differ, in numbers. */
+
+import { useSignal } from "@preact/signals";
+import { Fragment } from "preact";
+import { useEffect } from "preact/hooks";
+import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../figures/compare/comparison";
+import { Legend } from "../../../figures/compare/Legend";
+import { Numbers } from "../../../figures/compare/Numbers";
+import type { Compared, LogInfo } from "../../../protocol";
+import type { Store } from "../../../state";
+import { Button } from "../../../ui/Button";
+import { Choice } from "../../../ui/Choice";
+import { Panel } from "../../../ui/Panel";
+import { Toggle } from "../../../ui/Toggle";
+import { logs, watch } from "../library";
+import { witness } from "../words";
+import { compareNoMore, compareWith, differing, type Kind, kindOf, type Other } from "./sides";
+
+interface CompareProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly comparison: Comparison;
+  /** Who came by a link sees no other logs. */
+  readonly isGuest: boolean;
+}
+
+const TITLES: Record<Look, string> = { swipe: "Swipe", blink: "Blink", difference: "Difference" };
+
+export function Compare({ store, session, comparison, isGuest }: CompareProps) {
+  const failure = useSignal<string | null>(null);
+  const busy = useSignal(false);
+  const wish = useSignal<Kind>("settings");
+  const compared = store.compared.value;
+  const hello = store.hello.value;
+  if (!hello) return null;
+  const ask = async (what: () => Promise<string | null>): Promise<void> => {
+    busy.value = true;
+    failure.value = await what();
+    busy.value = false;
+  };
+  const begin = (other: Other): void => void ask(() => compareWith(session, other));
+  const kind = wish.value;
+  const trajectory = store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
+  const others = (hello.log?.trajectories ?? []).filter((one) => one.name !== trajectory);
+  const options: { value: Kind; label: string }[] = [
+    { value: "settings", label: "Kept settings" },
+    ...(others.length > 0 ? [{ value: "poses" as const, label: "Other poses" }] : []),
+    ...(isGuest ? [] : [{ value: "log" as const, label: "Another log" }]),
+  ];
+  return (
+    <div class="viewer-compare">
+      <Panel title="Compare" note={compared ? "" : "two maps in one picture: this one, B, beside another, A"}>
+        <div class="compare">
+          <div class="compare-choose">
+            <Choice
+              label="A is"
+              options={options}
+              value={kind}
+              onChange={(value) => {
+                wish.value = value as Kind;
+                failure.value = null;
+              }}
+            />
+            {kind === "settings" && (
+              <>
+                <p class="quiet">A keeps the settings of this moment; the sliders go on changing B.</p>
+                <div class="compare-actions">
+                  <Button
+                    kind={compared ? undefined : "primary"}
+                    disabled={busy.value}
+                    onClick={() => begin({ values: store.mapping.values.peek(), trajectory })}
+                  >
+                    Keep these as A
+                  </Button>
+                </div>
+              </>
+            )}
+            {kind === "poses" && <Poses others={others} compared={compared} disabled={busy.value} onChoose={begin} />}
+            {kind === "log" && (
+              <Logs own={hello.log?.id ?? ""} compared={compared} disabled={busy.value} onChoose={begin} />
+            )}
+            {failure.value !== null && (
+              <p class="compare-failed" role="alert">
+                {failure.value}
+              </p>
+            )}
+            {compared && <Sides store={store} compared={compared} />}
+          </div>
+          {compared && (
+            <>
+              <div class="compare-look">
+                <Choice
+                  label="Look at them by"
+                  options={LOOKS.map((look) => ({ value: look, label: TITLES[look] }))}
+                  value={comparison.look.value}
+                  onChange={(look) => {
+                    comparison.look.value = look as Look;
+                  }}
+                />
+                {comparison.look.value === "swipe" && (
+                  <p class="quiet">Drag the divider, or move it with the arrow keys.</p>
+                )}
+                {comparison.look.value === "blink" && <Blinking comparison={comparison} />}
+                {comparison.look.value === "difference" && <Legend comparison={comparison} />}
+                <div class="compare-actions">
+                  <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
+                    png
+                  </Button>
+                  <Button icon="close" onClick={() => void ask(() => compareNoMore(session))}>
+                    End comparing
+                  </Button>
+                </div>
+              </div>
+              <Numbers
+                comparison={comparison}
+                numbers={store.comparison.value?.numbers ?? null}
+                refused={store.comparison.value?.refused ?? null}
+                onGo={(place) => {
+                  store.pinned.value = place;
+                  const view = store.view.peek();
+                  if (view) store.look({ x: place[0], y: place[1], scale: Math.min(view.scale, 0.01) });
+                }}
+              />
+            </>
+          )}
+        </div>
+      </Panel>
+    </div>
+  );
+}
+
+interface ChooseProps {
+  readonly compared: Compared | null;
+  readonly disabled: boolean;
+  readonly onChoose: (other: Other) => void;
+}
+
+function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonly others: LogInfo["trajectories"] }) {
+  const now = compared && kindOf(compared) === "poses" ? compared.trajectory : undefined;
+  return (
+    <>
+      <p class="quiet">A is the same log with other poses; the settings hold for both.</p>
+      <div class="compare-actions">
+        {others.map((one) => (
+          <Button
+            key={one.name}
+            pressed={one.name === now}
+            disabled={disabled}
+            onClick={() => onChoose({ trajectory: one.name })}
+          >
+            {witness(one.name)}
+          </Button>
+        ))}
+      </div>
+    </>
+  );
+}
+
+const VALUE_SEPARATOR = "\n";
+
+function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly own: string }) {
+  useEffect(watch, []);
+  const list = (logs.value ?? []).filter((log) => log.state === "ready" && log.id !== own);
+  const choices = list.flatMap((log) => {
+    const sensors = log.topics.filter((topic) => topic.beams !== null);
+    return sensors.length > 1
+      ? sensors.map((topic) => ({ id: log.id, topic: topic.name, label: `${log.name}, ${topic.name}` }))
+      : [{ id: log.id, topic: "", label: log.name }];
+  });
+  const now = compared?.log ? compared.log + VALUE_SEPARATOR + (compared.topic ?? "") : "";
+  return (
+    <>
+      <p class="quiet">
+        A is another log as a whole, made with the settings of this one. Both lie where their poses say: two logs are
+        one place only where both count from the same origin.
+      </p>
+      <label class="field">
+        <span class="visually-hidden">The other log</span>
+        <select
+          class="select"
+          disabled={disabled || choices.length === 0}
+          value={now}
+          onChange={(event) => {
+            const [log = "", topic = ""] = event.currentTarget.value.split(VALUE_SEPARATOR);
+            if (log) onChoose({ log, topic: topic || null });
+          }}
+        >
+          <option value="">{choices.length > 0 ? "Choose a log …" : "There is no other log"}</option>
+          {choices.map(({ id, topic, label }) => (
+            <option key={id + topic} value={id + VALUE_SEPARATOR + topic}>
+              {label}
+            </option>
+          ))}
+        </select>
+      </label>
+    </>
+  );
+}
+
+/** What A has otherwise, and the way back to it. */
+function Sides({ store, compared }: { readonly store: Store; readonly compared: Compared }) {
+  const table = store.hello.value?.parameters.table ?? [];
+  const rows = differing(table, compared, store.mapping.values.value);
+  const isKept = Object.keys(compared.values).length > 0;
+  if (!isKept) return null;
+  if (rows.length === 0) {
+    return <p class="quiet">A and B have the same settings: move a slider, and B follows.</p>;
+  }
+  return (
+    <>
+      <dl class="compare-differing" aria-label="Settings in which A and B differ">
+        <dt class="quiet">setting</dt>
+        <dd class="quiet">A</dd>
+        <dd class="quiet">B</dd>
+        {rows.map((row) => (
+          <Fragment key={row.name}>
+            <dt>{row.label}</dt>
+            <dd>{row.a}</dd>
+            <dd>{row.b}</dd>
+          </Fragment>
+        ))}
+      </dl>
+      <div class="compare-actions">
+        <Button
+          icon="undo"
+          onClick={() =>
+            store.setTogether(
+              "compare back",
+              Object.fromEntries(rows.map(({ name }) => [name, compared.values[name] ?? 0])),
+            )
+          }
+        >
+          Set B as A is
+        </Button>
+      </div>
+    </>
+  );
+}
+
+function Blinking({ comparison }: { readonly comparison: Comparison }) {
+  return (
+    <>
+      <Toggle
+        label="By itself"
+        checked={comparison.blinks.value}
+        onChange={(on) => {
+          comparison.blinks.value = on;
+        }}
+      />
+      {comparison.blinks.value && (
+        <Choice
+          label="Seconds for each"
+          options={BLINK_S.map((seconds) => ({ value: String(seconds), label: String(seconds) }))}
+          value={String(comparison.blinkS.value)}
+          onChange={(seconds) => {
+            comparison.blinkS.value = Number(seconds);
+          }}
+        />
+      )}
+      <Button onClick={() => comparison.turn()}>Show {comparison.shown.value === "a" ? "B" : "A"} (key B)</Button>
+    </>
+  );
+}

@@ -1,0 +1,55 @@
+import { effect } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { connectSecond } from "../../../connect";
+import { Comparison } from "../../../figures/compare/comparison";
+import { Over } from "../../../figures/compare/Over";
+import type { Store } from "../../../state";
+import { toast } from "../../../ui/Toast";
+import { carried, keepAddress, restore } from "./link";
+import { names } from "./sides";
+
+/** Both maps of a comparison in the one picture, as the address says while it says so. */
+export function useComparison(session: string, store: Store): Comparison {
+  const comparison = useMemo(() => new Comparison(store, () => connectSecond(session)), [session, store]);
+  useEffect(() => {
+    const stops = [comparison.start()];
+    const linked = carried(location.hash);
+    const follow = (): void => void stops.push(keepAddress(store, comparison));
+    if (!linked) follow();
+    else {
+      // Once the session has told what it compares.
+      const stop = effect(() => {
+        if (!store.isReady.value || !store.trajectory.value) return;
+        setTimeout(async () => {
+          stop();
+          const failure = await restore(session, store, comparison, linked);
+          if (failure !== null) toast(failure, "error");
+          follow();
+        });
+      });
+      stops.push(stop);
+    }
+    const onKey = (event: KeyboardEvent): void => {
+      if (event.key !== "b" || event.ctrlKey || event.metaKey || event.altKey) return;
+      const writes = event.target instanceof Element && event.target.closest("input[type=number], select") !== null;
+      if (comparison.isOn.peek() && comparison.look.peek() === "blink" && !writes) comparison.turn();
+    };
+    addEventListener("keydown", onKey);
+    stops.push(() => removeEventListener("keydown", onKey));
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [comparison]);
+  return comparison;
+}
+
+export function BothMaps({ store, comparison }: { store: Store; comparison: Comparison }) {
+  const compared = store.compared.value;
+  if (!compared) return null;
+  const { a, b } = names(compared, store.trajectory.value?.name ?? "", store.hello.value?.title ?? "");
+  const pair = comparison.pair.value;
+  const refused = store.comparison.value?.refused ?? (pair && !pair.place ? APART : null);
+  return <Over comparison={comparison} names={{ a, b }} refused={refused} />;
+}
+
+const APART = "The cells of the two maps do not coincide.";
