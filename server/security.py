@@ -54,7 +54,10 @@ _VISITOR = re.compile(r"[A-Za-z0-9_-]{24}")
 _NETLOC = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?")
 _GUESTS_GET = re.compile(r"/assets/[^/]+|(/api)?/shared/[A-Za-z0-9_-]+")
 _GUESTS_POST = re.compile(r"/api/shared/[A-Za-z0-9_-]+/sessions")
-_GUESTS_SESSION = re.compile(r"/api/sessions/([A-Za-z0-9_-]+)(?:/stream|/doctor|/map\.(?:pgm|yaml|png))?")
+_GUESTS_SESSION = re.compile(
+    r"/api/sessions/([A-Za-z0-9_-]+)(?:/stream|/doctor|/compare(?:\.png)?|/map\.(?:pgm|yaml|png))?"
+)
+_GUESTS_COMPARE = re.compile(r"/api/sessions/[A-Za-z0-9_-]+/compare")
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -183,10 +186,18 @@ def _is_for_guests(scope: Scope) -> bool:
     if scope["type"] == "http" and scope["method"] == "POST":
         return _GUESTS_POST.fullmatch(path) is not None
     if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD"):
-        return False
+        # Like the parameters, which come through the stream: theirs is a session of their own.
+        return (
+            scope["method"] in ("PUT", "DELETE") and _GUESTS_COMPARE.fullmatch(path) is not None and _is_shared(scope)
+        )
     if _GUESTS_GET.fullmatch(path):
         return True
-    session = _GUESTS_SESSION.fullmatch(path)
+    return _is_shared(scope)
+
+
+def _is_shared(scope: Scope) -> bool:
+    """Whether this asks for what a guest may have of a session that was begun by a link."""
+    session = _GUESTS_SESSION.fullmatch(scope["path"])
     return session is not None and any(
         one.id == session[1] and one.link is not None for one in scope["app"].state.sessions.all()
     )

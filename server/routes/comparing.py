@@ -41,6 +41,8 @@ async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, A
     session = _session(request, session_id)
     log, title = None, ""
     if wanted.log is not None:
+        if session.link is not None:
+            raise MapperError("link.read_only", "This link shares a view of one log; it is compared with no other.")
         library, visitor = request.app.state.library, request.state.visitor
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name

@@ -138,6 +138,14 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         await watcher.send("why", row=2, col=2, epoch=watcher.epoch)
         await watcher.answer("why")
         assert (await asyncio.to_thread(guest.get, f"/api/sessions/{own}/map.pgm")).status_code == 200
+        # They may compare their view with another one of the same log.
+        compare = f"/api/sessions/{own}/compare"
+        answer = await asyncio.to_thread(guest.put, compare, json={"values": {"log_odds_hit": ODDS}})
+        assert answer.json()["max_difference"] > 0.0
+        answer = await asyncio.to_thread(guest.put, compare, json={"log": log_id})
+        assert refusal(answer) == (403, "link.read_only")
+        assert (await asyncio.to_thread(guest.get, f"{compare}.png")).status_code == 200
+        assert (await asyncio.to_thread(guest.delete, compare)).status_code == 204
     # The owner's session is as it was.
     assert service.state.sessions.get(session).progress == (25, 40)
     asked: list[tuple[str, str]] = [
@@ -151,7 +159,8 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         ("GET", f"/api/sessions/{session}"),
         ("DELETE", f"/api/sessions/{session}"),
         ("GET", f"/api/sessions/{own}/run.mcap"),
-        ("PUT", f"/api/sessions/{own}/compare"),
+        ("POST", f"/api/sessions/{own}/compare"),
+        ("PUT", f"/api/sessions/{session}/compare"),
         ("POST", "/api/links"),
         ("GET", f"/api/links?log={log_id}"),
         ("DELETE", f"/api/links/{link['token']}"),

@@ -18,10 +18,11 @@ export function useComparison(session: string, store: Store): Comparison {
     if (!linked) follow();
     else {
       // Once the session has told what it compares.
+      let isRestored = false;
       const stop = effect(() => {
-        if (!store.isReady.value || !store.trajectory.value) return;
+        if (isRestored || !store.isReady.value || !store.trajectory.value) return;
+        isRestored = true;
         setTimeout(async () => {
-          stop();
           const failure = await restore(session, store, comparison, linked);
           if (failure !== null) toast(failure, "error");
           follow();

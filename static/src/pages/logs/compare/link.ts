@@ -1,6 +1,6 @@
 /** The comparison in the address: who opens it sees both maps as they were, in this session or in a new one. */
 
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../figures/compare/comparison";
 import type { Marked } from "../../../gl/difference";
 import type { Parameter, Value, Values } from "../../../protocol";
@@ -83,15 +83,16 @@ const SETTLE_MS = 400;
 /** Let the address follow what is compared; the result stops it. */
 export function keepAddress(store: Store, comparison: Comparison): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let wasOn = false;
-  const stop = effect(() => {
+  const fragment = computed(() => {
     const linked = linkedOf(store, comparison);
+    return linked ? fragmentOf(linked) : "";
+  });
+  const stop = effect(() => {
+    const now = fragment.value;
     clearTimeout(timer);
-    if (!linked && !wasOn) return;
-    wasOn = linked !== null;
-    const fragment = linked ? fragmentOf(linked) : "";
     timer = setTimeout(() => {
-      if (location.hash !== fragment) history.replaceState(null, "", location.pathname + location.search + fragment);
+      if (location.hash === now || (now === "" && !location.hash.startsWith(MARK))) return;
+      history.replaceState(null, "", location.pathname + location.search + now);
     }, SETTLE_MS);
   });
   return () => {
