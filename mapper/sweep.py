@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import pairwise
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -19,20 +17,21 @@ from numpy.typing import NDArray
 
 from mapper import tallies
 from mapper.errors import ConfigError
+from mapper.fields import drawer_of_fields, plan_of_fields
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.kernels.certainties import add_certainties
 from mapper.kernels.crossings import RAY_FIELDS, draw_rays, plan_rays
-from mapper.kernels.field import SCANS, note_fields, plan_fields, settle_fields
 from mapper.kernels.lines import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
 from mapper.kernels.provenance import sift, touches_of_fields, touches_of_lines, touches_of_rays
 from mapper.kernels.ramps import draw_ramps
 from mapper.kernels.types import Rule, Sight
 from mapper.kernels.unseen import unveil, veil
 from mapper.parameters import CONES, MappingConfig
-from mapper.threads import bands, cores, in_parallel, scratch
+from mapper.threads import bands, cores, in_parallel, shares
 from mapper.wide import drawer_of_cones, evidence_of, ramp_increments, touches_in_cones
 
 _CHUNK_READINGS = 1 << 16  # planned at once: what they become stays in the caches
+_CHUNK_FIELDS = 1 << 18  # of which less is read again
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
 _WORTH_VEILING = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 
@@ -200,9 +199,9 @@ class Sweep:
         out[:n, 0] = np.flatnonzero(near)[scans] * n_beams + beams
         return out[:n]
 
-    def _chunks(self) -> list[slice]:
-        """The scans in parts whose plans stay in the caches."""
-        step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
+    def _chunks(self, readings: int = _CHUNK_READINGS) -> list[slice]:
+        """The scans in parts of about so many readings."""
+        step = max(1, readings // max(1, self.ranges.shape[1]))
         return [slice(first, min(first + step, len(self.ranges))) for first in range(0, len(self.ranges), step)]
 
     def _plan_beams(
@@ -222,7 +221,7 @@ class Sweep:
         in_parallel(
             [
                 partial(plan, ranges[a:b], sensors[a:b], *view, a * n_beams, planned, own_work, own_box)
-                for (a, b), own_work, own_box in zip(_shares(len(ranges), threads), work, boxes, strict=True)
+                for (a, b), own_work, own_box in zip(shares(len(ranges), threads), work, boxes, strict=True)
             ]
         )
         boxes += [-1, 1, -1, 1]  # an endpoint may be rounded out of the line through it
@@ -250,64 +249,12 @@ class Sweep:
     def _draw_fields(
         self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
     ) -> int:
-        headings, frame, sight = self.headings(grid.geometry), grid.geometry.frame, self.sight(config)
         count = 0
-        for part in self._chunks():
-            ranges, sensors = self.ranges[part], self.sensors[part]
-            ends, work, (rows, cols) = self._plan_fields(part, grid.geometry, sight, threads)
-            if rows[0] >= rows[1] or cols[0] >= cols[1]:
-                continue
-            place = (rows[0], cols[0])
-            shape = (threads, 3, rows[1] - rows[0], cols[1] - cols[0])
-            with scratch(prod(shape)) as words:
-                sheets = words[: prod(shape)].reshape(shape)
-                for first in range(0, len(ranges), threads * SCANS):
-                    cuts = _shares(min(threads * SCANS, len(ranges) - first), threads)
-                    notes = []
-                    for sheet, (a, b) in zip(sheets, cuts, strict=True):
-                        some = slice(first + a, first + b)
-                        poses = (sensors[some], self.fields, headings[part][some])
-                        notes.append(partial(note_fields, sheet, place, ranges[some], *poses, frame, sight, ends[some]))
-                    in_parallel(notes)
-                    count += _in_bands(partial(_settle, grid, sheets, place, rule), work, rows, threads, box)
+        for part in self._chunks(_CHUNK_FIELDS):
+            plan = plan_of_fields(self, part, grid.geometry, config, threads)
+            if plan.rows[0] < plan.rows[1] and plan.words[0] < plan.words[1]:
+                count += _in_bands(drawer_of_fields(plan, grid, rule), plan.work, plan.rows, threads, box)
         return count
-
-    def _plan_fields(
-        self, part: slice, geometry: GridGeometry, sight: Sight, threads: int
-    ) -> tuple[NDArray[np.int32], NDArray[np.float64], list[tuple[int, int]]]:
-        """Return where the beams of some scans end, how many do in each row, and the rows and columns they see."""
-        ranges, sensors = self.ranges[part], self.sensors[part]
-        ends = np.empty((*ranges.shape, 2), dtype=np.int32)
-        work = np.zeros((threads, geometry.rows))
-        boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
-        view = (self.beams, geometry.frame, sight, geometry.cols)
-        in_parallel(
-            [
-                partial(plan_fields, ranges[a:b], sensors[a:b], *view, ends[a:b], own_work, own_box)
-                for (a, b), own_work, own_box in zip(_shares(len(ranges), threads), work, boxes, strict=True)
-            ]
-        )
-        return ends, work.sum(axis=0), _joined(boxes, geometry)
-
-
-def _settle(
-    grid: OccupancyGrid,
-    sheets: NDArray[np.int64],
-    place: tuple[int, int],
-    rule: Rule,
-    row_low: int,
-    row_high: int,
-    box: NDArray[np.int64],
-) -> int:
-    """Add what the sheets say, one after another, to a band of rows."""
-    return sum(
-        int(settle_fields(grid.log_odds, grid.observed, sheet, place, rule, row_low, row_high, box)) for sheet in sheets
-    )
-
-
-def _shares(n: int, parts: int) -> list[tuple[int, int]]:
-    """Split [0, n) into ranges of about equal length."""
-    return list(pairwise(round(i * n / parts) for i in range(parts + 1)))
 
 
 def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> list[tuple[int, int]]:
@@ -357,9 +304,9 @@ def _in_bands(
     ``work`` (rows of the grid,) says what each row costs.
     """
     first, stop = rows
-    shares = [(first + low, first + high, box.copy()) for low, high in bands(work[first:stop], threads)]
-    counts = in_parallel([partial(draw, *share) for share in shares])
-    for _, _, own in shares:
+    parts = [(first + low, first + high, box.copy()) for low, high in bands(work[first:stop], threads)]
+    counts = in_parallel([partial(draw, *part) for part in parts])
+    for _, _, own in parts:
         box[::2] = np.minimum(box[::2], own[::2])
         box[1::2] = np.maximum(box[1::2], own[1::2])
     return sum(int(count) for count in counts)

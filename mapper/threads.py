@@ -72,6 +72,11 @@ def scratch(words: int) -> Iterator[NDArray[np.int64]]:
     _kept.words = lent if len(lent) <= _KEEP_WORDS else None
 
 
+def shares(n: int, parts: int) -> list[tuple[int, int]]:
+    """Split [0, n) into ranges of about equal length."""
+    return list(pairwise(round(i * n / parts) for i in range(parts + 1)))
+
+
 def bands(work: NDArray[np.float64], parts: int) -> list[tuple[int, int]]:
     """Split rows [0, n) into at most ``parts`` ranges of about equal ``work`` (n,); none of them is empty."""
     total = np.cumsum(work)

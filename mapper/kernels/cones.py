@@ -128,7 +128,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
                row_high: int, box: Int64Array) -> int:  # fmt: skip
     """Add what the cones of all beams say to the rows [row_low, row_high); return the number of cell updates.
 
-    ``ranges``, ``sensors``, ``beams``, ``fields`` and ``headings`` as :func:`mapper.kernels.field.plan_runs` takes
+    ``ranges``, ``sensors``, ``beams``, ``fields`` and ``headings`` as :func:`mapper.kernels.field.plan_fields` takes
     them; ``evidence``: miss and hit before rounding. With ``mark_endpoints`` the cells that hold endpoints get the hit
     increment of ``rule``, once in each scan, and nothing else; ``marked``, flat like ``log_odds``, is scratch, false
     before and after. The rest as in :func:`mapper.kernels.lines.draw_lines`.

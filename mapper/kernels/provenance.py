@@ -105,7 +105,7 @@ def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float6
     """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
 
     A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
-    other arguments are those of :func:`mapper.kernels.field.plan_runs`.
+    other arguments are those of :func:`mapper.kernels.field.plan_fields`.
     """
     range_min, range_max, window, growth, no_return_free = sight
     resolution = frame[4]

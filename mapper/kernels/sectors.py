@@ -1,45 +1,29 @@
-"""A beam's field as a sector of cells: where the rows of the grid enter and leave it.
+"""A beam's field as a sector of cells, exactly: where the rows of the grid enter and leave it.
 
 Ends of rows are found by division and square root; where that falls close to a cell's centre, the exact test of
-:func:`mapper.textbook.inverse_range_sensor_model` decides. An edge is a unit vector (u along columns, v along rows); a
+:func:`mapper.textbook.inverse_range_sensor_model` decides. That is for the few scans in which rounding may decide; all
+others take the way of :mod:`mapper.kernels.border`. An edge is a unit vector (u along columns, v along rows); a
 sector lies to the left of its right edge, the edge included, and to the right of its left edge. (u, v) is the sensor in
-lattice coordinates. What is found is written to a sheet: see :mod:`mapper.kernels.field`.
+lattice coordinates. What is found is noted on a sheet: see :mod:`mapper.kernels.sheet`.
 """
 
 from __future__ import annotations
 
-from math import ceil, floor, inf, sqrt
+from math import ceil, floor, sqrt
 
+from mapper.kernels.border import HAIR
 from mapper.kernels.compiled import jit
+from mapper.kernels.sheet import FREE, Place, _mark, _toggle
 from mapper.kernels.types import Int64Array
 
-#: A sheet (3, rows, cols) int64 covers a part of the grid. TOGGLES and HITS have one bit for each of some scans; USED
-#: has, at the start of each row, one bit, 32 to a word, for each block of BLOCK cells in which those are not all 0.
-TOGGLES, HITS, USED = range(3)
-#: The row and column of the grid at which a sheet begins.
-Place = tuple[int, int]
-
-BLOCK_BITS = 4
-BLOCK = 1 << BLOCK_BITS  #: cells
 _FAR = 1 << 40  # beyond every column
 _CLOSE = 1e-3  # of a cell: nearer than this to a centre, the exact test decides
-_HAIR = 1e-6  # of a cell, far above what rounding does to a place in the grid
 
 
 @jit
 def _close(ahead: float) -> bool:
     """Return whether a place is so close to a cell's centre that rounding may decide; the next one is ``ahead``."""
     return ahead < _CLOSE or ahead > 1.0 - _CLOSE
-
-
-@jit
-def _margin(edge_u: float, edge_v: float, length: float) -> float:
-    """Return how near to the end of an edge of ``length`` cells the arc may bound a row beside it.
-
-    Where a row crosses the edge at d, the next centres are at most a cell to the side. They are nearer to the sensor
-    than √((d + |u|)² + v²) ≤ d + |u| + v² / 2(d + |u|), and than d + 1.
-    """
-    return abs(edge_u) + 0.05 * edge_v * edge_v + 1e-3 if length > 12.0 else 1.001
 
 
 @jit
@@ -96,45 +80,12 @@ def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float
 
 
 @jit
-def _toggle(sheet: Int64Array, place: Place, bit: int, row: int, column: int) -> None:
-    """Flip a scan's bit of a column; before the sheet's first column all flips meet on it, beyond the last none counts.
-
-    The row must be one of the sheet's.
-    """
-    r, c = row - place[0], max(column - place[1], 0)
-    if c < sheet.shape[2]:
-        sheet[TOGGLES, r, c] ^= bit
-        sheet[USED, r, c >> (BLOCK_BITS + 5)] |= 1 << ((c >> BLOCK_BITS) & 31)
-
-
-@jit
-def _mark(sheet: Int64Array, place: Place, bit: int, row: int, column: int) -> None:
-    """Note that a scan hits a cell."""
-    r, c = row - place[0], column - place[1]
-    if 0 <= r < sheet.shape[1] and 0 <= c < sheet.shape[2]:
-        sheet[HITS, r, c] |= bit
-        sheet[USED, r, c >> (BLOCK_BITS + 5)] |= 1 << ((c >> BLOCK_BITS) & 31)
-
-
-@jit
-def _sector_rows(
-    v: float, right_v: float, left_v: float, right_u: float, left_u: float, near: float, far: float
-) -> tuple[int, int]:
-    """Return the rows [first, stop) in which a sector has cells at ``near`` … ``far`` cells, a hair too many."""
-    low = min(right_v, left_v)
-    high = max(right_v, left_v)
-    low, high = min(low * near, low * far), max(high * near, high * far)
+def _sector_rows(v: float, right_v: float, left_v: float, right_u: float, left_u: float, far: float) -> tuple[int, int]:
+    """Return the rows [first, stop) in which a sector has cells up to ``far`` cells away, a hair too many."""
+    low, high = min(right_v, left_v, 0.0) * far, max(right_v, left_v, 0.0) * far
     if right_u * left_u <= 0.0:  # it holds the v axis, where the arc bulges out
         low, high = (low, far) if right_v + left_v > 0.0 else (-far, high)
-    return ceil(v + low - 0.5 - _HAIR), floor(v + high - 0.5 + _HAIR) + 1
-
-
-@jit
-def _rows_beyond(v: float, edge_v: float, length: float) -> int:
-    """Return the first row whose centre line an edge crosses at ``length`` cells or more, counted as the edge runs."""
-    if edge_v > 0.0:
-        return max(ceil(v + edge_v * length - 0.5), floor(v - 0.5) + 1)
-    return min(floor(v + edge_v * length - 0.5), ceil(v - 0.5) - 1)
+    return ceil(v + low - 0.5 - HAIR), floor(v + high - 0.5 + HAIR) + 1
 
 
 @jit
@@ -166,113 +117,36 @@ def _bounds(
 
 
 @jit
-def _along_edge(
-    sheet: Int64Array, place: Place, bit: int, u: float, v: float, edge_u: float, edge_v: float, first: int, stop: int
-) -> None:
-    """Toggle the rows [first, stop) where they cross an edge."""
-    slope = edge_u / edge_v
-    for r in range(max(first, place[0]), min(stop, place[0] + sheet.shape[1])):
-        _toggle(sheet, place, bit, r, _crossing(edge_u, edge_v, slope, r + 0.5 - v, u, inf))
-
-
-@jit
-def _outline(
-    sheet: Int64Array, place: Place, bit: int, u: float, v: float, right_u: float, right_v: float, left_u: float,
-    left_v: float, limit: float, right_inner: float, left_inner: float, resolution: float,
+def _sector(
+    planes: Int64Array, used: Int64Array, place: Place, u: float, v: float, right_u: float, right_v: float,
+    left_u: float, left_v: float, limit: float, resolution: float,
 ) -> None:  # fmt: skip
     """Toggle where rows enter and leave the sector of cells with s < ``limit`` metres.
 
-    Up to ``right_inner`` and ``left_inner`` cells along an edge the neighbour toggles the same, so neither does. From
-    there to where the arc comes near only the edges bound the rows; the last few rows are bounded by edges and arc.
+    Where two neighbours both reach, their toggles on the edge between them cancel.
     """
-    if right_v * left_v <= 0.0:
-        _outline_level(
-            sheet, place, bit, u, v, right_u, right_v, left_u, left_v, limit, right_inner, left_inner, resolution
-        )
-        return
     radius = limit / resolution
-    low, high = place[0], place[0] + sheet.shape[1]
-    # Going up, the right edge bounds a row on its right; going down, on its left.
-    up = right_v > 0.0
-    first_u, first_v, first_inner = (left_u, left_v, left_inner) if up else (right_u, right_v, right_inner)
-    stop_u, stop_v, stop_inner = (right_u, right_v, right_inner) if up else (left_u, left_v, left_inner)
-    first_begin, stop_begin = _rows_beyond(v, first_v, first_inner), _rows_beyond(v, stop_v, stop_inner)
-    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, min(first_inner, stop_inner), radius)
-    first_whole = abs(first_v) * (radius - _margin(first_u, first_v, radius))
-    stop_whole = abs(stop_v) * (radius - _margin(stop_u, stop_v, radius))
-    arc = _rows_beyond(v, 1.0 if up else -1.0, max(min(first_whole, stop_whole), 0.0))
-    if up:
-        if first_begin < arc:
-            _along_edge(sheet, place, bit, u, v, first_u, first_v, first_begin, arc)
-        if stop_begin < arc:
-            _along_edge(sheet, place, bit, u, v, stop_u, stop_v, stop_begin, arc)
-        first_row = max(arc, min(first_begin, stop_begin))
-    else:
-        if first_begin > arc:
-            _along_edge(sheet, place, bit, u, v, first_u, first_v, arc + 1, first_begin + 1)
-        if stop_begin > arc:
-            _along_edge(sheet, place, bit, u, v, stop_u, stop_v, arc + 1, stop_begin + 1)
-        stop_row = min(arc, max(first_begin, stop_begin)) + 1
-    first_slope, stop_slope = first_u / first_v, stop_u / stop_v
-    for r in range(max(first_row, low), min(stop_row, high)):
-        d_v = r + 0.5 - v
-        height = abs(d_v)
-        skip_first, skip_stop = (r < first_begin, r < stop_begin) if up else (r > first_begin, r > stop_begin)
-        half = _half_chord(d_v, radius)
-        if half < 0.0:
-            continue
-        first, stop = -_FAR, _FAR
-        if height >= first_whole:
-            first = _arc_first(half, d_v, u, limit, resolution, False)
-        if height >= stop_whole:
-            stop = _arc_stop(half, d_v, u, limit, resolution, False)
-        if not skip_first:
-            first = max(first, _crossing(first_u, first_v, first_slope, d_v, u, radius))
-        if not skip_stop:
-            stop = min(stop, _crossing(stop_u, stop_v, stop_slope, d_v, u, radius))
-        if first < stop:
-            if not skip_first:
-                _toggle(sheet, place, bit, r, first)
-            if not skip_stop:
-                _toggle(sheet, place, bit, r, stop)
-
-
-@jit
-def _outline_level(
-    sheet: Int64Array, place: Place, bit: int, u: float, v: float, right_u: float, right_v: float, left_u: float,
-    left_v: float, limit: float, right_inner: float, left_inner: float, resolution: float,
-) -> None:  # fmt: skip
-    """As :func:`_outline`, for a sector whose edges do not both go up or both down."""
-    radius = limit / resolution
-    right_begin, left_begin = _rows_beyond(v, right_v, right_inner), _rows_beyond(v, left_v, left_inner)
-    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, 0.0, radius)
-    for r in range(max(first_row, place[0]), min(stop_row, place[0] + sheet.shape[1])):
+    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, radius)
+    for r in range(max(first_row, place[0]), min(stop_row, place[0] + len(used))):
         d_v = r + 0.5 - v
         first, stop = _bounds(right_u, right_v, left_u, left_v, d_v, u, radius)
         half = _half_chord(d_v, radius)
         first = max(first, _arc_first(half, d_v, u, limit, resolution, False))
         stop = min(stop, _arc_stop(half, d_v, u, limit, resolution, False))
-        if half < 0.0 or first >= stop:
-            continue
-        skip_right = right_v * d_v > 0.0 and (r < right_begin if right_v > 0.0 else r > right_begin)
-        skip_left = left_v * d_v > 0.0 and (r < left_begin if left_v > 0.0 else r > left_begin)
-        skip_first, skip_stop = (skip_left, skip_right) if d_v > 0.0 else (skip_right, skip_left)
-        if not skip_first:
-            _toggle(sheet, place, bit, r, first)
-        if not skip_stop:
-            _toggle(sheet, place, bit, r, stop)
+        if half >= 0.0 and first < stop:
+            _toggle(planes, used, place, FREE, r, first)
+            _toggle(planes, used, place, FREE, r, stop)
 
 
 @jit
 def _ring(
-    sheet: Int64Array, place: Place, bit: int, u: float, v: float, right_u: float, right_v: float, left_u: float,
-    left_v: float, nearest: float, farthest: float, resolution: float,
+    planes: Int64Array, used: Int64Array, place: Place, u: float, v: float, right_u: float, right_v: float,
+    left_u: float, left_v: float, nearest: float, farthest: float, resolution: float,
 ) -> None:  # fmt: skip
     """Mark the sector's cells with ``nearest`` ≤ s ≤ ``farthest`` metres."""
     radius = farthest / resolution
-    inner = max(nearest / resolution, 0.0) if right_v * left_v > 0.0 else 0.0
-    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, inner, radius)
-    for r in range(max(first_row, place[0]), min(stop_row, place[0] + sheet.shape[1])):
+    first_row, stop_row = _sector_rows(v, right_v, left_v, right_u, left_u, radius)
+    for r in range(max(first_row, place[0]), min(stop_row, place[0] + len(used))):
         d_v = r + 0.5 - v
         first, stop = _bounds(right_u, right_v, left_u, left_v, d_v, u, radius)
         half = _half_chord(d_v, radius)
@@ -287,6 +161,6 @@ def _ring(
         if half >= 0.0:
             near = _arc_first(half, d_v, u, nearest, resolution, False)
             far = _arc_stop(half, d_v, u, nearest, resolution, False)
-        for column in range(max(first, place[1]), min(stop, place[1] + sheet.shape[2])):
+        for column in range(first, stop):
             if not near <= column < far:
-                _mark(sheet, place, bit, r, column)
+                _mark(planes, used, place, r, column)

@@ -1,0 +1,78 @@
+"""The two ways from a scan to its field: along the border, and by the exact test where rounding may decide."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mapper import fields, textbook
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.integrate import sweep_of_log
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog, Trajectory
+from mapper.sweep import rule_of
+
+
+def log_of(seed: int, n_beams: int, increment: float, pose: tuple[float, float, float]) -> ScanLog:
+    random = np.random.default_rng(seed)
+    ranges = random.uniform(0.1, 4.0, (1, n_beams)).astype(np.float32)
+    ranges[random.random(ranges.shape) < 0.1] = np.inf
+    stamps = np.zeros(1, dtype=np.int64)
+    return ScanLog(ranges, -2.0, increment, 0.05, 80.0, stamps, {"one": Trajectory(np.array([pose]))})
+
+
+def draw(log: ScanLog, config: MappingConfig, *, exactly: bool) -> tuple[OccupancyGrid, int]:
+    grid = OccupancyGrid(GridGeometry(0.1, 80, 75, (-4.0, -3.0, 0.3)))
+    sweep = sweep_of_log(log, config, None, 0, 1)
+    planned = fields.plan_of_fields(sweep, slice(0, 1), grid.geometry, config, 1)
+    if exactly:
+        planned.plan[4][:] = False  # no corner is sure
+    box = np.array([80, 0, 75, 0])
+    if planned.rows[0] >= planned.rows[1] or planned.words[0] >= planned.words[1]:
+        return grid, 0
+    count = fields.drawer_of_fields(planned, grid, rule_of(config))(*planned.rows, box)
+    rows, cols = np.nonzero(grid.observed)
+    if count:
+        assert box.tolist() == [rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]
+    return grid, count
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n_beams=st.integers(1, 90),
+    increment=st.sampled_from([np.pi / 180, -np.pi / 180, 0.07, 2 * np.pi / 90]),
+    pose=st.tuples(st.floats(-5, 5), st.floats(-4, 5), st.floats(-4, 4)),
+    window=st.sampled_from([0.0, 0.4]),
+)
+@settings(max_examples=150)
+def test_border_and_exact_test_fill_the_same_cells(seed, n_beams, increment, pose, window) -> None:
+    model = "step_window" if window else "fixed_increments"
+    config = MappingConfig(model=model, update="per_scan", no_return="free", range_max=5.0, window=window)
+    log = log_of(seed, n_beams, increment, pose)
+    along_border, n_border = draw(log, config, exactly=False)
+    exact, n_exact = draw(log, config, exactly=True)
+    assert n_border == n_exact
+    np.testing.assert_array_equal(along_border.log_odds, exact.log_odds)
+    np.testing.assert_array_equal(along_border.observed, exact.observed)
+
+
+@given(
+    cols=st.integers(1, 75),
+    rows=st.integers(1, 40),
+    corner=st.tuples(st.floats(-3, 1), st.floats(-3, 1)),
+    seed=st.integers(0, 2**32 - 1),
+    window=st.sampled_from([0.0, 0.4]),
+)
+@settings(max_examples=60, deadline=None)
+def test_grids_of_every_width_are_clipped_alike(cols, rows, corner, seed, window) -> None:
+    # A word holds 32 cells, and few grids are a whole number of words wide.
+    model = "step_window" if window else "fixed_increments"
+    config = MappingConfig(model=model, update="per_scan", no_return="free", range_max=5.0, window=window)
+    log = log_of(seed, 60, np.pi / 30, (0.123, 0.456, 0.789))
+    ours = OccupancyGrid(GridGeometry(0.1, rows, cols, (*corner, 0.0)))
+    book = OccupancyGrid(ours.geometry)
+    n_book = textbook.update_per_scan(book, log.scan(0), log.sensor_poses()[0], config)
+    sweep = sweep_of_log(log, config, None, 0, 1)
+    n_ours, _ = sweep.add_to(ours, config)
+    assert n_ours == n_book
+    np.testing.assert_allclose(ours.log_odds, book.log_odds, atol=1e-6)
+    np.testing.assert_array_equal(ours.observed, book.observed)
