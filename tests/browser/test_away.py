@@ -51,6 +51,14 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         for page in (home, viewer, logs):
             assert page.evaluate("() => window.notReloaded") is True
 
+        # A server that begins anew knows no views: the log opens again by itself, and the page says so.
+        logs.bring_to_front()
+        logs.evaluate(
+            "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
+        )
+        says(logs, ".toast", "Here is the log again")
+        until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
+
 
 def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, server: str) -> None:
     with cutting_proxy(urlsplit(server).port or 0) as proxy:

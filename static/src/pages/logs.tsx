@@ -82,6 +82,7 @@ function Page() {
         session={session}
         onClose={close}
         onGone={() => (log ? void open(log, topic, true) : close())}
+        returns={log !== null}
       />
     );
   }

@@ -1,8 +1,10 @@
 import { expect, test } from "vitest";
 import type { Frame, Geometry, Pose, Values } from "../../protocol";
+import type { Store } from "../../state";
 import { CONFIG, emptyGrid, indexOf } from "../lesson/grid";
 import { updatePerBeam } from "../lesson/textbook";
 import { applied, key, lessonConfig, moved, obstacle, planned, type Walk } from "./model";
+import { beneath } from "./walking";
 
 const GEOMETRY: Geometry = {
   type: "geometry",
@@ -80,4 +82,20 @@ test("what has no order of cells says so", () => {
   for (const change of [{ model: "sonar_cone" }, { update: "per_scan" }, { traversal: "amanatides_woo" }]) {
     expect(obstacle({ ...VALUES, ...change })).toMatch(/^Cell by cell .*\.$/);
   }
+});
+
+test("what a byte cannot say the server's answer does, as long as it is about the same byte", () => {
+  const geometry = { epoch: 3, log_odds_min: -10, log_odds_max: 10 };
+  const told = (byte: number, log_odds: number): number => {
+    const store = {
+      map: { peek: () => ({ geometry, cells: { at: () => byte } }) },
+      inspected: { peek: () => ({ row: 2, col: 5, epoch: 3, log_odds }) },
+    } as unknown as Store;
+    return beneath(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Walk, { row: 2, col: 5 });
+  };
+  expect(told(1, -103.25)).toBe(-103.25); // without a clamp a cell goes beyond what the picture tells apart
+  expect(told(255, 34)).toBe(34);
+  expect(told(128, 0.02)).toBe(0.02);
+  expect(told(128, -103.25)).toBe(0); // the answer is about another time
+  expect(told(0, 1)).toBe(0); // never observed: the prior
 });

@@ -33,12 +33,14 @@ interface ViewerProps {
   readonly onClose?: () => void;
   /** The session has ended on the server: begin another on the same log. */
   readonly onGone: () => void;
+  /** Whether to do so at once. */
+  readonly returns?: boolean;
   /** For who came by a link: where to look first, and whom to tell that the session has ended. */
   readonly guest?: { readonly look: Look | null; readonly onEnded: () => void };
 }
 
 /** One log: its map filling in, and everything that shapes it. */
-export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
+export function Viewer({ session, onClose, onGone, returns = false, guest }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
   useEffect(() => {
@@ -48,6 +50,11 @@ export function Viewer({ session, onClose, onGone, guest }: ViewerProps) {
   }, [connection]);
   const { store, status } = connection;
   const comparison = useComparison(session, store);
+  useSignalEffect(() => {
+    if (status.value !== "gone" || !returns) return;
+    toast("That view had ended on the server. Here is the log again, with the parameters of the beginning.");
+    onGone();
+  });
   useSignalEffect(() => {
     const notice = store.notice.value;
     // That the log has come to its end is plain to see.
