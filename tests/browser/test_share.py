@@ -8,6 +8,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.conftest import WatchedPage
 from tests.browser.looking import SECONDS, frame, settled_digest, until
+from tests.browser.test_axe import violations
 from tests.server.library.small_logs import carmen
 
 SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
@@ -38,6 +39,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     expect(row).to_contain_text("25 of 60 scans")
     address = row.get_by_role("textbox").input_value()
     assert address.startswith(f"{server}/shared/")
+    assert violations(page, ".share") == []
 
     other = browser.new_context(viewport={"width": 1440, "height": 900})
     watched = WatchedPage(other, server)
