@@ -160,12 +160,18 @@ def yaml_text(
     stated = STATED_THRESHOLDS[mode]
     occupied = stated[0] if occupied_thresh is None else occupied_thresh
     free = stated[1] if free_thresh is None else free_thresh
-    name = image_name if _PLAIN_NAME.match(image_name) else json.dumps(image_name, ensure_ascii=False)
+    name = image_name if _PLAIN_NAME.match(image_name) else _quoted(image_name)
     origin = ", ".join(_number(value) for value in geometry.origin)
     return (
         f"image: {name}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\nnegate: 0\n"
         f"occupied_thresh: {_number(occupied)}\nfree_thresh: {_number(free)}\n"
     )
+
+
+def _quoted(text: str) -> str:
+    """Return a word in quotes, with escapes for what YAML forbids, and for what turns or breaks the line."""
+    quoted = json.dumps(text, ensure_ascii=False)
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
 
 
 def _number(value: float) -> str:

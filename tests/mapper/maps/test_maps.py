@@ -61,7 +61,9 @@ def test_the_yaml_says_what_a_map_server_needs():
 
 
 @pytest.mark.parametrize(
-    "name", ["plain.pgm", "a b.pgm", "on: off.pgm", "1e5.pgm", "ünïcode.pgm", 'quo"te.pgm', "#.pgm"]
+    "name",
+    ["plain.pgm", "a b.pgm", "on: off.pgm", "1e5.pgm", "ünïcode.pgm", 'quo"te.pgm', "#.pgm", "a\\b.pgm"]
+    + [f"a{c}b.pgm" for c in "\n\t\x07\x7f\x85\u2028\u202e\ufeff\U0001f600"],
 )
 def test_the_yaml_quotes_what_needs_quotes(name):
     assert yaml.safe_load(yaml_text(GEOMETRY, name))["image"] == name
