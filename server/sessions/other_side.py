@@ -57,7 +57,7 @@ class OtherSide:
 
     def description(self) -> dict[str, Any]:
         """What the page should know of it: the ``compare`` of a ``parameters`` message."""
-        wanted, log = self._wanted, self.replay.log
+        wanted = self._wanted
         return {
             "values": wanted.values,
             "with_faults": True,
@@ -65,7 +65,6 @@ class OtherSide:
             "log": None if self._follows else wanted.log_id,
             "topic": wanted.topic,
             "title": wanted.title,
-            "trajectories": [{"name": name, "description": t.description} for name, t in log.trajectories.items()],
         }
 
     def follow(self, config: MappingConfig) -> None:

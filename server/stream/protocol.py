@@ -48,8 +48,8 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 ``parameters``  {values, sensor: values|null, faults?: values, compare?: {values, with_faults, ...}|null}
                 after a change by anyone, or as the answer to a refused one; ``faults`` of world sessions; ``compare``
                 says what the second map has otherwise, and in a log session, where it is the side A of a comparison,
-                also {trajectory, log: id|null, topic|null, title, trajectories: [{name, description}]}: the poses that
-                it is made with, and which log it is of where that is not the session's own
+                also {trajectory, log: id|null, topic|null, title}: the poses that it is made with, and which log it is
+                of where that is not the session's own
 ``comparison``  {index, refused: sentence|null, numbers: {cells, states, same, only: [a, b], both, entropy_bits: [a, b],
                 contrast: [a, b], mean_difference, max_difference, max_at: [x, y]|null}|null}
                 log sessions only: how the map of ``index`` scans, B, differs from the second one, A, as

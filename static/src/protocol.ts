@@ -163,7 +163,6 @@ export interface Compared {
   readonly log?: string | null;
   readonly topic?: string | null;
   readonly title?: string;
-  readonly trajectories?: LogInfo["trajectories"];
 }
 
 /** How a log's map, b, differs from its other side, a; pairs are [a, b]. As `Comparison` of mapper/compare.py has it. */

@@ -47,6 +47,14 @@ export function zoomedAt(view: View, size: Size, px: number, py: number, factor:
   return { x: x - (px - size.width / 2) * scale, y: y + (py - size.height / 2) * scale, scale };
 }
 
+/** The smallest box around two. */
+export const around = (a: Bounds, b: Bounds): Bounds => [
+  Math.min(a[0], b[0]),
+  Math.min(a[1], b[1]),
+  Math.max(a[2], b[2]),
+  Math.max(a[3], b[3]),
+];
+
 /** The view that shows a whole box with `margin` pixels around it. */
 export function fitted(bounds: Bounds, size: Size, margin = 16): View {
   const [x0, y0, x1, y1] = bounds;

@@ -30,7 +30,7 @@ import type {
 } from "./protocol";
 import { type MapPicture, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
-import { type Bounds, fitted, type Size, type View } from "./view";
+import { around, type Bounds, fitted, type Size, type View } from "./view";
 
 export interface Notice {
   readonly kind: "note" | "error";
@@ -189,7 +189,10 @@ export class Watched implements Receiver {
     this.bounds = computed(() => {
       const world = this.world.value;
       const map = this.map.value;
-      return world ? world.bounds : map && extent(map.geometry);
+      if (world || !map) return world?.bounds ?? null;
+      const own = extent(map.geometry);
+      const second = this.second.value?.map.value;
+      return second ? around(own, extent(second.geometry)) : own;
     });
   }
 

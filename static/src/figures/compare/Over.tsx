@@ -1,6 +1,6 @@
 /** What lies over the one picture of two maps: whose part is whose, and the divider between them. */
 
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import type { Comparison } from "./comparison";
 import "./compare.css";
 
@@ -54,6 +54,7 @@ const inside = (at: number): number => Math.min(1, Math.max(0, at));
 
 function Divider({ comparison }: { readonly comparison: Comparison }) {
   const line = useRef<HTMLDivElement>(null);
+  const says = useId();
   const { divider } = comparison;
   const percent = Math.round(100 * divider.value);
   const drag = (event: PointerEvent): void => {
@@ -68,6 +69,7 @@ function Divider({ comparison }: { readonly comparison: Comparison }) {
       role="slider"
       tabIndex={0}
       aria-label="Divider between A, on the left, and B"
+      aria-describedby={says}
       aria-valuemin={0}
       aria-valuemax={100}
       aria-valuenow={percent}
@@ -92,6 +94,9 @@ function Divider({ comparison }: { readonly comparison: Comparison }) {
       }}
     >
       <span class="compare-grip" aria-hidden="true" />
+      <span id={says} hidden>
+        Left of it the picture shows A, right of it B.
+      </span>
     </div>
   );
 }

@@ -94,7 +94,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
     );
   }
   return (
-    <div class="viewer">
+    <div class={comparison.isOn.value ? "viewer comparing" : "viewer"}>
       <Head connection={connection} session={session} onClose={onClose} picture={picture} />
       <div class="viewer-map">
         <Belief
