@@ -90,10 +90,12 @@ class Incoming:
         if self._ended:
             return
         self._ended = True
-        reason = RuntimeError("the upload was given up")
+        writer, reason = self._writer, RuntimeError("the upload was given up")
+        del self._writer  # with it goes what it has written, also where closing it failed
         with contextlib.suppress(OSError, BaseError):  # what cannot be removed now is removed at the next start
-            if not await self._writer.closed():
-                await self._writer.__aexit__(RuntimeError, reason, None)
+            if not await writer.closed():
+                await writer.__aexit__(RuntimeError, reason, None)
+        del writer
         with contextlib.suppress(OSError, BaseError):
             await obstore.delete_async(self._store, self._key)
 

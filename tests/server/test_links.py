@@ -268,4 +268,4 @@ def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest
     with running(settings_for(tmp_path)) as second:
         for one, title in ((link, "run.log"), (sample, "A simulated office (sample)")):
             assert second.http.get(f"/api{one['address']}").json()["title"] == title
-            assert second.http.post(f"/api{one['address']}/sessions").status_code == 201
+        assert second.http.post(f"/api{link['address']}/sessions").status_code == 201
