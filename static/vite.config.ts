@@ -22,6 +22,8 @@ export default defineConfig({
         lab: page("lab.html"),
         logs: page("logs.html"),
       },
+      // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
+      output: { advancedChunks: { groups: [{ name: "shared", minShareCount: 3 }] } },
     },
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.

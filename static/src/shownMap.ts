@@ -4,7 +4,7 @@ import { batch, type ReadonlySignal, signal } from "@preact/signals";
 import { decompress } from "fzstd";
 import { byteAt } from "./belief";
 import type { TilesFrame } from "./decodeTiles";
-import { Cells, type OnBloom } from "./gl/cells";
+import { Cells } from "./gl/cells";
 import { type Geometry, ProtocolError, TILE } from "./protocol";
 import type { Progress } from "./stream";
 
@@ -13,6 +13,9 @@ export interface MapPicture {
   readonly geometry: Geometry;
   readonly cells: Cells;
 }
+
+/** Told of a cell that is observed for the first time or changes its mind, and of the instant (performance.now). */
+export type OnBloom = (row: number, col: number, now: number) => void;
 
 /** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
 const STALE_PICTURE_MS = 250;
@@ -45,7 +48,9 @@ export class ShownMap {
     const picture = coming ?? this.#map.peek();
     if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
     const undecided = byteAt(0, picture.geometry);
-    const bloom = coming || !this.#complete ? undefined : (this.onBloom ?? undefined);
+    const hear = coming || !this.#complete ? null : this.onBloom;
+    const now = performance.now();
+    const bloom = hear ? (row: number, col: number): void => hear(row, col, now) : undefined;
     for (const tile of frame.tiles) {
       let values: Uint8Array;
       try {

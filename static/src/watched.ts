@@ -5,7 +5,6 @@ import { type Beam, beamAhead, beamToward, turnedOver } from "./beams";
 import type { TilesFrame } from "./decodeTiles";
 import { Editing } from "./editing/editing";
 import type { Walk } from "./figures/steps/model";
-import type { OnBloom } from "./gl/cells";
 import { type Cell, cellAt, compose, contains, extent } from "./lattice";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -28,7 +27,7 @@ import type {
   WhyMessage,
   WorldMessage,
 } from "./protocol";
-import { type MapPicture, ShownMap } from "./shownMap";
+import { type MapPicture, type OnBloom, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
 import { around, type Bounds, fitted, type Size, type View } from "./view";
 

@@ -53,8 +53,8 @@ export function Belief({ store, onTap, onPicture, comparison }: BeliefProps) {
         );
         failure.value = surface.failure;
         const glow = surface.renderer?.glow;
-        store.onBloom = (row, col) => {
-          if (!stillness.peek()) glow?.add(row, col, performance.now());
+        store.onBloom = (row, col, now) => {
+          if (!stillness.peek()) glow?.add(row, col, now);
         };
         return {
           watch: () => {

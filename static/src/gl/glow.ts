@@ -28,7 +28,10 @@ export class Glow {
   }
 
   add(row: number, col: number, now: number): void {
-    this.data.set([col, row, this.seconds(now)], 3 * this.#next);
+    const at = 3 * this.#next; // a whole map may change at once: no list is made for each cell
+    this.data[at] = col;
+    this.data[at + 1] = row;
+    this.data[at + 2] = this.seconds(now);
     this.#next = (this.#next + 1) % CAPACITY;
     this.#used = Math.min(CAPACITY, this.#used + 1);
     this.#newest = now;

@@ -1,18 +1,16 @@
 import "../style/index.css";
 import "./lab.css";
-import { computed, signal, useSignalEffect } from "@preact/signals";
+import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 import { connect } from "../connect";
 import { exposeHook } from "../debug";
-import { Faults } from "../figures/faults/Faults";
 import type { Picture } from "../figures/picture/Picture";
 import { Profile } from "../figures/profile/Profile";
 import { StepNote } from "../figures/steps/Steps";
-import { MovingTable } from "../figures/table/MovingTable";
-import { Why } from "../figures/why/Why";
 import type { Store } from "../state";
 import { Button } from "../ui/Button";
+import { later } from "../ui/later";
 import { Disclosure } from "../ui/Panel";
 import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
@@ -23,10 +21,16 @@ import { useReading } from "./lab/reading";
 import { keepAddress, openSession, restore } from "./lab/session";
 import { share, Takeaway } from "./lab/Takeaway";
 
+const Faults = later(async () => (await import("../figures/faults/Faults")).Faults);
+const MovingTable = later(async () => (await import("../figures/table/MovingTable")).MovingTable);
+const Why = later(async () => (await import("../figures/why/Why")).Why);
+
 /** The session on show; null until the server has given one. */
 const live = signal<Live | null>(null);
 const trouble = signal<string | null>(null);
 const RETRY_MS = 3000;
+/** The map's version before its first tiles have come. */
+const EMPTY_MAP = 1;
 
 async function begin(): Promise<void> {
   try {
@@ -102,9 +106,17 @@ function Sensor({ store }: { readonly store: Store }) {
 function Lab() {
   const session = live.value;
   const store = session?.store ?? null;
-  useEffect(() => {
-    void begin();
-  }, []);
+  // What lies below the pictures takes longer to be made than they do, and waits until there is something in them.
+  const isSeen = useSignal(false);
+  useSignalEffect(() => {
+    if (isSeen.peek() || (live.value?.store.mapVersion.value ?? 0) <= EMPTY_MAP) return;
+    requestAnimationFrame(() =>
+      setTimeout(() => {
+        isSeen.value = true;
+      }),
+    );
+  });
+  const below = isSeen.value ? store : null;
   useSignalEffect(() => {
     if (live.value?.status.value !== "gone") return;
     live.value.stop();
@@ -136,7 +148,7 @@ function Lab() {
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}
-      {store && <Why store={store} side="left" />}
+      {store?.asked.value && <Why store={store} side="left" />}
       {store && (
         <div class="lab-experiments">
           <Disclosure title="What goes wrong" note="seven faults, one switch each">
@@ -150,21 +162,22 @@ function Lab() {
       <div class="lab-below">
         <div class="lab-column">
           <section class="lab-profile" aria-label="Inverse sensor model">
-            {store && <ProfileBox store={store} />}
+            {below && <ProfileBox store={below} />}
           </section>
           <div class="lab-row">
-            {store && <Sensor store={store} />}
+            {below && <Sensor store={below} />}
             {session && <Takeaway id={session.id} />}
           </div>
         </div>
         <aside class="lab-settings" aria-label="Parameters">
-          {store && <Model store={store} />}
+          {below && <Model store={below} />}
         </aside>
       </div>
     </main>
   );
 }
 
+void begin();
 render(
   <>
     <SiteHeader current="lab" />

@@ -1,3 +1,4 @@
+import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 
 interface PanelProps {
@@ -8,14 +9,21 @@ interface PanelProps {
   readonly children: ComponentChildren;
 }
 
-/** A titled box that folds. */
+/** A titled box that folds. What is in it is made when it is first unfolded. */
 export function Disclosure({ title, note, open = false, children }: PanelProps) {
+  const seen = useSignal(open);
   return (
-    <details class="panel" open={open}>
+    <details
+      class="panel"
+      open={open}
+      onToggle={(event) => {
+        if (event.currentTarget.open) seen.value = true;
+      }}
+    >
       <summary>
         {title} <span class="panel-note">{note}</span>
       </summary>
-      <div class="panel-body">{children}</div>
+      <div class="panel-body">{seen.value && children}</div>
     </details>
   );
 }

@@ -1,10 +1,10 @@
 import { effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { later } from "../../ui/later";
 import type { Range } from "../../ui/numbers";
 import { useWidth } from "../lesson/width";
 import { Beam } from "./Beam";
-import { Cone, ConeCells } from "./Cone";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
 import { Formula, InWords } from "./Formula";
@@ -28,6 +28,9 @@ const TABLE: Partial<Record<keyof ProfileParameters, Range>> = {
   prior_weight: { low: 0.1, high: 50, step: 0.1 },
 };
 const ANY: Range = { low: -100, high: 100, step: 0.01 };
+
+const Cone = later(async () => (await import("./Cone")).Cone);
+const ConeCells = later(async () => (await import("./Cone")).ConeCells);
 
 interface ProfileProps {
   /** The values of the moment, by the names of the mapper's table. */
