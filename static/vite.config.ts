@@ -23,7 +23,7 @@ export default defineConfig({
         logs: page("logs.html"),
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
-      output: { advancedChunks: { groups: [{ name: "shared", minShareCount: 3 }] } },
+      output: { codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] } },
     },
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.
