@@ -86,6 +86,13 @@ const PAIRS: readonly (readonly [a: string, b: string, least: number])[] = [
   ["beam", "miss", 0.055],
   ["beam", "robot", 0.07],
   ["hit", "robot", 0.1],
+  // two maps compared: what has become less and what more occupied, beside the walls of both and the floor
+  ["difference-less", "difference-more", 0.15],
+  ["difference-less", "difference-wall", 0.1],
+  ["difference-more", "difference-wall", 0.1],
+  ["difference-less", "map-free", 0.15],
+  ["difference-more", "map-free", 0.15],
+  ["difference-wall", "map-free", 0.1],
   // right and wrong
   ["danger", "accent", 0.08],
 ];
