@@ -1,6 +1,6 @@
 /** Choose what a log's map is compared with, and how to look at both; and how they differ, in numbers. */
 
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
 import { useEffect } from "preact/hooks";
 import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../figures/compare/comparison";
@@ -30,6 +30,11 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const failure = useSignal<string | null>(null);
   const busy = useSignal(false);
   const wish = useSignal<Kind>("settings");
+  useSignalEffect(() => {
+    // A link, or somebody else, has chosen.
+    const now = store.compared.value;
+    if (now) wish.value = kindOf(now);
+  });
   const compared = store.compared.value;
   const hello = store.hello.value;
   if (!hello) return null;
