@@ -108,6 +108,7 @@ def test_the_lab_in_every_state(page: Page, server: str) -> None:
     page.keyboard.press("Escape")
     page.get_by_label("How far a step goes").select_option("cell")
     page.get_by_role("button", name="One cell on").click()
+    expect(page.locator(".steps-note")).to_be_visible(timeout=SECONDS * 1000)
     page.get_by_role("button", name="Draw furniture").click()
     nothing_serious(page, ".lab-bar, .plates")
     page.evaluate("""() => {
@@ -115,7 +116,8 @@ def test_the_lab_in_every_state(page: Page, server: str) -> None:
       store.send({ type: "world", name: "room" });
       store.send({ type: "teleport", x: 4, y: 5, yaw: 0 });
     }""")
-    until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
+    page.wait_for_function("() => gridbloom.connection.store.world.peek().name === 'room'")
+    until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
     page.get_by_role("button", name="Put a table there").click()
     expect(page.get_by_role("slider", name="My guess")).to_be_visible(timeout=SECONDS * 1000)
     told_sliders(page)
