@@ -34,7 +34,7 @@ browser:
 
 test: check browser ## what CI runs
 	$(NPM) test
-	$(BIN)/python -m pytest $(PYTEST)
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadgroup $(PYTEST)
 
 bench: setup ## figures beside the peers, as ratios
 	$(BIN)/python -m tests.bench

@@ -14,7 +14,7 @@ from mapper.kernels.border import HAIR, _outline, _ring_of, _row_at, _side, _tur
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.sectors import _ring, _sector
-from mapper.kernels.sheet import FREE, OUTER, USED_BITS, WORD, WORD_BITS, Place, _mark, _settle, _settle_narrow, _wipe
+from mapper.kernels.sheet import FREE, USED_BITS, WORD, WORD_BITS, Place, _mark, _settle, _settle_narrow, _wipe
 from mapper.kernels.types import (
     BoolArray,
     Float32Array,
@@ -127,39 +127,15 @@ def draw_fields(
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         own = used[: high - low]
         place = (low, views[t, 2], shift)
-        clear = 0.0
+        clear = 1.0 if sure[t] else 0.0
         if sure[t]:
             post = (u, v, low, high)
-            clear = _outline(
-                planes,
-                own,
-                place,
-                FREE,
-                post,
-                fields,
-                turn_u,
-                turn_v,
-                ring,
-                radii[t, FREE],
-                corners[t, FREE],
-                sides[t],
-            )
-            if windows:
-                outer_clear = _outline(
-                    planes,
-                    own,
-                    place,
-                    OUTER,
-                    post,
-                    fields,
-                    turn_u,
-                    turn_v,
-                    ring,
-                    radii[t, OUTER],
-                    corners[t, OUTER],
-                    sides[t],
-                )
-                clear = min(clear, outer_clear)
+            for region in range(radii.shape[1]):
+                near = _outline(
+                    planes, own, place, region, post, fields, turn_u, turn_v, ring, radii[t, region],
+                    corners[t, region], sides[t],
+                )  # fmt: skip
+                clear = min(clear, near)
         if clear < HAIR:
             _wipe(planes, own)
             _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, sight, frame[4])

@@ -10,6 +10,7 @@ import pytest
 CHECKOUT = Path(__file__).parents[2]
 
 
+@pytest.mark.timeout(400)  # all kernels are compiled anew
 @pytest.mark.parametrize(
     ("mode", "examples"), [({"NUMBA_BOUNDSCHECK": "1"}, 60), ({"NUMBA_DISABLE_JIT": "1"}, 25)], ids=["bounds", "plain"]
 )

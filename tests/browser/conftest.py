@@ -15,11 +15,15 @@ SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark all tests of this folder; the timeout leaves room for kernels that compile in a fresh clone."""
+    """Mark all tests of this folder; the timeout leaves room for kernels that compile in a fresh clone.
+
+    One of pytest's workers runs them all, one after another: a page that shares its core with another misses frames.
+    """
     here = Path(__file__).parent
     for item in items:
         if here in item.path.parents:
             item.add_marker(pytest.mark.browser)
+            item.add_marker(pytest.mark.xdist_group("browser"))
             item.add_marker(pytest.mark.timeout(240))
 
 
