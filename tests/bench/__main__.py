@@ -23,6 +23,7 @@ from mapper.parameters import BY_NAME, MappingConfig
 from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
 from tests.bench.feel import feel
+from tests.bench.inspecting import inspecting
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 
@@ -154,9 +155,13 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["feel"]:
         feel()
         sys.exit()
+    if sys.argv[1:] == ["inspecting"]:
+        inspecting(hall(20_000, 360))
+        sys.exit()
     side_by_side()
     cost_against_size()
     cost_of_asking_why()
     cost_of_starting()
     reading()
+    inspecting(hall(20_000, 360))
     feel()

@@ -14,6 +14,7 @@ from tests.browser.running import running_chromium, running_server
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
+@pytest.hookimpl(tryfirst=True)  # xdist reads the groups in its own
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark all tests of this folder; the timeout leaves room for kernels that compile in a fresh clone.
 
