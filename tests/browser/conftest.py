@@ -14,17 +14,15 @@ from tests.browser.running import running_chromium, running_server
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
-@pytest.hookimpl(tryfirst=True)  # xdist reads the groups in its own
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark all tests of this folder; the timeout leaves room for kernels that compile in a fresh clone.
 
-    One of pytest's workers runs them all, one after another: a page that shares its core with another misses frames.
+    ``make test`` runs them by themselves, after all others: a page that shares its core with another misses frames.
     """
     here = Path(__file__).parent
     for item in items:
         if here in item.path.parents:
             item.add_marker(pytest.mark.browser)
-            item.add_marker(pytest.mark.xdist_group("browser"))
             item.add_marker(pytest.mark.timeout(240))
 
 
