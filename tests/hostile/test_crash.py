@@ -38,7 +38,7 @@ def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]
         assert found
         with httpx.Client(base_url=found[0], headers=WHO, timeout=60.0) as client:
             # The address is told when the port is bound; what an earlier run left is swept before the first answer.
-            assert client.get("/readyz").status_code == 200
+            assert client.get("/livez").status_code == 200
             yield process, client
     finally:
         process.kill()
