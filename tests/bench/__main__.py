@@ -28,6 +28,7 @@ from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 
 RANGE_MAX = 30.0
+ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
 REAL_LOGS = ("intel-corrected", "aces-corrected", "fhw-corrected")
 
 
@@ -89,11 +90,14 @@ def side_by_side() -> None:
         )  # fmt: skip
         print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
         for name, log, resolution in logs():
-            ours = bench_map(log, MappingConfig(range_max=RANGE_MAX, resolution=resolution), repeats=7)
-            beam, scan, cells = ours["per_beam_ms"], ours["per_scan_ms"], int(ours["cells"])
+            beam, scan, theirs, cells = np.inf, np.inf, np.inf, 0
+            for _ in range(ROUNDS):
+                ours = bench_map(log, MappingConfig(range_max=RANGE_MAX, resolution=resolution), repeats=5)
+                beam, scan = min(beam, ours["per_beam_ms"]), min(scan, ours["per_scan_ms"])
+                cells = int(ours["cells"])
+                theirs = min(theirs, mrpt_ms(peer, log, RANGE_MAX, resolution)) if peer else np.inf
             limit = memory_limit_ms(cells)
-            theirs = mrpt_ms(peer, log, RANGE_MAX, resolution) if peer else None
-            against = f"{theirs:.1f} ms | {theirs / beam:.2f} × | {theirs / scan:.2f} ×" if theirs else "– | – | –"
+            against = f"{theirs:.1f} ms | {theirs / beam:.2f} × | {theirs / scan:.2f} ×" if peer else "– | – | –"
             print(
                 f"| {name} | {log.n_scans} × {log.n_beams} | {cells / 1e6:.1f} M | {beam:.1f} ms | "
                 f"{1e-6 * cells / beam:.1f} G | {scan:.1f} ms | {against} | {1e-6 * cells / limit:.1f} G |"
