@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -21,7 +23,7 @@ from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.integrate import CellBox
 from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog
-from server.stream.protocol import encode_tiles
+from server.stream.protocol import decode_tiles, encode_tiles
 from server.stream.tiles import picture_of
 from tests.bench.feel import new_page
 from tests.bench.stopwatch import Laps, laps
@@ -100,7 +102,7 @@ def ten_people(files: list[Path]) -> tuple[float, float]:
         logs = Path(folder) / "logs"
         logs.mkdir()
         for path in files:
-            (logs / path.name).symlink_to(path.resolve())
+            shutil.copy(path, logs)
         address = stack.enter_context(running_server(Path(folder) / "data", "--logs-dir", str(logs)))
         before = memory_of(address)
         for path in files:
@@ -132,7 +134,13 @@ def _at_the_end(person: httpx.Client, address: str, path: Path, stack: ExitStack
             additional_headers={"Cookie": "; ".join(f"{k}={v}" for k, v in person.cookies.items())},
         )
     )
-    stream.send('{"type":"seek","index":1000000000,"id":1}')
+    stream.send(json.dumps({"type": "seek", "index": known["scans"], "id": 1}))
+    while True:
+        said = stream.recv(PATIENCE_S)
+        if isinstance(said, bytes):
+            stream.send(json.dumps({"type": "ack", "seq": decode_tiles(said).seq}))
+        elif json.loads(said).get("index") == known["scans"]:
+            return
 
 
 def one_region() -> tuple[tuple[int, float], tuple[int, float]]:
