@@ -34,8 +34,8 @@ _cell_of = jit(cell_of)
 #: (n_scans, regions, n_beams, 2) int32, the rows of their right and left ends; sides (n_scans, n_beams) int8, on which
 #: side of the sensor they lie; ends (n_scans, n_beams, 2) int32, the row and column in which the beam ends, row −1
 #: where that is no cell of the grid. The regions are FREE and, where there are hit windows, OUTER. For each scan: sure
-#: (n_scans,) bool, whether every corner keeps clear of every row's middle;
-#: views (n_scans, 4) int64, the rows and words [first, stop) that it sees, in the grid or not.
+#: (n_scans,) bool, whether every corner keeps clear of every row's middle; views (n_scans, 4) int64, the rows and
+#: words [first, stop) that it sees, in the grid or not.
 Plan = tuple[Float64Array, Int32Array, Int8Array, Int32Array, BoolArray, Int64Array]
 
 
