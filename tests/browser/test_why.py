@@ -12,7 +12,8 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
 
-# The place of the most occupied cell nearest to the robot, and a look at it from so near that a click cannot miss it.
+# The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot takes
+# the robot), and a look at it from so near that a click cannot miss it.
 _WALL = """() => {
   const { store } = gridbloom.connection;
   const { geometry, cells } = store.map.peek();
@@ -22,6 +23,7 @@ _WALL = """() => {
     for (let col = 0; col < geometry.cols; col++) {
       const p = [0, 1].map((k) => geometry.origin[k] + ([col, row][k] + 0.5) * geometry.resolution);
       const found = { byte: cells.at(row, col), away: Math.hypot(p[0] - x, p[1] - y), xy: p };
+      if (found.away < 0.6) continue;
       if (!best || found.byte > best.byte || (found.byte === best.byte && found.away < best.away)) best = found;
     }
   store.look({ x: best.xy[0] + 0.4, y: best.xy[1] + 0.3, scale: 0.005 });
