@@ -7,9 +7,12 @@
 | ``/tf`` | tf2_msgs/TFMessage | map → base_link at each scan |
 | ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
 | ``/scan`` | sensor_msgs/LaserScan | each scan |
+| ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
 | ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
 
-Source: mcap.dev/spec; REP 105 (frames).
+``/map`` and ``/tf_static`` are said to be latched (transient local), so that who joins a playback late gets them, too.
+
+Source: mcap.dev/spec, and its registry on the ``ros2`` profile; REP 105 (frames).
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from mapper.scan import LaserScan, ScanLog
 SECOND = ros2.SECOND
 LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
 BETWEEN_NS = SECOND // 10  #: two scans of a log without times
+LATCHED = frozenset({"/map", "/tf_static"})
 
 
 def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -60,8 +64,22 @@ class _Topics:
         if kind not in self._schemas:
             self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", ros2.definition(kind).encode())
         if topic not in self._channels:
-            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind])
+            quality = {"offered_qos_profiles": _quality(latched=topic in LATCHED)}
+            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind], quality)
         self._writer.add_message(self._channels[topic], log_time=stamp_ns, data=message, publish_time=stamp_ns)
+
+
+def _quality(*, latched: bool) -> str:
+    """Return how a topic was offered, as rosbag2 writes it down: numbers, which its older and newer versions read.
+
+    Kept are the last one where it is latched, else the last ten; reliable; no deadlines.
+    """
+    forever = "{sec: 9223372036, nsec: 854775807}"
+    return (
+        f"- history: 1\n  depth: {1 if latched else 10}\n  reliability: 1\n  durability: {1 if latched else 2}\n"
+        f"  deadline: {forever}\n  lifespan: {forever}\n  liveliness: 1\n"
+        f"  liveliness_lease_duration: {forever}\n  avoid_ros_namespace_conventions: false\n"
+    )
 
 
 def write_mcap(
@@ -90,24 +108,37 @@ def write_mcap(
     if log.bearings is not None:
         edges += [("laser", f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
     topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
+    angles = log.angle_min + log.angle_increment * np.arange(log.n_beams)
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for index, stamp in enumerate(stamps.tolist()):
         pose = (float(poses[index, 0]), float(poses[index, 1]), float(poses[index, 2]))
         edge = ("map", "base_link", pose, False)
         topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
         topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, "map", pose))
-        _send_scan(topics, log, index, stamp)
+        if log.bearings is None:
+            _send_scan(topics, log, index, stamp, rays)
+        else:
+            _send_sonars(topics, log, index, stamp)
         if progress is not None and index % 256 == 0:
             progress(index / len(stamps))
     writer.finish()  # type: ignore[no-untyped-call]
 
 
-def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
-    """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame."""
-    if log.bearings is None:
-        ranges = log.ranges[index]
-        scan = LaserScan(ranges, log.angle_min, log.angle_increment, log.range_min, log.range_max)
-        topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, "laser", scan))
-        return
+def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDArray[np.float64]) -> None:
+    """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame.
+
+    ``rays`` (n_beams, 2) are its beams' directions.
+    """
+    ranges = log.ranges[index]
+    scan = LaserScan(ranges, log.angle_min, log.angle_increment, log.range_min, log.range_max)
+    topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, "laser", scan))
+    measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
+    points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
+    points[:, :2] = ranges[measured, None] * rays[measured]
+    topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, "laser", points))
+
+
+def _send_sonars(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
     for i, reading in enumerate(log.ranges[index].tolist()):
         message = ros2.range_reading(stamp, f"sonar_{i}", log.beam_width, log.range_min, log.range_max, reading)
         topics.send(f"/sonar_{i}", "sensor_msgs/msg/Range", stamp, message)

@@ -18,6 +18,7 @@ from mapper.scan import LaserScan
 SECOND = 1_000_000_000
 ENCAPSULATION = b"\0\1\0\0"  #: plain CDR, little-endian
 Pose = tuple[float, float, float]  #: x, y, yaw
+_FLOAT32 = 7  #: as sensor_msgs/PointField counts the types of numbers
 
 _PARTS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
@@ -29,6 +30,10 @@ _PARTS = {
     "geometry_msgs/Transform": "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
     "geometry_msgs/TransformStamped": (
         "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform"
+    ),
+    "sensor_msgs/PointField": (
+        "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\n"
+        "uint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\nuint32 count"
     ),
     "nav_msgs/MapMetaData": (
         "builtin_interfaces/Time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
@@ -43,6 +48,10 @@ _MESSAGES = {
         "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\n"
         "float32 time_increment\nfloat32 scan_time\nfloat32 range_min\nfloat32 range_max\n"
         "float32[] ranges\nfloat32[] intensities"
+    ),
+    "sensor_msgs/msg/PointCloud2": (
+        "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n"
+        "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense"
     ),
     "sensor_msgs/msg/Range": (
         "uint8 ULTRASOUND=0\nuint8 INFRARED=1\nstd_msgs/Header header\nuint8 radiation_type\nfloat32 field_of_view\n"
@@ -90,7 +99,7 @@ class _Bytes:
         turn = (cos, sin, 0.0, 0.0) if upside_down else (0.0, 0.0, sin, cos)
         return self.pack("d", 8, x, y, 0.0, *turn)
 
-    def array(self, values: NDArray[np.float32] | NDArray[np.int8]) -> _Bytes:
+    def array(self, values: NDArray[np.float32] | NDArray[np.int8] | NDArray[np.uint8]) -> _Bytes:
         self.pack("I", 4, len(values)).data += values.tobytes()
         return self
 
@@ -126,6 +135,15 @@ def laser_scan(stamp_ns: int, frame: str, scan: LaserScan) -> bytes:
     out = _Bytes().header(stamp_ns, frame)
     out.pack("f", 4, scan.angle_min, last, scan.angle_increment, 0.0, 0.0, scan.range_min, scan.range_max)
     return out.array(scan.ranges).pack("I", 4, 0).message
+
+
+def point_cloud(stamp_ns: int, frame: str, points: NDArray[np.float32]) -> bytes:
+    """Return a sensor_msgs/PointCloud2 of ``points`` (n, 3): x, y, z in metres, in one row."""
+    out = _Bytes().header(stamp_ns, frame).pack("I", 4, 1, len(points), 3)
+    for axis, name in enumerate("xyz"):
+        out.string(name).pack("I", 4, 4 * axis).pack("B", 1, _FLOAT32).pack("I", 4, 1)
+    out.pack("B", 1, 0).pack("I", 4, 12, 12 * len(points))
+    return out.array(points.ravel().view(np.uint8)).pack("B", 1, 1).message
 
 
 def range_reading(stamp_ns: int, frame: str, width: float, range_min: float, range_max: float, reading: float) -> bytes:

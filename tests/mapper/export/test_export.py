@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mapper.errors import ConfigError
 from mapper.export import tum_text, write_mcap
@@ -39,6 +41,11 @@ def grid_of(log: ScanLog) -> OccupancyGrid:
     return grid
 
 
+def sonars_of(log: ScanLog) -> ScanLog:
+    bearings = np.array([-0.5, 0.1, 1.4])
+    return replace(log, ranges=log.ranges[:, :3].copy(), bearings=bearings, beam_width=0.3, upside_down=False)
+
+
 def read(path: Path) -> dict[str, list[tuple[int, Any]]]:
     """Every message by topic, decoded by rosbags with the definitions that are in the file."""
     found: dict[str, list[tuple[int, Any]]] = {}
@@ -55,7 +62,8 @@ def test_another_reader_finds_the_map_the_poses_and_the_scans(tmp_path: Path, lo
         write_mcap(file, log, grid, "true")
     found = read(path)
     assert {topic: len(messages) for topic, messages in found.items()} == {
-        "/map": 1, "/tf_static": 1, "/tf": log.n_scans, "/pose": log.n_scans, "/scan": log.n_scans,
+        "/map": 1, "/tf_static": 1,
+        "/tf": log.n_scans, "/pose": log.n_scans, "/scan": log.n_scans, "/points": log.n_scans,
     }  # fmt: skip
     (at, occupancy), *_ = found["/map"]
     assert at == log.stamps_ns[0]
@@ -119,14 +127,64 @@ def test_foxgloves_own_decoder_reads_it_by_the_definitions_in_the_file(tmp_path:
         assert (tf.transforms[0].transform.translation.x, tf.transforms[0].child_frame_id) == (x, "base_link")
 
 
+def test_another_reader_finds_where_the_beams_ended(tmp_path: Path, log: ScanLog) -> None:
+    ranges = log.ranges.copy()
+    ranges[3, :5] = [np.inf, -np.inf, np.nan, 0.0, 2.0 * log.range_max]
+    holed = replace(log, ranges=ranges)
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, holed)
+    clouds, scans = read(path)["/points"], read(path)["/scan"]
+    for index in (0, 3, log.n_scans - 1):
+        cloud, scan = clouds[index][1], scans[index][1]
+        assert (cloud.header.frame_id, cloud.header.stamp) == ("laser", scan.header.stamp)
+        assert [(one.name, one.datatype, one.count) for one in cloud.fields] == [(axis, 7, 1) for axis in "xyz"]
+        assert (cloud.height, cloud.is_dense, cloud.is_bigendian) == (1, True, False)
+        assert cloud.row_step == cloud.point_step * cloud.width == len(cloud.data)
+        rows = cloud.data.reshape(cloud.width, cloud.point_step)
+        points = np.hstack([rows[:, one.offset : one.offset + 4].copy().view("<f4") for one in cloud.fields])
+        turns = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+        ends = [
+            (r * math.cos(turn), r * math.sin(turn), 0.0)
+            for r, turn in zip(scan.ranges.tolist(), turns.tolist(), strict=True)
+            if r > 0.0 and scan.range_min <= r <= scan.range_max
+        ]
+        np.testing.assert_allclose(points, ends, atol=1e-4)
+    assert clouds[3][1].width == sum(scans[3][1].ranges <= scans[3][1].range_max) - 2  # without −inf and 0
+
+
+def test_the_definitions_in_the_file_are_those_of_ros(log: ScanLog) -> None:
+    lasers, sonars = io.BytesIO(), io.BytesIO()
+    write_mcap(lasers, log, grid_of(log))
+    write_mcap(sonars, sonars_of(log))
+    theirs = get_typestore(Stores.ROS2_HUMBLE).fielddefs
+    seen = set()
+    for file in (lasers, sonars):
+        file.seek(0)
+        summary = make_reader(file).get_summary()
+        assert summary is not None
+        for schema in summary.schemas.values():
+            for name, ours in get_types_from_msg(schema.data.decode(), schema.name).items():
+                seen.add(name)
+                assert ours[1] == theirs[name][1], name  # the fields, in their order
+                assert set(ours[0]) <= set(theirs[name][0]), name  # the constants
+    assert {"sensor_msgs/msg/PointField", "sensor_msgs/msg/Range", "tf2_msgs/msg/TFMessage"} < seen
+
+
+def test_who_joins_a_playback_late_gets_the_map_and_the_mount(tmp_path: Path, log: ScanLog) -> None:
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, grid_of(log))
+    with AnyReader([path]) as reader:
+        offered = {one.topic: one.ext.offered_qos_profiles for one in reader.connections}  # type: ignore[union-attr]
+    assert all(len(one) == 1 for one in offered.values())
+    latched = {topic for topic, (one,) in offered.items() if one.durability == QosDurability.TRANSIENT_LOCAL}
+    assert latched == {"/map", "/tf_static"}
+    assert {one.reliability for (one,) in offered.values()} == {QosReliability.RELIABLE}
+
+
 def test_sonars_are_range_messages_in_frames_of_their_own(tmp_path: Path, log: ScanLog) -> None:
-    sonars = replace(
-        log,
-        ranges=log.ranges[:, :3].copy(),
-        bearings=np.array([-0.5, 0.1, 1.4]),
-        beam_width=0.3,
-        upside_down=False,
-    )
+    sonars = sonars_of(log)
     path = tmp_path / "run.mcap"
     with path.open("wb") as file:
         write_mcap(file, sonars)
@@ -148,7 +206,7 @@ def test_the_mcap_library_finds_a_summary_and_good_checksums(log: ScanLog) -> No
     summary = reader.get_summary()
     assert summary is not None
     assert summary.statistics is not None
-    assert summary.statistics.message_count == 2 + 3 * log.n_scans == sum(1 for _ in reader.iter_messages())
+    assert summary.statistics.message_count == 2 + 4 * log.n_scans == sum(1 for _ in reader.iter_messages())
     assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
 
 

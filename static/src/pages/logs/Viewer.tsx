@@ -253,7 +253,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
         <p class="quiet">
           pgm and yaml together open in map_server and Nav2; png is for people.
           {!isGuest &&
-            " mcap is the whole run with this map, for Foxglove, Lichtblick, Rerun and ROS 2; tum is the way of the robot."}
+            " mcap is the whole run with this map: Rerun draws it and ROS 2 plays it as it is, Foxglove and Lichtblick draw what is switched on in their 3D panel (/map, /scan, /pose); tum is the way of the robot."}
         </p>
       </Panel>
     </aside>
