@@ -12,8 +12,8 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
 
-# The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot takes
-# the robot), and a look at it from so near that a click cannot miss it.
+# The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
+# takes the robot), and a look at it from so near that a click cannot miss it.
 _WALL = """() => {
   const { store } = gridbloom.connection;
   const { geometry, cells } = store.map.peek();
