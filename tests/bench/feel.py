@@ -113,8 +113,11 @@ def lecture(browser: Browser, server: str) -> dict[str, Laps]:
     return took
 
 
-def retuned(browser: Browser, server: str) -> Laps:
-    """Return the laps from a slider's move to the whole map of the real log, made anew and repainted."""
+def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
+    """Return the laps from a slider's move to the whole map of the real log, made anew and repainted.
+
+    First those of the map alone, then those of its difference from the map of before, which stands beside it.
+    """
     page = new_page(browser)
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text=LOG).get_by_role("button", name="Make its map").click()
@@ -123,7 +126,20 @@ def retuned(browser: Browser, server: str) -> Laps:
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
+    alone = _slid(page)
+    page.get_by_role("button", name="Keep these as A").click()
+    page.locator(".compare-look .choice-option", has_text="Difference").click()
+    until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
+    settled_digest(page)
+    compared = _slid(page)
+    page.context.close()
+    return alone, compared
+
+
+def _slid(page: Page) -> Laps:
+    """Return the laps of a slider that moves to and fro over a log's page."""
     slider = page.get_by_role("slider", name="Max range", exact=True).and_(page.locator("input[type=range]"))
+    slider.scroll_into_view_if_needed()
     x, y = centre(slider)
     box = slider.bounding_box()
     assert box is not None
@@ -134,7 +150,6 @@ def retuned(browser: Browser, server: str) -> Laps:
     settled_digest(page)
     took = laps(page, ["input"], "whole map", lambda i: page.mouse.move(x - 20 - 40 * (i % 2), y), TIMES)
     page.mouse.up()
-    page.context.close()
     return took
 
 
@@ -221,7 +236,9 @@ def feel() -> None:
                 row(f"the lecture's {figure}: handle moved → repainted", took, "16 ms", "8 ms")
             row("teleport click → first new cells", teleport(browser, server), "100 ms", "50 ms")
             if real.is_file():
-                row("slider moved → the whole Intel map", retuned(browser, server), "150 ms", "50 ms")
+                alone, compared = retuned(browser, server)
+                row("slider moved → the whole Intel map", alone, "150 ms", "50 ms")
+                row("the same while comparing → its difference", compared, "", "")
             seconds, kilobytes = opening(browser, server)
             still, hidden = asleep(browser, server)
             rows += [
