@@ -9,6 +9,11 @@ interface Local {
   readonly since: number;
 }
 
+const isSame = (a: Values, b: Values): boolean => {
+  const names = Object.keys(a);
+  return names.length === Object.keys(b).length && names.every((name) => name in b && Object.is(a[name], b[name]));
+};
+
 /**
  * Values that the server owns and the hand moves. What is set here shows at once; the server's echo is older than the
  * hand while a slider moves, so it waits until it agrees, or until the hand has rested. A refusal gives way at once.
@@ -27,10 +32,13 @@ export class Optimistic {
   ) {
     this.#now = now;
     this.#later = later;
+    let last: Values = {};
     this.values = computed(() => {
       const values: Record<string, Value> = { ...this.#server.value };
       for (const [name, { value }] of this.#local.value) values[name] = value;
-      return values;
+      // An echo of what is there already is no change: nothing that hangs on the values begins anew for it.
+      if (!isSame(values, last)) last = values;
+      return last;
     });
   }
 

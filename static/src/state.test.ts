@@ -1,3 +1,4 @@
+import { effect } from "@preact/signals";
 import { beforeEach, describe, expect, test, vi } from "vitest";
 import { beamAt, beamToward, cellsOf } from "./beams";
 import { decodeTiles, type TilesFrame } from "./decodeTiles";
@@ -51,6 +52,21 @@ describe("optimistic values", () => {
     expect(values.values.value.hit).toBe(9);
     pass(700);
     expect(values.values.value.hit).toBe(4);
+  });
+
+  test("an echo of what holds already is no change", () => {
+    const seen: unknown[] = [];
+    effect(() => void seen.push(values.values.value));
+    values.set("hit", 2);
+    values.hear({ hit: 2, miss: -1 });
+    pass(700);
+    values.hear({ miss: -1, hit: 2 });
+    expect(seen).toEqual([
+      { hit: 1, miss: -1 },
+      { hit: 2, miss: -1 },
+    ]);
+    values.hear({ hit: 2 });
+    expect(seen.at(-1)).toEqual({ hit: 2 });
   });
 
   test("a refusal gives way at once", () => {
@@ -152,6 +168,19 @@ describe("the store", () => {
     sent = [];
     const send = (command: Command): boolean => sent.push(command) > 0;
     store = new Store(send, new Outbox(send, (task) => task()));
+  });
+
+  test("what is sent at once does not overtake what waits for the next frame", () => {
+    const frames: (() => void)[] = [];
+    const send = (command: Command): boolean => sent.push(command) > 0;
+    const patient = new Store(send, new Outbox(send, (task) => frames.push(task)));
+    patient.setParameter("window", 0.3);
+    patient.send({ type: "step", scans: 1 });
+    for (const task of frames) task();
+    expect(sent).toEqual([
+      { type: "parameters", values: { window: 0.3 } },
+      { type: "step", scans: 1 },
+    ]);
   });
 
   test("only a complete picture is something to resume from", () => {

@@ -221,8 +221,9 @@ export class Watched implements Receiver {
     this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
-  /** Send a command at once. */
+  /** Send a command at once, after those that wait for the next animation frame: they were given before it. */
   send(command: Command): void {
+    this.outbox.flush();
     this.#transmit(command);
   }
 
