@@ -45,6 +45,11 @@ async def eventually(condition: Callable[[], bool]) -> None:
         await asyncio.sleep(0.002)
 
 
+def stream_at(address: str, **more: Any) -> Any:
+    """Open the stream at an address."""
+    return connect(address, subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+
+
 class Service:
     """A running service."""
 
@@ -69,8 +74,7 @@ class Service:
 
     def connect(self, session: str, query: str = "", **more: Any) -> Any:
         """Open a session's stream."""
-        address = self.address(session) + query
-        return connect(address, subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+        return stream_at(self.address(session) + query, **more)
 
 
 @contextmanager
@@ -181,16 +185,30 @@ class Watcher:
         return next(m for m in self.messages[seen:] if m["type"] == kind)
 
     async def settle(self) -> None:
-        """Pause, and read until the picture is complete and nothing more comes."""
+        """Pause, and read until the picture is all of the session's map, after everything that was asked of it."""
         await self.send("pause")
-        await self.until(lambda: not self.newest.get("frame", {"playing": True})["playing"])
-        while True:
-            try:
-                if await self.read(0.4) is None:
-                    await self.acknowledge()
-            except TimeoutError:
-                assert self.complete
-                return
+        await self.until(lambda: self.epoch >= 0)
+        # Commands are carried out in their turn: the answer about a cell comes after all that was asked before. It
+        # fails to come where another map has begun meanwhile.
+        told = None
+        while told != "cell":
+            seen = len(self.messages)
+            await self.send("inspect", row=0, col=0, epoch=self.epoch)
+            told = await self._told(seen, ("cell", "command.epoch"))
+        # What is sent after an answer is as new as the answer; the second pause sees to it that something is.
+        await self.send("pause")
+        self.complete = False
+        await self.until(lambda: self.complete)
+
+    async def _told(self, seen: int, kinds: tuple[str, ...]) -> str:
+        """Read until one of some answers has come, or errors of some codes; return which."""
+
+        def told() -> str | None:
+            names = (m["code"] if m["type"] == "error" else m["type"] for m in self.messages[seen:])
+            return next((name for name in names if name in kinds), None)
+
+        await self.until(lambda: told() is not None)
+        return told() or ""
 
     def log_odds(self) -> NDArray[np.float64]:
         """The picture's log-odds, NaN where never observed."""

@@ -10,11 +10,10 @@ from typing import Any
 
 import httpx
 import pytest
-from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, until_closed
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
 
 TOKEN = "the-token-of-this-service"
 ODDS = 1.75
@@ -90,13 +89,7 @@ async def ask(client: httpx.Client, method: str, path: str) -> httpx.Response:
 
 def stream(service: Service, session: str, client: httpx.Client) -> Any:
     headers = {name: value for name, value in client.headers.items() if name == "authorization"}
-    return connect(
-        service.address(session),
-        subprotocols=["gridbloom.v1"],  # type: ignore[list-item]
-        compression=None,
-        max_size=None,
-        additional_headers=headers,
-    )
+    return stream_at(service.address(session), additional_headers=headers)
 
 
 async def test_a_guest_sees_this_very_view_and_nothing_else(

@@ -34,6 +34,12 @@ def registry(make_registry: Callable[..., SessionRegistry]) -> SessionRegistry:
     return make_registry()
 
 
+@pytest.fixture
+def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is asked of a session at once is carried out in one tick, however slow the machine is."""
+    monkeypatch.setattr("server.sessions.content.ORDERS_S", float("inf"))
+
+
 async def obeyed(session: Session, **command: Any) -> None:
     """Give a command and wait until it was carried out."""
     session.enqueue(command)

@@ -156,6 +156,7 @@ async def test_a_question_that_has_no_answer(
     assert (said["type"], said["code"]) == ("error", code)
 
 
+@pytest.mark.usefixtures("one_tick")
 async def test_of_many_questions_the_last_is_answered(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await registry.create_world("me", "room", seed=4)
     await obey(session, type="pause")

@@ -215,6 +215,7 @@ async def test_restart_and_another_world_begin_anew(registry: SessionRegistry, o
     assert session.view().geometry.contains(session.view().geometry.world_to_cell([(x0, y0), (x1, y1)])).all()
 
 
+@pytest.mark.usefixtures("one_tick")
 async def test_of_many_parameters_only_the_newest_is_made(
     registry: SessionRegistry, obey: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
