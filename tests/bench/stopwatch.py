@@ -117,10 +117,10 @@ def laps(page: Page, starts: Sequence[str], change: str, movement: Callable[[int
 
 def dragged(page: Page, grip: Locator, times: int, *, dx: float = 0.0, dy: float = 0.0) -> Laps:
     """Take a handle (``role=slider``) by a part of it and move it to and fro; return the laps to its new value."""
-    x, y = still(page, grip)
+    x, y = still(grip)
     page.mouse.move(x, y)
     page.wait_for_timeout(500)
-    x, y = still(page, grip)
+    x, y = still(grip)
     page.mouse.move(x, y)
     page.mouse.down()
     try:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect
 
+from tests.browser.looking import SECONDS, settled_digest
 from tests.browser.running import running_chromium, running_server
 
+expect.set_options(timeout=SECONDS * 1000)
+
+SEED = 7  #: of the worlds that stand still; any will do
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
@@ -70,14 +76,35 @@ class WatchedPage:
             self.problems.append(f"asked another host: {url}")
 
 
-@pytest.fixture
-def context(browser: Browser, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
-    """Return a fresh visitor's browser, at the size that an indirect parameter names."""
-    width, height = SIZES[getattr(request, "param", "desktop")]
-    phone = getattr(request, "param", "desktop") == "phone"
-    context = browser.new_context(viewport={"width": width, "height": height}, has_touch=phone, is_mobile=phone)
+@contextmanager
+def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserContext]:
+    """Yield a fresh visitor's browser; what sessions they begin end with them: many tests must not fill the server."""
+    context = browser.new_context(**({"viewport": {"width": 1440, "height": 900}} | options))
     yield context
+    for page in context.pages:
+        page.close()
+    for session in context.request.get(f"{server}/api/sessions").json()["sessions"]:
+        context.request.delete(f"{server}/api/sessions/{session['id']}")
     context.close()
+
+
+@pytest.fixture
+def context(browser: Browser, server: str, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
+    """Return a fresh visitor's browser, at the size that an indirect parameter names."""
+    size = getattr(request, "param", "desktop")
+    width, height = SIZES[size]
+    phone = size == "phone"
+    with visiting(
+        browser, server, viewport={"width": width, "height": height}, has_touch=phone, is_mobile=phone
+    ) as context:
+        yield context
+
+
+@pytest.fixture
+def visitor(browser: Browser, server: str) -> Iterator[BrowserContext]:
+    """Return the browser of another visitor."""
+    with visiting(browser, server) as context:
+        yield context
 
 
 @pytest.fixture
@@ -92,3 +119,25 @@ def watched(context: BrowserContext, server: str) -> Iterator[WatchedPage]:
 def page(watched: WatchedPage) -> Page:
     """Return the page of :func:`watched`."""
     return watched.page
+
+
+@pytest.fixture
+def open_lab(page: Page, server: str) -> Callable[..., Page]:
+    """Return a function that opens the lab on a world that stands still: each time the same one."""
+
+    def open_(world: str = "office", scans: int = 45) -> Page:
+        page.goto(f"{server}/lab.html?session={standing_world(page.context, server, world, scans)}")
+        page.locator("figure.profile").wait_for()  # what is below the pictures comes after them
+        settled_digest(page)
+        return page
+
+    return open_
+
+
+def standing_world(context: BrowserContext, server: str, world: str = "office", scans: int = 45) -> str:
+    """Begin a session of a world in which the robot has walked for a while and stands; return its id."""
+    story = {"steps": 5 * scans}  # of 0.02 s; the sensor scans at 10 Hz
+    wanted = {"kind": "world", "world": world, "seed": SEED, "playing": False, "story": story}
+    answer = context.request.post(f"{server}/api/sessions", data=wanted)
+    assert answer.status == 201, answer.text()
+    return str(answer.json()["id"])

@@ -2,23 +2,47 @@
 
 from __future__ import annotations
 
+import asyncio
+import hashlib
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
+from urllib.parse import urlsplit
 
 from playwright.sync_api import Locator, Page
 
+from tests.server.service import Watcher, stream_at
+
 SECONDS = 30.0  # how long anything may take on a slow machine before a test fails
 
-# FNV-1a over the geometry and every byte of the map that the browser holds.
-_MAP_DIGEST = """() => {
+# The geometry, and SHA-256 over every byte of the map that the browser holds.
+_MAP_DIGEST = """async () => {
   const map = gridbloom.connection.store.map.peek();
-  if (!map) return "no map";
-  const { rows, cols, resolution, origin, log_odds_min, log_odds_max } = map.geometry;
-  let hash = 2166136261;
-  for (let row = 0; row < rows; row++)
-    for (let col = 0; col < cols; col++) hash = Math.imul(hash ^ map.cells.at(row, col), 16777619);
-  return [rows, cols, resolution, origin, log_odds_min, log_odds_max, hash >>> 0].join(" ");
+  if (!map) return null;
+  const { rows, cols } = map.geometry;
+  const bytes = new Uint8Array(rows * cols);
+  for (let row = 0, i = 0; row < rows; row++)
+    for (let col = 0; col < cols; col++) bytes[i++] = map.cells.at(row, col);
+  const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
+  return [map.geometry, [...digest].map(byte => byte.toString(16).padStart(2, "0")).join("")];
+}"""
+
+# Waits until the session has carried out what the page has asked of it: commands are carried out in their turn, so
+# the answer about a cell comes after them. What the page sends with its next animation frame is sent before.
+_CARRIED_OUT = """async () => {
+  await new Promise(requestAnimationFrame);
+  const { store } = gridbloom.connection;
+  const before = store.inspected.peek();
+  for (let waited = 0, askedAt = -Infinity; ; waited += 5) {
+    const now = store.inspected.peek();
+    if (now !== before && now.row === 0 && now.col === 0) return;
+    if (waited - askedAt >= 300) {  // an answer fails to come where another map has begun meanwhile
+      askedAt = waited;
+      store.send({ type: "inspect", row: 0, col: 0, epoch: store.map.peek()?.geometry.epoch ?? 0 });
+    }
+    await new Promise(resolve => setTimeout(resolve, 5));
+  }
 }"""
 
 _MAP_BYTES = """() => {
@@ -43,20 +67,40 @@ def until(what: str, condition: Callable[[], Any], seconds: float = SECONDS) -> 
 
 def map_digest(page: Page) -> str:
     """Return a digest of the map that the browser holds."""
-    return str(page.evaluate(_MAP_DIGEST))
+    held = page.evaluate(_MAP_DIGEST)
+    return "no map" if held is None else _digest(*held)
+
+
+def _digest(geometry: dict[str, Any], cells: str) -> str:
+    numbers = [geometry[name] for name in ("rows", "cols", "resolution", "log_odds_min", "log_odds_max")]
+    return " ".join([*(f"{float(number):.9g}" for number in [*numbers, *geometry["origin"]]), cells])
+
+
+def _served_digest(page: Page) -> str:
+    """Return the digest of the map that the page's session has, as a client of its own gets it that has nothing yet."""
+    session = page.evaluate("() => gridbloom.connection.store.hello.peek().session")
+    address = f"ws://{urlsplit(page.url).netloc}/api/sessions/{session}/stream"
+
+    async def get() -> str:
+        async with stream_at(address) as socket:
+            watcher = Watcher(socket)
+            await watcher.until(lambda: watcher.complete)
+            cells = watcher.picture.view("uint8") ^ 0x80  # int8 −128 … 127 is 0 … 255 in the browser
+            return _digest(watcher.newest["geometry"], hashlib.sha256(cells.tobytes()).hexdigest())
+
+    with ThreadPoolExecutor(1) as apart:  # Playwright's own event loop runs in this thread
+        return apart.submit(asyncio.run, get()).result(SECONDS)
 
 
 def settled_digest(page: Page) -> str:
-    """Return the digest once it has stayed the same for a while."""
-    last, since = map_digest(page), time.monotonic()
-    deadline = since + SECONDS
-    while time.monotonic() - since < 0.5:
-        assert time.monotonic() < deadline, "the map never settled"
-        page.wait_for_timeout(100)
-        now = map_digest(page)
-        if now != last:
-            last, since = now, time.monotonic()
-    return last
+    """Return the digest of a standing session's map, after all that the page asked for, once the page has it too."""
+    page.evaluate(_CARRIED_OUT)
+
+    def same() -> str | None:
+        digest = _served_digest(page)
+        return digest if map_digest(page) == digest else None
+
+    return str(until("the session's map on the page", same))
 
 
 def map_bytes(page: Page) -> dict[str, Any]:
@@ -71,14 +115,23 @@ def observed(page: Page) -> int:
 
 
 def frame(page: Page) -> dict[str, Any]:
-    """Return the newest frame message that the page has."""
-    result: dict[str, Any] = page.evaluate("() => gridbloom.connection.store.frame.peek()")
-    return result
+    """Return the newest frame message that the page has; it may have to wait for the first."""
+    newest = "() => window.gridbloom?.connection.store.frame.peek()"
+    while not (found := page.evaluate(newest)):
+        page.wait_for_function(newest)
+    return dict(found)
+
+
+def end_session(page: Page) -> None:
+    """End the session that the page watches, behind its back."""
+    session = page.evaluate("() => gridbloom.connection.store.hello.peek().session")
+    origin = "{0.scheme}://{0.netloc}".format(urlsplit(page.url))
+    assert page.request.delete(f"{origin}/api/sessions/{session}").status == 204
 
 
 def await_map(page: Page) -> None:
     """Wait until the page holds a map with something in it."""
-    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50", timeout=SECONDS * 1000)
+    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
 
 
 def centre(locator: Locator) -> tuple[float, float]:
@@ -89,23 +142,44 @@ def centre(locator: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def still(page: Page, locator: Locator) -> tuple[float, float]:
-    """Return the middle of an element once it has stopped moving."""
-    last = centre(locator)
-    deadline = time.monotonic() + SECONDS
-    while True:
-        page.wait_for_timeout(250)
-        now = centre(locator)
-        if now == last:
-            return now
-        assert time.monotonic() < deadline, "the element never stood still"
-        last = now
+# Resolves when an element has stayed at its place for a while.
+_STILL = """async (element) => {
+  for (let place = "", since = 0; performance.now() - since < 150 || place === ""; ) {
+    await new Promise(requestAnimationFrame);
+    const box = element.getBoundingClientRect();
+    const now = [box.x, box.y, box.width, box.height].join(" ");
+    if (now !== place) since = performance.now();
+    place = now;
+  }
+}"""
+
+# Resolves when the pictures of the map are painted no more: no cell glows, nothing glides.
+_PAINTED = """async () => {
+  for (let paints = -1, same = 0; same < 3; ) {
+    await new Promise(requestAnimationFrame);
+    const now = gridbloom.stats().paints;
+    same = now === paints ? same + 1 : 0;
+    paints = now;
+  }
+}"""
+
+
+def painted(page: Page) -> None:
+    """Wait until the pictures of a standing map have come to rest."""
+    page.evaluate(_PAINTED)
+
+
+def still(locator: Locator) -> tuple[float, float]:
+    """Return the middle of an element once it has stopped moving, in CSS pixels of the viewport, scrolled into view."""
+    locator.scroll_into_view_if_needed()
+    locator.evaluate(_STILL)
+    return centre(locator)
 
 
 def drag(page: Page, locator: Locator, dx: float, dy: float) -> None:
     """Go to an element with the mouse, and when it stands still under it drag it by its middle."""
     page.mouse.move(*centre(locator))
-    x, y = still(page, locator)
+    x, y = still(locator)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + dx, y + dy, steps=6)

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import SECONDS, await_map, frame, until
+from tests.browser.looking import SECONDS, await_map, end_session, frame, until
 
 AWAY = "The server does not answer"
 
@@ -15,7 +15,7 @@ AWAY = "The server does not answer"
 def says(page: Page, place: str, words: str) -> None:
     """Bring a page to the front, as hidden ones rest, and wait for its words."""
     page.bring_to_front()
-    expect(page.locator(place)).to_contain_text(words, timeout=SECONDS * 1000)
+    expect(page.locator(place)).to_contain_text(words)
 
 
 def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, server: str) -> None:
@@ -30,7 +30,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         await_map(viewer)
         logs.goto(f"{address}/logs.html")
         card = logs.locator(".log-card", has_text="sample")
-        expect(card).to_be_visible(timeout=SECONDS * 1000)
+        expect(card).to_be_visible()
         for page in (home, viewer, logs):
             page.evaluate("() => { window.notReloaded = true; }")
         says(home, ".hero-facts", "readings so far")
@@ -44,7 +44,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         proxy.mend()
         await_map(logs)
         viewer.bring_to_front()
-        expect(viewer.locator(".viewer-over")).to_have_count(0, timeout=SECONDS * 1000)
+        expect(viewer.locator(".viewer-over")).to_have_count(0)
         seen = frame(viewer)["index"]
         until("the log to go on", lambda: frame(viewer)["index"] > seen or not frame(viewer)["playing"])
         says(home, ".hero-facts", "readings so far")
@@ -53,9 +53,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
 
         # A server that begins anew knows no views: the log opens again by itself, and the page says so.
         logs.bring_to_front()
-        logs.evaluate(
-            "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-        )
+        end_session(logs)
         says(logs, ".toast", "Here is the log again")
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
 
@@ -77,5 +75,5 @@ def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, se
         page.wait_for_timeout(500)
         proxy.mend()
         # The upload goes on where the server has it, and the page with it.
-        page.wait_for_url("**/logs.html", timeout=SECONDS * 1000)
-        expect(page.locator(".log-card", has_text="away.log").first).to_be_visible(timeout=SECONDS * 1000)
+        page.wait_for_url("**/logs.html")
+        expect(page.locator(".log-card", has_text="away.log").first).to_be_visible()

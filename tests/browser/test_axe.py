@@ -6,6 +6,7 @@ axe-core is read from node_modules: nothing is downloaded.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -36,6 +37,14 @@ _UNTOLD = """() => [...document.querySelectorAll("[role=slider], input[type=rang
   })"""
 
 
+# Resolves when colours are what they were going to be: they change by transitions, however short.
+_FADED = """async () => {
+  for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame);
+  const fading = document.getAnimations().filter(one => one instanceof CSSTransition);
+  await Promise.allSettled(fading.map(one => one.finished));
+}"""
+
+
 def violations(page: Page, within: str = "html") -> list[str]:
     """Return what axe-core finds serious in a part of the page: the rule, and the first elements that break it."""
     if not page.evaluate("() => 'axe' in window"):
@@ -63,7 +72,7 @@ def nothing_serious(page: Page, within: str = "html") -> None:
     schemes: tuple[Literal["light", "dark"], ...] = ("light", "dark")
     for scheme in schemes:
         page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
-        page.wait_for_timeout(400)  # colours change by transitions, however short
+        page.evaluate(_FADED)
         assert violations(page, within) == [], scheme
 
 
@@ -72,28 +81,26 @@ def nothing_serious(page: Page, within: str = "html") -> None:
 def test_axe_finds_nothing_serious(page: Page, server: str, path: str) -> None:
     page.emulate_media(reduced_motion="reduce")
     page.goto(server + path)
-    page.locator(READY[path]).first.wait_for(timeout=SECONDS * 1000)
+    page.locator(READY[path]).first.wait_for()
     if path == "/lecture.html":
         page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
         expect(page.locator(".figure-awaited")).to_have_count(0)
         page.evaluate("() => dispatchEvent(new Event('afterprint'))")
         assert told_sliders(page) > 40
-    page.wait_for_timeout(500)
     nothing_serious(page)
 
 
 @pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
-def test_the_lab_in_every_state(page: Page, server: str) -> None:
+def test_the_lab_in_every_state(page: Page, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{server}/lab.html")
-    await_map(page)
+    open_lab()
     page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
     page.get_by_role("switch", name="Wheels that drift").click()
     page.get_by_role("switch", name="Polished walls").click()
     page.get_by_role("switch", name="Right beside wrong").click()
-    expect(page.get_by_role("region", name="Made right")).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.get_by_role("region", name="Made right")).to_be_visible()
     page.evaluate("() => { const { store } = gridbloom.connection; store.ask(store.frame.peek().pose.slice(0, 2)); }")
-    expect(page.locator(".why-chart").first).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.locator(".why-chart").first).to_be_visible()
     settled_digest(page)
     assert told_sliders(page) > 15
     nothing_serious(page)
@@ -101,14 +108,13 @@ def test_the_lab_in_every_state(page: Page, server: str) -> None:
         return
     for model in MODELS:
         page.evaluate("model => gridbloom.connection.store.setParameter('model', model)", model)
-        page.wait_for_function("model => gridbloom.connection.store.mapping.values.peek().model === model", arg=model)
-        page.wait_for_timeout(100)
+        settled_digest(page)
         told_sliders(page)
         assert violations(page, ".lab-below") == [], model
     page.keyboard.press("Escape")
     page.get_by_label("How far a step goes").select_option("cell")
     page.get_by_role("button", name="One cell on").click()
-    expect(page.locator(".steps-note")).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.locator(".steps-note")).to_be_visible()
     page.get_by_role("button", name="Draw furniture").click()
     nothing_serious(page, ".lab-bar, .plates")
     page.evaluate("""() => {
@@ -119,7 +125,7 @@ def test_the_lab_in_every_state(page: Page, server: str) -> None:
     page.wait_for_function("() => gridbloom.connection.store.world.peek().name === 'room'")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
     page.get_by_role("button", name="Put a table there").click()
-    expect(page.get_by_role("slider", name="My guess")).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.get_by_role("slider", name="My guess")).to_be_visible()
     told_sliders(page)
     nothing_serious(page, ".lab-experiments")
 
@@ -164,11 +170,8 @@ def test_axe_would_find_something(page: Page, server: str) -> None:
     assert any("button-name" in one for one in violations(page))
 
 
-def test_a_cell_under_the_cursor_is_spoken_in_its_turn(page: Page, server: str) -> None:
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
+def test_a_cell_under_the_cursor_is_spoken_in_its_turn(open_lab: Callable[..., Page]) -> None:
+    page = open_lab()
     picture = page.locator(".picture").first
     box = picture.bounding_box()
     assert box is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, drag, frame, settled_digest, until
+from tests.browser.looking import drag, frame, settled_digest, until
 from tests.browser.test_axe import nothing_serious, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
@@ -45,13 +44,13 @@ def numbers(page: Page) -> dict[str, Any]:
 
 
 @pytest.fixture
-def viewer(page: Page, server: str) -> Iterator[Page]:
+def viewer(page: Page, server: str) -> Page:
     """The sample log, paused at its end."""
     logs = page.request.get(f"{server}/api/logs").json()["logs"]
     sample = next(log["id"] for log in logs if log["source"] == "sample")
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html?log={sample}")
-    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()", timeout=SECONDS * 1000)
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     count = frame(page)["count"]
     evaluate(
         page,
@@ -60,10 +59,7 @@ def viewer(page: Page, server: str) -> Iterator[Page]:
         count,
     )
     until("the end of the log", lambda: frame(page)["index"] == count)
-    yield page
-    evaluate(
-        page, "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, {method: 'DELETE'})"
-    )
+    return page
 
 
 def both(page: Page) -> tuple[NDArray[np.uint8], NDArray[np.uint8], dict[str, Any]]:

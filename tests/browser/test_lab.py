@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from mapper.parameters import PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import SECONDS, await_map, drag, frame, map_digest, observed, settled_digest, until
+from tests.browser.looking import await_map, drag, frame, map_digest, observed, settled_digest, still, until
 
-NUMBERS = {model: [row for row in PARAMETERS if row.kind == "number" and (not row.only_for or model in row.only_for)]
-           for model in ("fixed_increments", "step_window")}  # fmt: skip
-SLIDERS = [
-    (model, row) for model, rows in NUMBERS.items() for row in rows if model == "fixed_increments" or row.only_for
-]
+NUMBERS = [row for row in PARAMETERS if row.kind == "number"]
+SLIDERS = {
+    "fixed_increments": [row for row in NUMBERS if not row.only_for or "fixed_increments" in row.only_for],
+    "step_window": [row for row in NUMBERS if row.only_for and "step_window" in row.only_for],
+}
 
 
 @pytest.fixture
-def lab(page: Page, server: str) -> Iterator[Page]:
-    """The lab, paused with a map of its own on show."""
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
-    yield page
-    # The server ends a session only after a while; many tests must not fill it up.
-    page.evaluate(
-        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-    )
+def lab(open_lab: Callable[..., Page]) -> Page:
+    """The lab, standing still with a map of its own on show."""
+    return open_lab()
 
 
 def profile(page: Page) -> str:
@@ -62,26 +54,31 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
     assert "session=" in page.url
 
 
-@pytest.mark.parametrize(("model", "row"), SLIDERS, ids=[f"{model}-{row.name}" for model, row in SLIDERS])
-def test_a_slider_changes_the_map_and_the_profile(lab: Page, model: str, row) -> None:
+@pytest.mark.parametrize("model", SLIDERS)
+def test_each_slider_changes_the_map_and_the_profile_and_back(lab: Page, model: str) -> None:
     open_all_panels(lab)
     if model != "fixed_increments":
         choose_model(lab, model)
-    map_before, profile_before = settled_digest(lab), profile(lab)
-    slider = lab.get_by_role("slider", name=row.label, exact=True).and_(lab.locator("input"))
-    slider.scroll_into_view_if_needed()
-    box = slider.bounding_box()
-    assert box is not None
-    fraction = float(slider.input_value()) / 1000
-    # Grab the thumb where it is, and go a quarter of the way towards the farther end.
-    x, y = box["x"] + 10 + fraction * (box["width"] - 20), box["y"] + box["height"] / 2
-    lab.mouse.move(x, y)
-    lab.mouse.down()
-    lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
-    lab.mouse.up()
-    until(f"the map to follow {row.name}", lambda: map_digest(lab) != map_before)
-    if row.group == "model" or row.name == "resolution":
-        assert profile(lab) != profile_before
+    first = settled_digest(lab)
+    for row in SLIDERS[model]:
+        profile_before = profile(lab)
+        slider = lab.get_by_role("slider", name=row.label, exact=True).and_(lab.locator("input"))
+        still(slider)
+        box = slider.bounding_box()
+        assert box is not None
+        value = lab.evaluate("(name) => gridbloom.connection.store.mapping.values.value[name]", row.name)
+        fraction = float(slider.input_value()) / 1000
+        # Grab the thumb where it is, and go a quarter of the way towards the farther end.
+        x, y = box["x"] + 10 + fraction * (box["width"] - 20), box["y"] + box["height"] / 2
+        lab.mouse.move(x, y)
+        lab.mouse.down()
+        lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
+        lab.mouse.up()
+        assert settled_digest(lab) != first, row.name
+        if row.group == "model" or row.name == "resolution":
+            assert profile(lab) != profile_before, row.name
+        lab.evaluate("([name, value]) => gridbloom.connection.store.setParameter(name, value)", [row.name, value])
+        assert settled_digest(lab) == first, row.name
 
 
 HANDLES = [
@@ -94,30 +91,27 @@ HANDLES = [
 ]
 
 
-@pytest.mark.parametrize(("name", "by", "changes_map"), HANDLES, ids=[name for name, _, _ in HANDLES])
-def test_a_handle_on_the_curve_changes_the_profile_and_the_map(
-    lab: Page, name: str, by: tuple[int, int], changes_map: bool
-) -> None:
-    map_before, profile_before = settled_digest(lab), profile(lab)
-    handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
-    value = handle.get_attribute("aria-valuenow")
-    drag(lab, handle.locator(".handle-grab"), *by)
-    until(f"{name} to move", lambda: handle.get_attribute("aria-valuenow") != value)
-    assert profile(lab) != profile_before
-    if changes_map:
-        until(f"the map to follow {name}", lambda: map_digest(lab) != map_before)
-    else:
-        assert settled_digest(lab) == map_before
+def test_each_handle_on_the_curve_changes_the_profile_and_the_map_and_answers_to_keys(lab: Page) -> None:
+    first = settled_digest(lab)
+    for name, by, changes_map in HANDLES:
+        profile_before = profile(lab)
+        handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
 
+        def value(handle: Locator = handle) -> float:
+            return float(handle.get_attribute("aria-valuenow") or "nan")
 
-@pytest.mark.parametrize("name", [name for name, _, _ in HANDLES])
-def test_a_handle_answers_to_the_keyboard(lab: Page, name: str) -> None:
-    handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
-    value = float(handle.get_attribute("aria-valuenow") or "nan")
-    handle.focus()
-    horizontal = handle.get_attribute("aria-orientation") == "horizontal"
-    lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
-    until(f"{name} to move", lambda: float(handle.get_attribute("aria-valuenow") or "nan") != value)
+        before = value()
+        drag(lab, handle.locator(".handle-grab"), *by)
+        until(f"{name} to move", lambda before=before, value=value: value() != before)  # type: ignore[misc]
+        assert profile(lab) != profile_before, name
+        assert (settled_digest(lab) != first) == changes_map, name
+        before = value()
+        handle.focus()
+        horizontal = handle.get_attribute("aria-orientation") == "horizontal"
+        lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
+        until(f"{name} to answer", lambda before=before, value=value: value() != before)  # type: ignore[misc]
+        lab.get_by_role("button", name="Everything as at first").last.click()
+        assert settled_digest(lab) == first, name
 
 
 def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) -> None:
@@ -133,7 +127,8 @@ def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) 
     before = observed(lab)
     lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
     until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - x) > 3.0)
-    until("new cells", lambda: observed(lab) > before + 200)
+    settled_digest(lab)
+    assert observed(lab) > before + 200
     there = frame(lab)["pose"]
     assert abs(there[0] - target[0]) < 1.5
     assert abs(there[1] - target[1]) < 1.5
@@ -152,9 +147,7 @@ def test_a_teleport_into_a_wall_lands_beside_it_and_says_so(lab: Page) -> None:
     )
     pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", wall)
     lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
-    expect(lab.locator(".toast").first).to_contain_text(
-        re.compile("nearest free", re.IGNORECASE), timeout=SECONDS * 1000
-    )
+    expect(lab.locator(".toast").first).to_contain_text(re.compile("nearest free", re.IGNORECASE))
 
 
 def test_the_robot_drives_by_the_keyboard(lab: Page) -> None:
@@ -176,7 +169,7 @@ def test_hovering_a_cell_reads_it(lab: Page) -> None:
     lab.mouse.move(box["x"] + pixel[0], box["y"] + pixel[1])
     readout = lab.locator(".readout")
     # Beams start in the robot's own cell, so it is as free as can be: the lower clamp, p = 1 − 1 / (1 + e^−2).
-    expect(readout).to_contain_text("free", timeout=SECONDS * 1000)
+    expect(readout).to_contain_text("free")
     expect(readout).to_contain_text("−2.00")
     expect(readout).to_contain_text("0.119")
 
@@ -190,10 +183,10 @@ def test_the_page_recovers_from_a_lost_connection_without_a_reload(context, serv
         page.evaluate("() => { window.notReloaded = true; }")
         session = page.url.partition("#")[0]
         proxy.cut()
-        expect(page.locator(".lab-status")).to_have_text("reconnecting", timeout=SECONDS * 1000)
+        expect(page.locator(".lab-status")).to_have_text("reconnecting")
         seen = frame(page)["index"]
         proxy.mend()
-        expect(page.locator(".lab-status")).to_have_text("live", timeout=SECONDS * 1000)
+        expect(page.locator(".lab-status")).to_have_text("live")
         until("the map to go on", lambda: frame(page)["index"] > seen + 5)
         assert page.evaluate("() => window.notReloaded") is True
         assert page.url.partition("#")[0] == session  # what follows tells what happened meanwhile
@@ -213,13 +206,8 @@ def test_another_world_is_another_map(lab: Page) -> None:
     assert lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "room"
 
 
-def test_the_link_shows_the_same_session_to_somebody_else(lab: Page, browser) -> None:
-    other = browser.new_context()
-    try:
-        page = other.new_page()
-        page.goto(lab.url)
-        await_map(page)
-        mine = settled_digest(lab)
-        until("the same map in both browsers", lambda: map_digest(page) == mine)
-    finally:
-        other.close()
+def test_the_link_shows_the_same_session_to_somebody_else(lab: Page, visitor: BrowserContext) -> None:
+    page = visitor.new_page()
+    page.goto(lab.url)
+    await_map(page)
+    assert settled_digest(page) == settled_digest(lab)

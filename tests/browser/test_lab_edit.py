@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
+from tests.browser.looking import SECONDS, frame, settled_digest, until
 
 
 def edits(page: Page) -> dict[str, Any]:
@@ -34,19 +35,17 @@ def stroke(page: Page, start: list[float], end: list[float]) -> None:
     page.mouse.up()
 
 
-@pytest.fixture
-def lab(page: Page, server: str) -> Iterator[Page]:
-    """The lab in the cluttered room, paused."""
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    page.get_by_role("button", name="Pause").click()
-    page.locator("label", has_text="World").locator("select").select_option("room")
-    until("the room", lambda: page.evaluate("() => gridbloom.connection.store.world.peek().name") == "room")
+def send_robot(page: Page, xy: list[float]) -> None:
+    """Click on a place, and wait for the robot, and for what it sees there."""
+    page.mouse.click(*pixel(page, xy))
+    until("the robot to be there", lambda: math.dist(frame(page)["pose"][:2], xy) < 0.3)
     settled_digest(page)
-    yield page
-    page.evaluate(
-        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-    )
+
+
+@pytest.fixture
+def lab(open_lab: Callable[..., Page]) -> Page:
+    """The lab in the cluttered room, standing still."""
+    return open_lab("room")
 
 
 def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
@@ -62,8 +61,7 @@ def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
     assert (kind, x0) == ("wall", x1)  # nearly upright became upright
     # From beside the wall the next scan meets it.
     lab.get_by_role("button", name="Move the robot").click()
-    lab.mouse.click(*pixel(lab, [4.0, 5.8]))
-    until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - 4.0) < 0.3)
+    send_robot(lab, [4.0, 5.8])
 
     def towards_the_wall() -> float | None:
         reading: float | None = lab.evaluate(
@@ -83,7 +81,7 @@ def test_erasing_and_taking_it_back(lab: Page) -> None:
     until("it to be gone", lambda: len(edits(lab)["erased"]) == 1)
     assert lab.evaluate("() => gridbloom.connection.store.world.peek().polygons.length") == before - 1
     lab.mouse.click(*pixel(lab, [7.0, 0.08]))  # the outer wall stays
-    lab.wait_for_timeout(300)
+    settled_digest(lab)
     assert len(edits(lab)["erased"]) == 1
     lab.get_by_role("button", name="Undo").click()
     until("it to be back", lambda: edits(lab)["erased"] == [])
@@ -111,10 +109,13 @@ def test_the_keyboard_draws_and_erases(lab: Page) -> None:
     expect(lab.get_by_role("button", name="Move the robot")).to_have_attribute("aria-pressed", "true")
 
 
-def test_a_teleport_and_a_world_are_taken_back(lab: Page) -> None:
+def test_a_teleport_and_a_world_are_taken_back(open_lab: Callable[..., Page]) -> None:
+    lab = open_lab("office")
+    lab.locator("label", has_text="World").locator("select").select_option("room")
+    until("the room", lambda: lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "room")
+    settled_digest(lab)
     pose = frame(lab)["pose"]
-    lab.mouse.click(*pixel(lab, [8.5, 5.0]))
-    until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - 8.5) < 0.3)
+    send_robot(lab, [8.5, 5.0])
     lab.get_by_role("button", name="Undo").click()
     until("the robot to be back", lambda: abs(frame(lab)["pose"][0] - pose[0]) < 1e-3)
     assert frame(lab)["pose"] == pytest.approx(pose, abs=1e-3)
@@ -123,8 +124,7 @@ def test_a_teleport_and_a_world_are_taken_back(lab: Page) -> None:
 
 
 def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
-    lab.mouse.click(*pixel(lab, [4.3, 5.2]))
-    until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - 4.3) < 0.3)
+    send_robot(lab, [4.3, 5.2])
     lab.get_by_text("The moving table").click()
     figure = lab.locator(".table-figure")
     figure.get_by_role("button", name="Put a table there").click()
@@ -134,12 +134,12 @@ def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     guess = figure.get_by_role("slider", name="My guess")
     guess.focus()
     lab.keyboard.press("ArrowLeft")
-    expect(go).to_be_enabled(timeout=SECONDS * 1000)
+    expect(go).to_be_enabled()
     go.click()
     until("the table to be gone", lambda: edits(lab)["added"] == [])
-    expect(lab.get_by_role("region", name="Without the clamp")).to_be_visible(timeout=SECONDS * 1000)
+    expect(lab.get_by_role("region", name="Without the clamp")).to_be_visible()
     outcome = figure.locator(".table-outcome")
-    expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"), timeout=SECONDS * 1000)
+    expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"))
     expect(outcome).to_contain_text(re.compile(r"Without: \d+"), timeout=2 * SECONDS * 1000)
     told = lab.evaluate("() => gridbloom.connection.store.forgetting.peek()")
     assert told["with_clamp"] < told["without_clamp"]

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, await_map, drag, frame, map_digest, settled_digest, until
+from tests.browser.looking import drag, settled_digest, until
 
 
 @pytest.fixture
-def lab(page: Page, server: str) -> Iterator[Page]:
-    """The lab, paused with a small sensor, so that wide beams are quickly mapped again."""
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
-    yield page
-    page.evaluate(
-        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-    )
+def lab(open_lab: Callable[..., Page]) -> Page:
+    """The lab, standing still."""
+    return open_lab()
 
 
 def value(page: Page, name: str) -> Any:
@@ -44,15 +37,15 @@ THIN = [
 ]
 
 
-@pytest.mark.parametrize(("model", "handle", "by", "name"), THIN)
-def test_a_thin_model_has_its_own_handles(lab: Page, model: str, handle: str, by: tuple[int, int], name: str) -> None:
-    choose(lab, model)
-    settled_digest(lab)
-    before, map_before = value(lab, name), map_digest(lab)
-    grip = lab.locator("figure.profile").get_by_role("slider", name=handle, exact=True)
-    drag(lab, grip.locator(".handle-grab"), *by)
-    until(f"{name} to move", lambda: value(lab, name) != before)
-    until("the map to follow", lambda: map_digest(lab) != map_before)
+def test_each_thin_model_has_its_own_handles(lab: Page) -> None:
+    for model, handle, by, name in THIN:
+        choose(lab, model)
+        map_before, before = settled_digest(lab), value(lab, name)
+        grip = lab.locator("figure.profile").get_by_role("slider", name=handle, exact=True)
+        drag(lab, grip.locator(".handle-grab"), *by)
+        until(f"{name} to move", lambda name=name, before=before: value(lab, name) != before)  # type: ignore[misc]
+        assert settled_digest(lab) != map_before, handle
+        lab.evaluate("() => gridbloom.connection.store.reset()")
 
 
 def test_a_ring_of_sonars_brings_its_cone_and_the_cone_has_handles(lab: Page) -> None:
@@ -60,18 +53,17 @@ def test_a_ring_of_sonars_brings_its_cone_and_the_cone_has_handles(lab: Page) ->
     until("the cone", lambda: value(lab, "model") == "sonar_cone")
     profile = lab.locator("figure.profile")
     canvas = profile.locator("canvas.cone-cells")
-    expect(canvas).to_be_visible(timeout=SECONDS * 1000)
+    expect(canvas).to_be_visible()
     ink = "(c) => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;"
     ink += " for (let i = 0; i < d.length; i += 4) if (d[i + 3] > 200 && d[i + 2] - d[i] > 40) n++; return n; }"
     free = canvas.evaluate(ink)
     assert free > 1000  # the cells before the arc are painted as passed
     opening = profile.get_by_role("slider", name="Opening angle")
     before = value(lab, "opening")
-    settled_digest(lab)
-    map_before = map_digest(lab)
+    map_before = settled_digest(lab)
     drag(lab, opening.locator(".handle-grab"), 0, -30)
     until("the cone to open", lambda: value(lab, "opening") > before)
-    until("the map to follow", lambda: map_digest(lab) != map_before)
+    assert settled_digest(lab) != map_before
     assert canvas.evaluate(ink) != free  # repainted, and to another scale where it would not fit
     opening.focus()
     wide = value(lab, "opening")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, await_map, frame, map_bytes, settled_digest, until
+from tests.browser.looking import frame, map_bytes, settled_digest, until
 
 # Every cell that the walk has touched so far: its place, and what it holds now.
 _HELD = """() => {
@@ -30,18 +30,9 @@ _HELD = """() => {
 
 
 @pytest.fixture
-def lab(page: Page, server: str) -> Iterator[Page]:
-    """The lab, paused after some scans."""
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    until("some scans", lambda: frame(page)["index"] > 30)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
-    settled_digest(page)
-    yield page
-    page.evaluate(
-        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-    )
+def lab(open_lab: Callable[..., Page]) -> Page:
+    """The lab, standing still."""
+    return open_lab()
 
 
 def by(page: Page, unit: str) -> None:
@@ -81,7 +72,7 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     assert frame(lab)["index"] == index
     note = lab.locator(".steps-note")
     # The first beam that says something: those before it may have found nothing where the robot stands.
-    expect(note).to_contain_text(re.compile(r"Beam \d+ of 360, cell 1 of"), timeout=SECONDS * 1000)
+    expect(note).to_contain_text(re.compile(r"Beam \d+ of 360, cell 1 of"))
     expect(note).to_contain_text("Error term")
     expect(note).to_contain_text("Passed: −2.00 − 0.40 = −2.00, at the clamp")  # the robot's own cell
     lab.get_by_role("button", name="One cell on").click()
@@ -129,5 +120,5 @@ def test_what_has_no_order_of_cells_says_so(lab: Page) -> None:
     lab.evaluate("() => gridbloom.connection.store.setParameter('update', 'per_scan')")
     by(lab, "cell")
     lab.get_by_role("button", name="One cell on").click()
-    expect(lab.locator(".toast").first).to_contain_text("update per beam", timeout=SECONDS * 1000)
+    expect(lab.locator(".toast").first).to_contain_text("update per beam")
     assert walk(lab) is None

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.conftest import SIZES
-from tests.browser.looking import centre, drag, until
+from tests.browser.looking import centre, drag, still, until
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -302,7 +302,7 @@ def test_only_the_mistake_builds_walls_where_nothing_stands(page: Page, server: 
     before = numbers(ignored)
     robot = section.get_by_role("slider", name="Robot, map with no returns ignored")
     drag(page, robot, 60, -20)
-    assert numbers(ignored) != before
+    until("another map", lambda: numbers(ignored) != before)
     text = robot.get_attribute("aria-valuetext")
     page.keyboard.press("ArrowRight")
     expect(robot).not_to_have_attribute("aria-valuetext", text or "")
@@ -350,8 +350,8 @@ def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("You said 10")
     # (3.5 − log 0.65/0.35) / 0.4 is 7.2, and (40 · 0.85 − …) / 0.4 is 83.5.
-    expect(caption).to_contain_text("With the clamp it was forgotten after 8", timeout=30_000)
-    expect(caption).to_contain_text("without it it was forgotten after 84. You were 2 over.", timeout=30_000)
+    expect(caption).to_contain_text("With the clamp it was forgotten after 8")
+    expect(caption).to_contain_text("without it it was forgotten after 84. You were 2 over.")
     section.get_by_role("button", name="Put it back").click()
     expect(caption).to_contain_text("How many will the map need")
 
@@ -360,11 +360,15 @@ def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
     section.get_by_role("button", name="Take the table away").click()
     page.locator("#grid").scroll_into_view_if_needed()
-    page.wait_for_timeout(300)
     caption = section.locator("figcaption")
-    before = caption.inner_text()
-    page.wait_for_timeout(600)
-    assert caption.inner_text() == before
+
+    def stands() -> bool:
+        before = caption.inner_text()
+        page.wait_for_timeout(600)  # of ten scans a second
+        return caption.inner_text() == before
+
+    until("the figure to stand", stands)
+    expect(caption).not_to_contain_text("without it it was forgotten")  # it has not come to its end
 
 
 def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> None:
@@ -473,7 +477,7 @@ def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
         room, figure = page.locator(".on-slide .lesson-room"), page.locator(".on-slide .lesson-figure")
         expect(figure).to_be_visible()
         expect(page.locator(".presenter")).to_be_in_viewport(ratio=1)
-        page.wait_for_timeout(100)
+        still(figure)
         assert page.evaluate(WIDER) is False
         height, available = (box.evaluate("e => e.getBoundingClientRect().height") for box in (figure, room))
         if page.viewport_size and page.viewport_size["width"] > 1100:  # smaller screens may scroll within the slide

@@ -6,20 +6,13 @@ import re
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, await_map, frame, map_digest, settled_digest, until
-
-
-def at_rest(page: Page) -> None:
-    """Wait until the scans that a press asked for are all there."""
-    before = -1
-    while (index := frame(page)["index"]) != before:
-        before = index
-        page.wait_for_timeout(300)
+from tests.browser.looking import await_map, frame, map_digest, painted, settled_digest, until
 
 
 def stands(page: Page) -> None:
     """Nothing moves: neither the session nor anything that the page animates."""
-    at, digest = frame(page)["stamp"], settled_digest(page)
+    digest, at = settled_digest(page), frame(page)["stamp"]
+    painted(page)
     page.wait_for_timeout(500)
     assert not frame(page)["playing"]
     assert (frame(page)["stamp"], map_digest(page)) == (at, digest)
@@ -41,23 +34,22 @@ def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> No
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
     page.get_by_text("The moving table").click()
     page.get_by_role("button", name="Put a table there").click()
-    page.get_by_role("slider", name="My guess").press("ArrowRight", timeout=SECONDS * 1000)
-    page.get_by_role("button", name="Take the table away").click(timeout=SECONDS * 1000)
+    page.get_by_role("slider", name="My guess").press("ArrowRight")
+    page.get_by_role("button", name="Take the table away").click()
     outcome = page.locator(".table-outcome")
-    at_rest(page)
+    settled_digest(page)
     page.get_by_role("button", name="20 scans on").click()
-    expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"), timeout=SECONDS * 1000)
-    at_rest(page)
+    expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"))
     stands(page)
 
     page.goto(server)
     facts = page.locator(".hero-facts")
-    expect(facts).to_contain_text("readings so far", timeout=SECONDS * 1000)
+    expect(facts).to_contain_text("readings so far")
     before = facts.inner_text()
     page.wait_for_timeout(500)
     assert facts.inner_text() == before
     page.get_by_role("button", name="10 scans on").click()
-    expect(facts).not_to_have_text(before, timeout=SECONDS * 1000)
+    expect(facts).not_to_have_text(before)
 
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()

@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import SIZES
-from tests.browser.looking import SECONDS, await_map, frame, until
+from tests.browser.looking import await_map, frame, until
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -23,7 +23,7 @@ def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme)
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
     }[path]
-    expect(page.locator(what).first).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.locator(what).first).to_be_visible()
     if path == "/lab.html":
         await_map(page)
     page.wait_for_timeout(500)
@@ -53,13 +53,13 @@ def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str
     page.get_by_role("link", name="Open the lab").click()
     await_map(page)
     page.get_by_role("navigation", name="Pages").get_by_role("link", name="Logs").click()
-    expect(page.get_by_role("heading", name="Robot logs")).to_be_visible(timeout=SECONDS * 1000)
+    expect(page.get_by_role("heading", name="Robot logs")).to_be_visible()
 
 
 def test_an_ended_session_is_replaced_and_the_page_says_so(page: Page, server: str, watched) -> None:
     page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
     await_map(page)
-    expect(page.locator(".toast").first).to_contain_text("new one", timeout=SECONDS * 1000)
+    expect(page.locator(".toast").first).to_contain_text("new one")
     assert "endedlongago" not in page.url
     # The browser itself notes the 404 by which the page learns that the session is gone.
     watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]
@@ -70,6 +70,6 @@ def test_the_3d_view_opens_beside_the_lab(page: Page, server: str) -> None:
     await_map(page)
     page.get_by_role("button", name="3D", exact=True).click()
     scene = page.frame_locator("iframe.scene")
-    expect(scene.locator("canvas").first).to_be_visible(timeout=SECONDS * 1000)
+    expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.
-    expect(scene.get_by_text("Hit window").first).to_be_attached(timeout=SECONDS * 1000)
+    expect(scene.get_by_text("Hit window").first).to_be_attached()

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from playwright.sync_api import Browser, Page
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page
 
-from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.browser.conftest import standing_world, visiting
+from tests.browser.looking import await_map, frame, painted, settled_digest, until
 
 # Chromium without a graphics card names SwiftShader as its card, which the pages know: here they do not.
 CARD = """(() => {
@@ -36,9 +38,9 @@ COLOURS = """() => {
 }"""
 
 
-def lab(browser: Browser, address: str, *, card: bool) -> Page:
-    """Return a lab, standing still, in a browser of its own."""
-    page = browser.new_context(viewport={"width": 1024, "height": 700}).new_page()
+def lab(context: BrowserContext, address: str, *, card: bool) -> Page:
+    """Return the lab at an address, as it is drawn with or without a graphics card."""
+    page = context.new_page()
     if card:
         page.add_init_script(CARD)
     page.goto(address)
@@ -47,34 +49,32 @@ def lab(browser: Browser, address: str, *, card: bool) -> Page:
     return page
 
 
-def test_card_and_processor_draw_the_same(browser: Browser, server: str) -> None:
+@pytest.mark.parametrize("context", ["laptop"], indirect=True)
+def test_card_and_processor_draw_the_same(context: BrowserContext, browser: Browser, server: str) -> None:
     """Cells, robot, beams and background have the same colours everywhere, in both themes, near and from afar."""
-    painted = lab(browser, f"{server}/lab.html", card=False)
-    before = painted.evaluate("() => gridbloom.stats().paints")
-    until("the map to glow and fade", lambda: painted.evaluate("() => gridbloom.stats().paints") > before + 20)
-    painted.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(painted)["playing"])
-    digest = settled_digest(painted)
-    drawn = lab(browser, painted.url, card=True)
-    until("both to have the same map", lambda: settled_digest(drawn) == digest)
-    looks: list[tuple[str, str, Literal["light", "dark"]]] = [
-        ("whole", "0", "light"),
-        ("dark", "0", "dark"),
-        ("near", "++++", "dark"),
-        ("far", "0-----", "dark"),
-    ]
-    for what, keys, scheme in looks:
-        colours = []
-        for page in (painted, drawn):
-            page.emulate_media(color_scheme=scheme)
-            page.locator(".picture").nth(1).focus()
-            for key in keys:
-                page.keyboard.press(key)
-            page.wait_for_timeout(200)
-            colours.append(page.evaluate(COLOURS))
-        assert len({tuple(colour) for colour in colours[0]}) > 5, what
-        # Where an edge goes through the middle of a pixel the two may round to either side.
-        same = sum(math.dist(one, other) <= 12 for one, other in zip(*colours, strict=True))
-        assert same >= 0.99 * len(colours[0]), f"{what}: {same} of {len(colours[0])} pixels are alike"
-    for page in (painted, drawn):
-        page.context.close()
+    plain = lab(context, f"{server}/lab.html?session={standing_world(context, server)}", card=False)
+    index = frame(plain)["index"]
+    plain.evaluate("() => gridbloom.connection.store.send({ type: 'step', scans: 5 })")  # cells glow, and fade
+    until("some scans more", lambda: frame(plain)["index"] == index + 5)
+    with visiting(browser, server, viewport=plain.viewport_size) as other:
+        drawn = lab(other, plain.url, card=True)
+        assert settled_digest(drawn) == settled_digest(plain)
+        looks: list[tuple[str, str, Literal["light", "dark"]]] = [
+            ("whole", "0", "light"),
+            ("dark", "0", "dark"),
+            ("near", "++++", "dark"),
+            ("far", "0-----", "dark"),
+        ]
+        for what, keys, scheme in looks:
+            colours = []
+            for page in (plain, drawn):
+                page.emulate_media(color_scheme=scheme)
+                page.locator(".picture").nth(1).focus()
+                for key in keys:
+                    page.keyboard.press(key)
+                painted(page)
+                colours.append(page.evaluate(COLOURS))
+            assert len({tuple(colour) for colour in colours[0]}) > 5, what
+            # Where an edge goes through the middle of a pixel the two may round to either side.
+            same = sum(math.dist(one, other) <= 12 for one, other in zip(*colours, strict=True))
+            assert same >= 0.99 * len(colours[0]), f"{what}: {same} of {len(colours[0])} pixels are alike"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.conftest import WatchedPage
-from tests.browser.looking import SECONDS, frame, settled_digest, until
+from tests.browser.looking import frame, settled_digest, until
 from tests.browser.test_axe import violations
 from tests.server.library.small_logs import carmen
 
@@ -15,15 +15,13 @@ SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gr
 
 
 def test_a_link_opens_exactly_this_view_until_it_is_revoked(
-    page: Page, browser: Browser, server: str, tmp_path: Path
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
 ) -> None:
     (tmp_path / "mine.log").write_bytes(carmen(60))
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "mine.log")
-    page.locator(".log-card", has_text="mine.log").get_by_role("button", name="Make its map").click(
-        timeout=SECONDS * 1000
-    )
-    page.wait_for_function(SHOWN, timeout=SECONDS * 1000)
+    page.locator(".log-card", has_text="mine.log").get_by_role("button", name="Make its map").click()
+    page.wait_for_function(SHOWN)
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 25 })")
     page.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 1.75)")
@@ -41,11 +39,10 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     assert address.startswith(f"{server}/shared/")
     assert violations(page, ".share") == []
 
-    other = browser.new_context(viewport={"width": 1440, "height": 900})
-    watched = WatchedPage(other, server)
+    watched = WatchedPage(visitor, server)
     guest = watched.page
     guest.goto(address)
-    guest.wait_for_function(SHOWN, timeout=SECONDS * 1000)
+    guest.wait_for_function(SHOWN)
     until("the same map", lambda: settled_digest(guest) == shown)
     assert (frame(guest)["index"], frame(guest)["playing"]) == (25, False)
     assert guest.evaluate("() => gridbloom.connection.store.mapping.values.value.log_odds_hit") == 1.75
@@ -64,7 +61,6 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     dialog.get_by_role("button", name="Revoke").click()
     page.get_by_role("dialog", name="Revoke this link?").get_by_role("button", name="Revoke").click()
     expect(row).to_have_count(0)
-    expect(guest.get_by_role("alert")).to_contain_text("This link was revoked", timeout=SECONDS * 1000)
+    expect(guest.get_by_role("alert")).to_contain_text("This link was revoked")
     guest.goto(f"{server}/shared/{'x' * 32}")
     expect(guest.get_by_role("alert")).to_contain_text("or there never was one: ask for another.")
-    other.close()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import SECONDS, await_map, frame, settled_digest, until
+from tests.browser.looking import await_map, frame, settled_digest, until
 
 # The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
 # takes the robot), and a look at it from so near that a click cannot miss it.
@@ -31,38 +31,23 @@ _WALL = """() => {
 }"""
 
 
-def end_session(page: Page) -> None:
-    """End the page's session: many tests must not fill the server up."""
-    page.evaluate(
-        "() => fetch(`/api/sessions/${new URLSearchParams(location.search).get('session')}`, { method: 'DELETE' })"
-    )
+@pytest.fixture
+def lab(open_lab: Callable[..., Page]) -> Page:
+    """The lab, standing still with a map on show."""
+    return open_lab()
 
 
 @pytest.fixture
-def lab(page: Page, server: str) -> Iterator[Page]:
-    """The lab, paused with a map on show."""
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    until("some scans", lambda: frame(page)["index"] > 40)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
-    settled_digest(page)
-    yield page
-    end_session(page)
-
-
-@pytest.fixture
-def viewer(page: Page, server: str) -> Iterator[Page]:
+def viewer(page: Page, server: str) -> Page:
     """The viewer on the sample log, standing at its end."""
     page.goto(f"{server}/logs.html")
-    page.get_by_role("button", name="Make its map").first.click(timeout=SECONDS * 1000)
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
     await_map(page)
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
-    yield page
-    end_session(page)
+    return page
 
 
 def wall_pixel(page: Page, picture: Locator) -> tuple[list[float], tuple[float, float]]:
@@ -198,11 +183,8 @@ def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
-def test_a_finger_that_rests_asks(page: Page, server: str) -> None:
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    page.get_by_role("button", name="Pause").click()
-    until("the robot to stand", lambda: not frame(page)["playing"])
+def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
+    page = open_lab()
     scrolled = page.evaluate("() => scrollY")
     _, (x, y) = wall_pixel(page, page.locator(".picture").first)
     finger = page.context.new_cdp_session(page)
@@ -219,4 +201,3 @@ def test_a_finger_that_rests_asks(page: Page, server: str) -> None:
     assert box["y"] + box["height"] <= 844.5
     page.locator(".why").get_by_role("button", name="Close").click()
     expect(page.locator(".why")).to_have_count(0)
-    end_session(page)
