@@ -78,17 +78,17 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "window", "Hit window", "model", "number", 0.0,
-        "Width r of the zone around the reading that counts as hit; at 0 only the cell that holds the endpoint does.",
+        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
         unit="m", low=0.0, high=2.0, step=0.05, only_for=_STEPPED,
     ),
     Parameter(
         "log_odds_hit", "Hit increment", "model", "number", 0.85,
-        "Evidence that a cell gains when a beam ends in it.",
+        "Evidence that a cell gets when a beam ends in it, or in the window around it.",
         low=0.0, high=3.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     ),
     Parameter(
         "log_odds_miss", "Miss increment", "model", "number", -0.4,
-        "Evidence that a cell loses when a beam passes through it.",
+        "Evidence that a cell gets when a beam passes through it: below 0 it argues for free.",
         low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     ),
     Parameter(

@@ -87,7 +87,7 @@ class FixedIncrements:
     """Fixed evidence: ``log_odds_miss`` for a cell that a beam passed, ``log_odds_hit`` for one that it ended in.
 
     With ``window`` r > 0 metres every cell within r/2 of the reading counts as one it ended in; with r = 0 only the
-    cell that holds the endpoint does. Source: OctoMap (Hornung et al. 2013, section 3.2: −0.4, +0.85).
+    cell that holds the endpoint does. Source: OctoMap (Hornung et al. 2013, section 5.1: −0.4, +0.85).
     """
 
     log_odds_miss: float = -0.4
@@ -235,7 +235,8 @@ class MoravecElfes:
     With ω = ``opening`` radians and ε = r/2 = half of ``window`` metres, for |θ| ≤ ω/2:
     empty (s, θ) = (1 − (s/(z − ε))²) · (1 − (2θ/ω)²) for s < z − ε, and
     occupied (s, θ) = (1 − ((s − z)/ε)²) · (1 − (2θ/ω)²) for |s − z| ≤ ε. They are combined by rules of their own, no
-    Bayes filter: see :func:`mapper.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, section 3.
+    Bayes filter: see :func:`mapper.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, section 3, with
+    R_min = 0.
     """
 
     window: float = 0.2

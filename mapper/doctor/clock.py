@@ -44,7 +44,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
         found.append(
             Finding(
                 "clock.doubled",
-                f"{int(same.sum())} scans have the same time as the one before.",
+                f"{int(same.sum())} scan{'s have' if same.sum() > 1 else ' has'} the same time as the one before.",
                 "Look whether the readings are doubled as well: then a scan was recorded twice.",
                 1.0,
                 _places(same),

@@ -68,7 +68,7 @@ def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
         Finding(
             "mount.offset",
             f"Walls get sharper with the sensor {x:+.2f} m ahead, {y:+.2f} m to the left and {math.degrees(yaw):+.1f}° "
-            f"turned: {100 * best:.0f} % instead of {100 * now:.0f} %.",
+            f"turned: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
             "Measure the mount again, or correct it by this.",
             min(0.95, 0.4 + 4.0 * (best - now)),
             (),

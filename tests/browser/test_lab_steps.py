@@ -74,7 +74,7 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     # The first beam that says something: those before it may have found nothing where the robot stands.
     expect(note).to_contain_text(re.compile(r"Beam \d+ of 360, cell 1 of"))
     expect(note).to_contain_text("Error term")
-    expect(note).to_contain_text("Passed: −2.00 − 0.40 = −2.00, at the clamp")  # the robot's own cell
+    expect(note).to_contain_text("Passed: −2.00 − 0.40 = −2.40, clamped to −2.00")  # the robot's own cell
     lab.get_by_role("button", name="One cell on").click()
     expect(note).to_contain_text("cell 2 of")
     lab.get_by_role("button", name="One cell back").click()

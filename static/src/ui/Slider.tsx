@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useId, useRef } from "preact/hooks";
-import { decimals, fromFraction, keyed, type Range, snap, toFraction, written } from "./numbers";
+import { fromFraction, keyed, type Range, shownDecimals, snap, toFraction, written } from "./numbers";
 import { Tooltip } from "./Tooltip";
 
 export type Tone = "accent" | "hit" | "miss" | "beam" | "prior";
@@ -31,7 +31,7 @@ export function Slider(props: SliderProps) {
   const held = useSignal<number | null>(null);
   const before = useRef(0); // the value when it was taken hold of
   const value = held.value ?? props.value;
-  const places = decimals(props.step);
+  const places = shownDecimals(props.step);
   const fraction = toFraction(value, props);
   const text = `${written(value, places)}${unit ? ` ${unit}` : ""}`;
 

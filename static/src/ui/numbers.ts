@@ -16,6 +16,12 @@ export function decimals(step: number): number {
   return 6;
 }
 
+/** How many of them are shown: a step that is a part of a turn has no last one. */
+export const shownDecimals = (step: number): number => {
+  const places = decimals(step);
+  return places > 4 ? 3 : places;
+};
+
 /** Bring a value into its range and onto its steps (counted from zero, so that 0 and round values stay reachable). */
 export function snap(value: number, range: Range): number {
   const stepped = range.step > 0 ? Math.round(value / range.step) * range.step : value;

@@ -10,8 +10,9 @@ export function isShown(row: Parameter, values: Values): boolean {
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }
 
-/** The limits of the clamp do nothing while it is off. */
+/** The limits of the clamp do nothing while it is off, nor does the way along a beam where each scan counts once. */
 export function isEnabled(row: Parameter, values: Values): boolean {
+  if (row.name === "traversal") return values.update !== "per_scan";
   return !(values.clamp === false && (row.name === "log_odds_min" || row.name === "log_odds_max"));
 }
 

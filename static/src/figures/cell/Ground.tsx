@@ -50,19 +50,20 @@ export function Ground({ width, evidence, limits }: GroundProps) {
   for (let tick = Math.ceil(low / every); tick * every <= high - 0.5; tick++) ticks.push(tick * every);
   return (
     <>
-      {zones.map(([name, state, top, bottom]) => (
-        <g key={name}>
-          <rect class={name} x={AXIS_PX} y={y(top)} width={right - AXIS_PX} height={y(bottom) - y(top)} />
-          {y(bottom) - y(top) > 15 && (
-            <text class="zone-name" x={right - 6} y={y(bottom) - 5} text-anchor="end">
-              {state}
-            </text>
-          )}
-        </g>
+      {zones.map(([name, , top, bottom]) => (
+        <rect key={name} class={name} x={AXIS_PX} y={y(top)} width={right - AXIS_PX} height={y(bottom) - y(top)} />
       ))}
       {limits.map((limit) => (
         <line key={limit} class="clamp-line" x1={AXIS_PX} x2={right} y1={y(limit)} y2={y(limit)} />
       ))}
+      {zones.map(
+        ([name, state, top, bottom]) =>
+          y(bottom) - y(top) > 15 && (
+            <text key={name} class={`zone-name in-${name}`} x={right - 6} y={y(bottom) - 5} text-anchor="end">
+              {state}
+            </text>
+          ),
+      )}
       {ticks.map((tick) => (
         <text key={tick} class="tick" x={AXIS_PX - 6} y={y(tick) + 4} text-anchor="end">
           {tick === 0 ? "0" : signed(tick, 0)}

@@ -138,14 +138,17 @@ function Scatter({ counts, beams, chosen, width }: ScatterProps) {
     (s, i) => `${i === 0 ? "M" : "L"}${x(s).toFixed(1)} ${y(expectedBeams(s, beams)).toFixed(1)}`,
   );
   const dots = [...counts.keys()].filter((i) => (counts[i] ?? 0) > 0 && i !== chosen);
+  const isOver = (i: number): boolean => (counts[i] ?? 0) > most;
   const point = (i: number): readonly [number, number] => [
     x(distanceOf({ row: Math.floor(i / GEOMETRY.cols), col: i % GEOMETRY.cols })),
     y(counts[i] ?? 0),
   ];
   const path = dots.map((i) => {
     const [px, py] = point(i);
-    return `M${px.toFixed(1)} ${py.toFixed(1)}h0`;
+    // An arrow where the axis does not reach.
+    return isOver(i) ? `M${px - 4} ${py + 3}l4 -6l4 6` : `M${px.toFixed(1)} ${py.toFixed(1)}h0`;
   });
+  const over = [...counts.keys()].filter(isOver).length;
   const [cx, cy] = point(chosen);
   return (
     <>
@@ -164,6 +167,7 @@ function Scatter({ counts, beams, chosen, width }: ScatterProps) {
       </text>
       <text x={width - 10} y={14} text-anchor="end">
         beams in a cell
+        {over > 0 && ` (${over} ${over === 1 ? "cell has" : "cells have"} more than ${Math.round(most)})`}
       </text>
     </>
   );

@@ -20,7 +20,9 @@ export function Faults({ store }: { readonly store: Store }) {
   if (!hello) return null;
   const beside = store.compared.value !== null && !store.compared.value.with_faults;
   const turn = (fault: Fault, wanted: boolean): void => {
-    const next = turned(wrong.peek(), fault, wanted, store.mapping.values.peek());
+    // Whether the robot has heard of a switch of a moment ago does not matter to the next one.
+    const known = active(store.wrong.peek(), store.mapping.values.peek(), null);
+    const next = turned(known, fault, wanted, store.mapping.values.peek());
     store.wrong.value = next.wrong;
     store.setTogether(`fault ${fault.name}`, next.values, next.robot);
     if (beside) store.send({ type: "compare", values: rightValues(next.wrong) });
@@ -70,8 +72,8 @@ export function Faults({ store }: { readonly store: Store }) {
         ))}
         {beside && (
           <p>
-            <b>Beside it</b> the map made right of the very same recording: what was there before the switches, the true
-            poses, every return.
+            <b>Beside it</b> the map made right of the very same recording: with the true poses, with every return, and
+            with the settings that stand under it.
           </p>
         )}
       </div>

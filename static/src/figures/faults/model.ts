@@ -44,7 +44,7 @@ export const FAULTS: readonly Fault[] = [
   {
     name: "specular",
     label: "Polished walls",
-    look: "A beam that meets a long wall at a slant is thrown away and returns nothing (a sonar hears what else is in its cone); taken as free, it drills through the wall.",
+    look: "A beam that meets a long wall more than 30° off its normal is thrown away and returns nothing (a sonar hears what else is in its cone); taken as free, it drills through the wall.",
     sets: { no_return: "free" },
     robot: { specular: true },
   },
@@ -83,12 +83,12 @@ export function possible(table: readonly Parameter[]): readonly Fault[] {
   );
 }
 
-/** Whether a fault that was switched on still holds: a slider may have ended it. */
-export function isOn(wrong: Wrong, fault: Fault, values: Values, robot: Values): boolean {
+/** Whether a fault that was switched on still holds: a slider may have ended it. Null: the robot is not asked. */
+export function isOn(wrong: Wrong, fault: Fault, values: Values, robot: Values | null): boolean {
   return (
     wrong.on.includes(fault.name) &&
     Object.entries(fault.sets).every(([name, value]) => values[name] === value || isTaken(wrong, fault, name)) &&
-    Object.entries(fault.robot ?? {}).every(([name, value]) => robot[name] === value)
+    Object.entries(fault.robot ?? {}).every(([name, value]) => !robot || robot[name] === value)
   );
 }
 
@@ -98,7 +98,7 @@ function isTaken(wrong: Wrong, fault: Fault, name: string): boolean {
 }
 
 /** Of the faults that were switched on those that still hold. */
-export function active(wrong: Wrong, values: Values, robot: Values): Wrong {
+export function active(wrong: Wrong, values: Values, robot: Values | null): Wrong {
   const on = wrong.on.filter((name) =>
     FAULTS.some((fault) => fault.name === name && isOn(wrong, fault, values, robot)),
   );

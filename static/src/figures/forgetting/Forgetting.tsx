@@ -56,8 +56,8 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
   return (
     <figure class="forgetting" ref={root} aria-label="A table that goes away, and two maps that forget it">
       <div class="side-by-side">
-        <Room name="with the clamp" story={clamped} seen={seen.value} t={t} />
-        <Room name="without a clamp" story={free} seen={seen.value} t={t} />
+        <Room name="with the clamp" line="clamped" story={clamped} seen={seen.value} t={t} />
+        <Room name="without a clamp" line="free" story={free} seen={seen.value} t={t} />
       </div>
       <Plot height={HEIGHT + 22} label="Log-odds of the table's last cell over the scans, with the clamp and without">
         {(width) => (
@@ -164,17 +164,24 @@ function Verdict({ said, was }: { said: number; was: number }) {
 
 interface RoomProps {
   readonly name: string;
+  /** Its line in the chart. */
+  readonly line: "clamped" | "free";
   readonly story: Story;
   readonly seen: number;
   readonly t: number | null;
 }
 
-function Room({ name, story, seen, t }: RoomProps) {
+function Room({ name, line, story, seen, t }: RoomProps) {
   const shown = useSignal(story.mapAfter(0));
   shown.value = story.mapAfter(seen + (t ?? 0));
   return (
     <div>
-      <h3>{name}</h3>
+      <h3>
+        {name}{" "}
+        <svg class="forgetting-key" viewBox="0 0 36 6" aria-hidden="true">
+          <path class={`forgetting-line ${line}`} d="M0 3H36" />
+        </svg>
+      </h3>
       <Scene geometry={GEOMETRY} label={`The map ${name}`} grid={shown} walls={ROOM}>
         {(place) => (
           <>

@@ -231,6 +231,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             height={edgeHeight}
             widest={widest}
           />
+          <ReadingPill view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
           <text
             class="label-window"
             x={(hitFrom + hitTo) / 2}
@@ -239,7 +240,6 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           >
             {half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`}
           </text>
-          <ReadingPill view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
         </>
       )}
       {noReturn && (

@@ -7,16 +7,17 @@ export function Formula({ view }: { view: ProfileView }) {
   const values = view.values.value;
   const model = beamModel(values);
   const z = view.z.value;
+  const certain = values.model === "moravec_elfes";
   if (view.noReturn.value) {
     return (
       <math class="formula" display="block">
         <mrow>
-          <mi>Δℓ</mi>
+          <mi>{certain ? "v" : "Δℓ"}</mi>
           <mo>=</mo>
           {values.no_return === "free" ? (
             <mrow>
               <mrow class="noun-miss">
-                <mn>{signed(model.miss)}</mn>
+                <mtext>{certain ? "empty: (1 − (s/max range)²) · (1 − (2θ/ω)²)" : signed(model.miss)}</mtext>
               </mrow>
               <mtext>&nbsp; for s ≤ max range = {written(values.range_max, 1)} m</mtext>
             </mrow>
@@ -28,9 +29,9 @@ export function Formula({ view }: { view: ProfileView }) {
     );
   }
   const rows = rowsOf(values, z);
-  const certain = values.model === "moravec_elfes";
+  const isLong = rows.some(({ value }) => value.length > SHORT);
   return (
-    <math class="formula" display="block">
+    <math class={`formula${isLong ? " long" : ""}`} display="block">
       <mrow>
         <mi>{certain ? "v" : "Δℓ"}</mi>
         <mo>(</mo>
@@ -55,6 +56,9 @@ export function Formula({ view }: { view: ProfileView }) {
     </math>
   );
 }
+
+/** Letters of a value that leave room on a phone for where it holds. */
+const SHORT = 8;
 
 interface Row {
   readonly noun: string;
@@ -122,8 +126,12 @@ export function InWords({ view }: { view: ProfileView }) {
     return values.no_return === "free" ? (
       <p>
         <b class="noun-beam">No echo</b> came back within {written(values.range_max, 1)} m, and the setting “no return”
-        takes that as evidence: all {cellAt(values.range_max, values.resolution) + 1} cells up to the max range are{" "}
-        <b class="noun-miss">passed</b> and get {signed(model.miss)}.
+        takes that as evidence:{" "}
+        {isCone(values) ? "all cells of the cone" : `all ${cellAt(values.range_max, values.resolution) + 1} cells`} up
+        to the max range are <b class="noun-miss">passed</b>
+        {values.model === "moravec_elfes"
+          ? ", surest near the sensor and on the axis."
+          : ` and get ${signed(model.miss)}.`}
       </p>
     ) : (
       <p>
@@ -136,10 +144,10 @@ export function InWords({ view }: { view: ProfileView }) {
   if (values.model === "moravec_elfes") {
     return (
       <p>
-        The echo came from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, from anywhere on the arc. Closer,
-        the cone is <b class="noun-miss">probably empty</b>, surest near the sensor and on the axis. On the arc{" "}
-        <b class="noun-hit">something stands</b>: what is known to be empty is taken out, and the rest shares one
-        certainty of 1. These are certainties combined by rules of 1985, no log-odds that are added.
+        An echo from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, anywhere on the arc. Closer, the cone is{" "}
+        <b class="noun-miss">probably empty</b>, surest near the sensor and on the axis. On the arc{" "}
+        <b class="noun-hit">something stands</b>: cells known to be empty are taken out, the others share one certainty
+        of 1. They are combined by the rules of 1985, no log-odds that are added.
       </p>
     );
   }
@@ -165,8 +173,20 @@ export function InWords({ view }: { view: ProfileView }) {
     <p>
       The beam came back from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>. It{" "}
       <b class="noun-miss">passed {many(inWindow[0])}</b>: one never seen before goes from p {p(0)} to {p(model.miss)}.
-      It <b class="noun-hit">ended in {many(hits)}</b>: p {p(0)} becomes {p(model.hit)}. Of what lies{" "}
-      <b class="noun-prior">beyond</b> it says nothing.
+      {values.model === "smooth_ramp" ? (
+        <>
+          {" "}
+          In the {many(hits)} around its end <b class="noun-hit">free turns into occupied</b>, up to p {p(model.hit)}{" "}
+          where it ended, and fades away.
+        </>
+      ) : (
+        <>
+          {" "}
+          It <b class="noun-hit">ended in {hits === 1 ? "1 cell" : `the window, ${hits} cells`}</b>: p {p(0)} becomes{" "}
+          {p(model.hit)}.
+        </>
+      )}{" "}
+      Of what lies <b class="noun-prior">beyond</b> it says nothing.
     </p>
   );
 }

@@ -64,7 +64,8 @@ function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
   const before = [...walk.steps.slice(0, walk.done - 1)].some((one) => key(one.cell) === key(now.cell))
     ? (held(walk.done - 1) ?? 0)
     : undoneOf(store, walk, after);
-  const clamped = Math.abs(bayesFilter(before, now.evidence, { ...walk.config, clamp: false }) - after) > 1e-4;
+  const sum = bayesFilter(before, now.evidence, { ...walk.config, clamp: false });
+  const clamped = Math.abs(sum - after) > 1e-4;
   return (
     <>
       <span>
@@ -77,8 +78,8 @@ function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
       </span>{" "}
       <span class={now.isHit ? "noun-hit" : "noun-miss"}>
         {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}
-        {written(Math.abs(now.evidence), 2)} = <b>{signed(after)}</b>
-        {clamped ? ", at the clamp" : ""}.
+        {written(Math.abs(now.evidence), 2)} = {clamped ? `${signed(sum)}, clamped to ` : ""}
+        <b>{signed(after)}</b>.
       </span>
     </>
   );

@@ -124,11 +124,11 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
     <div class="table-figure">
       <p>
         The map has seen the table in <output class="number">{seen}</output> scans. Before it goes: after how many scans
-        without it will the map hold its cells free?
+        without it will the map hold nine in ten of its cells free?
       </p>
       <Slider
         label="My guess"
-        sentence="After how many scans without the table the map with the clamp will hold its cells free."
+        sentence="After how many scans without the table the map with the clamp will hold nine in ten of its cells free."
         unit="scans"
         value={guess ?? FIRST_GUESS}
         initial={FIRST_GUESS}
@@ -157,6 +157,7 @@ function Outcome({
 }) {
   const values = store.mapping.values.value;
   const { with_clamp: clamped, without_clamp: free } = told ?? { with_clamp: null, without_clamp: null };
+  const passes = passesToForget(values);
   return (
     <div class="table-outcome" role="status">
       <p>
@@ -165,9 +166,11 @@ function Outcome({
       </p>
       {clamped !== null && (
         <p>
-          {verdict(guess, clamped)} Clamped at {written(Number(values.log_odds_max), 1)}, a cell is free after{" "}
-          {passesToForget(values)} beams have passed through it, however long it was seen; without the clamp as much has
-          to be argued away as was ever argued for.
+          {verdict(guess, clamped)}{" "}
+          {passes !== null &&
+            `Clamped at ${written(Number(values.log_odds_max), 1)}, a cell is free after ${passes} ${
+              values.update === "per_scan" ? "scans" : "beams"
+            } have passed through it, however long it was seen; without the clamp as much has to be argued away as was ever argued for.`}
         </p>
       )}
     </div>

@@ -36,6 +36,10 @@ test("the arithmetic of one cell", () => {
     passes++;
   }
   expect(passesToForget(values)).toBe(passes);
+  // With the model's own increments, and of no model that keeps no sum; never where the lower clamp is not free.
+  expect(passesToForget({ ...values, model: "step_window", p_free: 0.2, p_occ: 0.7 })).toBe(4);
+  expect(passesToForget({ ...values, model: "hit_counting" })).toBeNull();
+  expect(passesToForget({ ...values, log_odds_min: -1 })).toBeNull();
 });
 
 test("the curve grows by a point for each scan and begins anew with a new count", () => {

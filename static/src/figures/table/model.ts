@@ -2,6 +2,9 @@
 
 import { along } from "../../beams";
 import type { Drawn, Forgetting, Frame, Values } from "../../protocol";
+import { FREE } from "../cell/Ground";
+import { type CellParameters, readingsUntil } from "../cell/model";
+import { INITIAL } from "../profile/model";
 
 /** Side of the table and how far its middle stands from the robot, metres. */
 const SIDE = 0.6;
@@ -42,10 +45,15 @@ function isOpen(frame: Frame, bearing: number, distance: number): boolean {
   return beams >= 4;
 }
 
-/** How often a cell at the upper clamp has to be passed until it is free: the arithmetic of one cell. */
-export function passesToForget(values: Values): number {
-  const [high, miss] = [Number(values.log_odds_max), Number(values.log_odds_miss)];
-  return Math.max(1, Math.ceil((high - Math.log(0.25 / 0.75)) / -miss));
+/**
+ * How often a cell at the upper clamp has to be passed until it is free: the arithmetic of one cell. Null where it never
+ * is, or where the model keeps no sum.
+ */
+export function passesToForget(values: Values): number | null {
+  const limits = { log_odds_min: -2, log_odds_max: 3.5 };
+  const config: CellParameters = { ...INITIAL, ...limits, ...(values as Partial<CellParameters>), clamp: true };
+  const isSum = config.model !== "moravec_elfes" && config.model !== "hit_counting";
+  return isSum ? readingsUntil("miss", config.log_odds_max, FREE, config) : null;
 }
 
 export interface Point {

@@ -66,7 +66,7 @@ export function Thresholds() {
           <pre>{yamlText(GEOMETRY, "map.pgm")}</pre>
         </div>
         <div>
-          <h3>map.pgm, its head and its first bytes as numbers</h3>
+          <h3>map.pgm, its head and some of its bytes as numbers</h3>
           <pre>
             {pgmHeader(GEOMETRY)}
             {rowsOf(greys.value)}

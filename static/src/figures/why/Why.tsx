@@ -2,7 +2,7 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
-import type { Touch, Which, WhyMessage } from "../../protocol";
+import type { Touch, Value, Which, WhyMessage } from "../../protocol";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -85,15 +85,22 @@ const MAPS = [
   { value: "first", label: "In B" },
 ];
 
+/** A parameter of the map that is asked about. */
+function parameterOf(store: Store, name: string): Value | undefined {
+  const kept = store.askedMap.value === "second" ? store.compared.value?.values[name] : undefined;
+  return kept ?? store.mapping.values.value[name];
+}
+
 const useHitWindow = (store: Store): ReadonlySignal<number> =>
-  useMemo(
-    () =>
-      computed(() => {
-        const kept = store.askedMap.value === "second" ? store.compared.value?.values.window : undefined;
-        return Number(kept ?? store.mapping.values.value.window ?? 0);
-      }),
-    [store],
-  );
+  useMemo(() => computed(() => Number(parameterOf(store, "window") ?? 0)), [store]);
+
+/** What stands before the numbers of an update: the rule, or, where a model keeps no sum, what they are. */
+function ruleOf(store: Store, why: WhyMessage | null): string {
+  const model = parameterOf(store, "model");
+  if (model === "hit_counting") return "ℓ of the counts, and its change:";
+  if (model === "moravec_elfes") return "ℓ of the certainties, and its change:";
+  return why && why.log_odds_max === null && why.log_odds_min === null ? "ℓ ← ℓ + Δ" : "ℓ ← clamp(ℓ + Δ)";
+}
 
 /** The sentence, said once for each cell and not again with each beam. */
 function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
@@ -165,9 +172,7 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
         />
       </div>
       <p class="why-equation">
-        <span class="why-rule">
-          ℓ ← {why && why.log_odds_max === null && why.log_odds_min === null ? "ℓ + Δ" : "clamp(ℓ + Δ)"}
-        </span>
+        <span class="why-rule">{ruleOf(store, why)}</span>
         <output class={touch?.hit ? "noun-hit" : "noun-miss"}>{update ? equation(update) : "…"}</output>
       </p>
       <div class="why-touch">
@@ -199,7 +204,7 @@ function TouchWords({ touch, hitWindow }: { readonly touch: Touch; readonly hitW
   const reading = touch.range === null ? "no return" : `${touch.range.toFixed(2)} m`;
   return (
     <>
-      scan {touch.scan + 1}, beam {touch.beam}, <span class="noun-beam">{reading}</span>:{" "}
+      scan {touch.scan + 1}, beam {touch.beam + 1}, <span class="noun-beam">{reading}</span>:{" "}
       <span class={touch.hit ? "noun-hit" : "noun-miss"}>{verdict(touch, hitWindow)}</span>
     </>
   );

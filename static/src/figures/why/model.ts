@@ -71,7 +71,7 @@ export function equation({ before, increment, sum, after, isClamped }: Update): 
 /** What a touch is, in a line. */
 export function describe(touch: Touch, window: number): string {
   const reading = touch.range === null ? "no return" : `${written(touch.range, 2)} m`;
-  return `scan ${touch.scan + 1}, beam ${touch.beam}, ${reading}: ${verdict(touch, window)}, ${signed(touch.increment)}`;
+  return `scan ${touch.scan + 1}, beam ${touch.beam + 1}, ${reading}: ${verdict(touch, window)}, ${signed(touch.increment)}`;
 }
 
 /** The log-odds before the first touch and after each that is told of, as [n, log-odds], thinned as it came. */

@@ -22,9 +22,9 @@ export function AlgorithmSection({ id, number, title }: { id: string; number: nu
     >
       <p>
         Now everything is there: which cells a beam crosses, what it says of each, how a cell adds that up. The program
-        below is the mapper’s own textbook, taken from its file when this page was built. Go on by a line, a cell, a{" "}
-        <b class="noun-beam">beam</b> or the whole scan, forwards and back; drag the <b class="noun-robot">robot</b> and
-        it runs on other readings.
+        below is the mapper’s own textbook, five functions of it without their docstrings, taken from its file when this
+        page was built. Each line that runs is lit. Go on by a line, a cell, a <b class="noun-beam">beam</b> or the
+        whole scan, forwards and back; drag the <b class="noun-robot">robot</b> and it runs on other readings.
       </p>
     </Section>
   );

@@ -57,8 +57,8 @@ function Derivation() {
       <Line
         why={
           <>
-            Bayes’ rule for the newest reading z<sub>t</sub>. Given the map, readings do not depend on each other, so
-            the older ones drop out of the first factor.
+            Bayes’ rule for the newest reading z<sub>t</sub>. The older ones have dropped out of the first factor: given
+            the cell, readings are taken to be independent. Strictly they are so only given the whole map.
           </>
         }
       >
@@ -236,7 +236,7 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       }
       sources={[
         ["probabilistic-robotics", "section 4.2 and table 4.2"],
-        ["octomap", "section 3.2, for the increments and the clamp"],
+        ["octomap", "section 3.2 for the clamp, section 5.1 for the increments"],
       ]}
       after={
         <>

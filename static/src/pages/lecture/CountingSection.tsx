@@ -31,7 +31,7 @@ export function CountingSection({ id, number, title }: { id: string; number: num
       }
     >
       <p>
-        Log-odds may be added when the readings are independent, given the map. Are the{" "}
+        Log-odds may be added when readings are independent, given the cell. Are the{" "}
         <Scrub
           label="beams of a scan"
           sentence="How many beams the lidar sends all round in one scan."

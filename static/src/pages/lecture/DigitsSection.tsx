@@ -22,7 +22,8 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         <p>
           The mapper keeps ℓ in 32 bits for another reason too: an addition is cheaper than the products and the
           division that normalises them, and a map is millions of these. With the clamp of section 2 none of the three
-          would ever get this far; without it, only the sum survives.
+          would ever get this far: at +3.5 even p has digits to spare. Without it p gives up first, the odds next, and
+          the sum goes on.
         </p>
       }
     >
@@ -76,7 +77,8 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
           after=","
         />{" "}
         and as much against. Every step is computed in 32 bits, three ways: Bayes’ rule on <b class="noun-beam">p</b>, a
-        product of <b>odds</b>, a sum of <b class="noun-robot">ℓ</b>.
+        product of <b>odds</b>, a sum of <b class="noun-robot">ℓ</b>. The mapper does the third; the other two are here
+        to show why.
       </p>
     </Section>
   );

@@ -16,10 +16,12 @@ export function FileSection({ id, number, title }: { id: string; number: number;
         <>
           <p>
             The yaml does not state the thresholds that you drag, and that is no mistake: those decided what was
-            written, these say how to read it. A reader computes (255 − grey) / 255, which is 0 for 255, 1 for 0, and{" "}
-            <b>0.196</b> for the 205 of an unknown cell. Move the reader’s free_thresh above that number and see what
-            becomes of the unknown: the image is the same, and the planner drives through it. (Where this mapper reads
-            such a file, it says so.) The mapper writes 0.196, as map_saver does.
+            written, these say how to read it. With negate 0 a reader computes (255 − grey) / 255, which is 1 for the 0
+            of an occupied cell, 0.004 for the 254 of a free one, and <b>0.196</b> for the 205 of an unknown one; less
+            than free_thresh is free. Move the reader’s free_thresh above that number and see what becomes of the
+            unknown: the image is the same, and the planner drives through it. That is no rare accident: until 2025 the
+            map_saver of Nav2 wrote 0.25 unless it was told otherwise. This mapper writes 0.196, as map_saver does now,
+            and where it reads such a file it says so.
           </p>
           <p>
             The image has its top row first and the grid its lowest; the file is flipped on its way, and the origin in

@@ -19,11 +19,11 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
       figure={<Forgetting seen={seen} clamp={clamp} />}
       sources={[
         ["octomap", "section 3.2: the clamp keeps a map able to change"],
-        ["probabilistic-robotics", "section 9.2"],
+        ["probabilistic-robotics", "section 4.2: a state that never changes"],
       ]}
       after={
         <p>
-          Without a clamp the map holds every hit against every miss, and a table that stood for an hour needs hours to
+          Without a clamp the map holds every hit against every miss, and a table that stood for an hour needs two to
           go. The clamp limits how sure a cell can be, and so how long it may take to change its mind: from the upper
           limit the way down to the threshold is always the same length. The price: beyond the limit, more evidence
           counts for nothing, and a cell can be talked out of the truth as quickly as out of an error.

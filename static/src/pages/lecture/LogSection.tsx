@@ -43,7 +43,16 @@ function YourLog() {
 
 export function LogSection({ id, number, title }: { id: string; number: number; title: string }) {
   return (
-    <Section id={id} number={number} title={title} figure={<YourLog />} sources={[]}>
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<YourLog />}
+      sources={[
+        ["laser-scan", "what a log keeps of a scan"],
+        ["rep-105", "the frames that its poses lie between"],
+      ]}
+    >
       <p>
         Everything above was small. Now take a real robot’s log: thousands of scans, hundreds of thousands of readings.
         The parameters are the same ones that you dragged on this page, and the map is made anew, from every reading,

@@ -46,7 +46,10 @@ export function ModelSection({ id, number, title }: { id: string; number: number
       }
       sources={[
         ["probabilistic-robotics", "section 9.2 and table 9.2"],
-        ["octomap", "section 3.2"],
+        ["octomap", "section 5.1, for the fixed increments"],
+        ["elfes", "for the ramp"],
+        ["moravec-elfes", ""],
+        ["reflection-maps", "for hit counting"],
       ]}
       after={
         <p>

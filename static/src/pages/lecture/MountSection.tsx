@@ -23,7 +23,7 @@ export function MountSection({ id, number, title }: { id: string; number: number
       sources={["rep-103", "rep-105"]}
       after={
         <p>
-          Every way of being wrong has its own handwriting. A <b>turned</b> sensor swings each scan round the robot, so
+          Every way of being wrong has its own handwriting. A <b>turned</b> sensor swings each scan round itself, so
           that one wall lands in another place from every pose that saw it. A <b>shifted</b> one carries its error along
           with the robot’s heading: where the robot turned, walls double; had it only driven straight, the whole map
           would be displaced, and nobody would see it. One that hangs <b>upside down</b>, with nobody telling the map,
@@ -45,9 +45,10 @@ export function MountSection({ id, number, title }: { id: string; number: number
         </mrow>
       </math>
       <p>
-        All of it in metres and radians, x forward, y to the left, angles counter-clockwise. The dashed fan is how the
-        laser is really mounted; it made the readings. The <b class="noun-beam">coloured</b> one is what the map
-        believes. Drag it, turn it, hang it upside down: the robot’s way and the readings stay the same.
+        All of it in metres and radians (the figure tells them in degrees), x forward, y to the left, angles
+        counter-clockwise. The dashed fan is how the laser is really mounted; it made the readings. The{" "}
+        <b class="noun-beam">coloured</b> one is what the map believes. Drag it, turn it, hang it upside down: the
+        robot’s way and the readings stay the same.
       </p>
     </Section>
   );

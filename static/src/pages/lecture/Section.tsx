@@ -17,8 +17,12 @@ interface SectionProps {
 }
 
 /** Text as large as a lecture hall needs it, where the screen is at least so wide, in pixels, and the figure fits. */
-const TEXT_SIZES = ["125%", "112%", "100%"];
+const SMALLEST = "100%";
+const TEXT_SIZES = ["125%", "112%", SMALLEST];
 const WIDE = 1120;
+/** Of the room's width that a figure may have to make do with: with large text, and rather than that it scrolls. */
+const NARROW = 0.6;
+const NARROWEST = 0.5;
 
 /** Makes the figure of a slide as wide as it may be to fit into the room that it has. */
 function useFittedWidth(on: boolean) {
@@ -30,9 +34,10 @@ function useFittedWidth(on: boolean) {
     const page = document.documentElement.style;
     const settle = (): void => {
       const widest = room.clientWidth;
-      for (const size of innerWidth < WIDE ? ["100%"] : TEXT_SIZES) {
+      for (const size of innerWidth < WIDE ? [SMALLEST] : TEXT_SIZES) {
         page.fontSize = size;
-        for (let width = widest; width > 0.6 * widest; width *= 0.97) {
+        const least = (size === SMALLEST ? NARROWEST : NARROW) * widest;
+        for (let width = widest; width > least; width *= 0.97) {
           element.style.width = `${width}px`;
           if (element.offsetHeight <= room.clientHeight) return;
         }

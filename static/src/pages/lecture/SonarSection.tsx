@@ -76,8 +76,8 @@ export function SonarSection({ id, number, title }: { id: string; number: number
           </math>
           <p>
             So the blame goes to the cells that are left. It is a heuristic: both numbers can only grow, nothing is ever
-            taken back, and the order matters. The map shows the greater of the two. Four years later Elfes put the grid
-            on Bayes’ rule, and with independent cells came back what section 1 showed.
+            taken back, and the order matters. The map shows the greater of the two. By 1989 Elfes had put the grid on
+            Bayes’ rule, and with independent cells came back what section 1 showed.
           </p>
         </>
       }

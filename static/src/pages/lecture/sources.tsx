@@ -38,6 +38,13 @@ export const SOURCES = {
       <cite>IEEE Standard for Floating-Point Arithmetic</cite>, IEEE 754
     </>
   ),
+  "reflection-maps": (
+    <>
+      D. Hähnel, R. Triebel, W. Burgard and S. Thrun,{" "}
+      <cite>Map building with mobile robots in dynamic environments</cite>, IEEE International Conference on Robotics
+      and Automation, 2003
+    </>
+  ),
   "rep-103": (
     <>
       REP 103, <cite>Standard units of measure and coordinate conventions</cite>
@@ -56,6 +63,11 @@ export const SOURCES = {
   "map-server": (
     <>
       Nav2, <cite>nav2_map_server</cite>: the map files, their modes and thresholds
+    </>
+  ),
+  "laser-scan": (
+    <>
+      ROS, message definition <cite>sensor_msgs/LaserScan</cite>
     </>
   ),
   "occupancy-grid": (

@@ -86,10 +86,10 @@ function Told({ finding, store }: { readonly finding: Finding; readonly store: S
           <Button
             key={scan}
             kind="quiet"
-            label={`Go to scan ${scan}`}
+            label={`Go to scan ${scan + 1}`}
             onClick={() => store.send({ type: "seek", index: scan + 1 })}
           >
-            scan {scan}
+            scan {scan + 1}
           </Button>
         ))}
       </div>
