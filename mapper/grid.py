@@ -196,10 +196,14 @@ class OccupancyGrid:
         )
         self.log_odds: NDArray[np.float32] = self.prior()
 
-    def prior(self) -> NDArray[np.float32]:
-        """Return ℓ₀ of every cell (rows, cols), an array of its own."""
-        number = np.full(self.geometry.shape, self.log_odds_prior, dtype=np.float32)
-        return number if self.prior_map is None else np.where(np.isnan(self.prior_map), number, self.prior_map)
+    def prior(self, part: tuple[slice, slice] = np.s_[:, :]) -> NDArray[np.float32]:
+        """Return ℓ₀ of every cell (rows, cols), or of some rows and columns, an array of its own."""
+        rows, cols = (len(range(side)[cut]) for side, cut in zip(self.geometry.shape, part, strict=True))
+        number = np.full((rows, cols), self.log_odds_prior, dtype=np.float32)
+        if self.prior_map is None:
+            return number
+        known = self.prior_map[part]
+        return np.where(np.isnan(known), number, known)
 
     def as_prior(self, log_odds_prior: float | None = None) -> OccupancyGrid:
         """Return a grid that goes on from what this one believes: its observed cells are the new one's prior map."""

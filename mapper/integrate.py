@@ -64,7 +64,8 @@ def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
 
 def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
     """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
-    return _sweep(log, log.ranges[start:stop], log.sensor_poses(trajectory)[start:stop], config)
+    poses = log.trajectory(trajectory).poses[start:stop]
+    return _sweep(log, log.ranges[start:stop], compose(poses, np.array(log.mount)), config)
 
 
 def _sweep(

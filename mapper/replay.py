@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from mapper.errors import ConfigError, MapperError
+from mapper.course import Course, Scout
+from mapper.errors import ConfigError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import CellBox, Change, geometry_for, grid_for, integrate_scans
+from mapper.integrate import CellBox, Change, geometry_for, grid_for
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
 from mapper.provenance import Provenance, provenance
 from mapper.scan import ScanLog
-
-PART_READINGS = 1 << 22  #: readings that are added at once: a second's work or less
-
-
-class UnwantedError(MapperError):
-    """Nobody wants the map any more that was being made; its replay is of no use after that."""
 
 
 class Replay:
@@ -38,54 +33,56 @@ class Replay:
     ) -> None:
         self._limits = limits
         self._prior = prior
-        self.log = log
-        self.config = MappingConfig() if config is None else config
         self.trajectory = trajectory or log.default_trajectory
-        self.grid = self._new_grid(log, self.config)
-        self.index = 0  #: scans in the map
+        self._course = self._new_course(log, MappingConfig() if config is None else config)
         self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
-    def _new_grid(self, log: ScanLog, config: MappingConfig) -> OccupancyGrid:
-        return grid_for(log, config, self.trajectory, self._limits, self._prior)
+    def _new_course(self, log: ScanLog, config: MappingConfig) -> Course:
+        grid = grid_for(log, config, self.trajectory, self._limits, self._prior)
+        return Course(log, config, self.trajectory, grid)
+
+    @property
+    def log(self) -> ScanLog:
+        """The log."""
+        return self._course.log
+
+    @property
+    def config(self) -> MappingConfig:
+        """The parameters."""
+        return self._course.config
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map; another object only after other parameters."""
+        return self._course.grid
+
+    @property
+    def index(self) -> int:
+        """Scans in the map."""
+        return self._course.index
 
     def advance_to(self, index: int) -> Change:
-        """Bring the map to ``index`` scans: forwards by adding those between, backwards by making it anew.
+        """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less to do.
 
-        Raises :class:`ConfigError` for an index that the log does not have.
+        Raises :class:`ConfigError` for an index that the log does not have, and
+        :class:`mapper.course.UnwantedError` where nobody wants the map any more.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
-        if index < self.index:
-            # The whole grid is emptied, so all of it is what changed.
-            emptied = self.grid.emptied()
-            change = self._integrate(emptied, self.config, 0, index)
-            rows, cols = emptied.geometry.shape
-            self.grid, self.index = emptied, index
-            return Change(CellBox(0, rows, 0, cols), geometry_changed=False, cells_updated=change.cells_updated)
-        change = self._integrate(self.grid, self.config, self.index, index)
-        self.index = index
-        return change
+        return self._course.go_to(index, self.wanted)
 
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
-        grid = self._new_grid(self.log, config)
-        change = self._integrate(grid, config, 0, self.index)
-        geometry_changed = grid.geometry != self.grid.geometry
-        self.grid, self.config = grid, config
-        rows, cols = grid.geometry.shape
+        course = self._new_course(self.log, config)
+        change = course.go_to(self.index, self.wanted)
+        geometry_changed = course.grid.geometry != self.grid.geometry
+        self._course = course
+        rows, cols = course.grid.geometry.shape
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
 
-    def _integrate(self, grid: OccupancyGrid, config: MappingConfig, start: int, stop: int) -> Change:
-        """As :func:`integrate_scans`, in parts between which :attr:`wanted` is asked. Raises :class:`UnwantedError`."""
-        change = Change(None, geometry_changed=False, cells_updated=0)
-        step = max(1, PART_READINGS // self.log.n_beams)
-        for first in range(start, stop, step):
-            if not self.wanted():
-                raise UnwantedError("replay.unwanted", "The map is not wanted any more.")
-            part = integrate_scans(grid, self.log, config, self.trajectory, first, min(first + step, stop))
-            box = change.box | part.box if change.box is not None and part.box is not None else change.box or part.box
-            change = Change(box, geometry_changed=False, cells_updated=change.cells_updated + part.cells_updated)
-        return change
+    def scout(self) -> Scout | None:
+        """Return one that leaves the checkpoints which this replay has not; None where nothing is worth the trouble."""
+        return Scout(self._course) if Scout.is_worth(self._course) else None
 
     def provenance(self, row: int, col: int) -> Provenance:
         """Return every beam that touched a cell of the map as it stands, with what it added.
@@ -115,5 +112,5 @@ class Replay:
         inside = 0.5 * needed.resolution
         high = (x + needed.cols * needed.resolution - inside, y + needed.rows * needed.resolution - inside)
         grown = self.grid.grow_to_include((x + inside, y + inside), high)
-        self.log = log
+        self._course.go_on_with(log, grown=grown)
         return Change(None, grown, 0)

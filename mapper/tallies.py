@@ -30,12 +30,28 @@ def begin(grid: OccupancyGrid, config: MappingConfig) -> None:
             raise _mixed(config)
         grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
         if config.model == "moravec_elfes":
-            value = 2.0 * probability(grid.prior()) - 1.0
-            grid.tallies[0], grid.tallies[1] = np.maximum(value, 0.0), np.maximum(-value, 0.0)
+            _begin_certainties(grid.tallies, grid.prior())
             sure = 2.0 * float(probability(grid.log_odds_prior)) - 1.0
             grid.tally_prior = (max(sure, 0.0), max(-sure, 0.0))
     elif not tallied and grid.tallies is not None:
         raise _mixed(config)
+
+
+def _begin_certainties(certainties: NDArray[np.float32], prior: NDArray[np.float32]) -> None:
+    """Let certainties (2, rows, cols) say what the log-odds ``prior`` (rows, cols) does."""
+    value = 2.0 * probability(prior) - 1.0
+    certainties[0], certainties[1] = np.maximum(value, 0.0), np.maximum(-value, 0.0)
+
+
+def forget(grid: OccupancyGrid, config: MappingConfig, part: tuple[slice, slice]) -> None:
+    """Bring some rows and columns back to what they were when :func:`begin` had made the grid ready."""
+    prior = grid.prior(part)
+    grid.log_odds[part] = prior
+    grid.observed[part] = False if grid.prior_map is None else ~np.isnan(grid.prior_map[part])
+    if grid.tallies is not None:
+        grid.tallies[:, *part] = 0.0
+        if config.model == "moravec_elfes":
+            _begin_certainties(grid.tallies[:, *part], prior)
 
 
 def _mixed(config: MappingConfig) -> ConfigError:
@@ -47,7 +63,7 @@ def show(grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64]) -> 
     if grid.tallies is None or box[1] <= box[0]:
         return
     part = np.s_[box[0] : box[1], box[2] : box[3]]
-    prior = grid.log_odds_prior if grid.prior_map is None else grid.prior()[part]
+    prior = grid.log_odds_prior if grid.prior_map is None else grid.prior(part)
     speaks, against = grid.tallies[(0, *part)], grid.tallies[(1, *part)]
     grid.log_odds[part] = np.where(grid.observed[part], shown(config, speaks, against, prior), grid.log_odds[part])
 

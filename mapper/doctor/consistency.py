@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.course import UnwantedError
 from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_scans
 from mapper.parameters import MappingConfig
-from mapper.replay import UnwantedError
 from mapper.scan import ScanLog, Trajectory
 
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be quick and not to mind a reading's noise

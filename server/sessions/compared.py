@@ -7,9 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from mapper.compare import Comparison, Difference, difference
+from mapper.course import UnwantedError
 from mapper.errors import MapperError
 from mapper.parameters import MappingConfig
-from mapper.replay import Replay, UnwantedError
+from mapper.replay import Replay
 from mapper.scan import ScanLog
 from server.sessions.other_side import OtherSide, Wanted, comparison_message
 from server.sessions.outcome import Outcome

@@ -60,7 +60,7 @@ async def test_a_session_ends_in_the_middle_of_a_long_computation(
             time.sleep(0.01)
         return integrate_scans(*arguments)
 
-    monkeypatch.setattr("mapper.replay.PART_READINGS", 360)
+    monkeypatch.setattr("mapper.course.PART_READINGS", 360)
     async with service.connect(session_id) as socket:
         monkeypatch.setattr("mapper.replay.integrate_scans", slow)
         await socket.send(json.dumps({"type": "seek", "index": 600}))

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mapper.course import UnwantedError
 from mapper.errors import ConfigError, LimitError
 from mapper.grid import OccupancyGrid
 from mapper.integrate import CellBox, geometry_for, integrate_log, integrate_scan
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
-from mapper.replay import Replay, UnwantedError
+from mapper.replay import Replay
 from mapper.scan import ScanLog, Trajectory
 
 
@@ -69,7 +70,7 @@ def test_any_order_of_jumps_is_the_map_made_in_one_go(log: ScanLog, update: str,
 
 def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     config = MappingConfig(resolution=0.2)
-    monkeypatch.setattr("mapper.replay.PART_READINGS", 3 * log.n_beams)
+    monkeypatch.setattr("mapper.course.PART_READINGS", 3 * log.n_beams)
     replay = Replay(log, config)
     change = replay.advance_to(20)
     assert same(replay.grid, one_go(log, config, 20))
@@ -82,7 +83,7 @@ def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch
 
 
 def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mapper.replay.PART_READINGS", log.n_beams)
+    monkeypatch.setattr("mapper.course.PART_READINGS", log.n_beams)
     replay = Replay(log, MappingConfig(resolution=0.2))
     answers = iter([True, True, False])
     replay.wanted = lambda: next(answers)

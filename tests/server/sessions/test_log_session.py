@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from mapper.course import UnwantedError
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
 from mapper.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.logs import open_log
 from mapper.parameters import MappingConfig
-from mapper.replay import UnwantedError
 from mapper.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times

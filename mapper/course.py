@@ -1,0 +1,147 @@
+"""A map on its way through a log: forwards scan by scan, back and far ahead by way of checkpoints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mapper.checkpoints import Checkpoints
+from mapper.errors import MapperError
+from mapper.grid import TILE, OccupancyGrid
+from mapper.integrate import CellBox, Change, integrate_scans
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog
+from mapper.threads import alone
+
+PART_READINGS = 1 << 22  #: readings that are added at once, at most
+FIRST_READINGS = 1 << 12  #: the same before it is known how many cells each of them touches
+
+
+class UnwantedError(MapperError):
+    """Nobody wants the map any more that was being made; it is of no use after that."""
+
+
+class Course:
+    """A map in time: the map of the first :attr:`index` scans of a log, which goes to any other number of scans.
+
+    On its way it leaves checkpoints, and it begins at one of them where that is less to do. ``grid`` is empty at first
+    and holds all that is to be seen; it stays the same object. Not for several threads at once, but courses of several
+    threads may share their checkpoints.
+    """
+
+    def __init__(
+        self,
+        log: ScanLog,
+        config: MappingConfig,
+        trajectory: str,
+        grid: OccupancyGrid,
+        checkpoints: Checkpoints | None = None,
+    ) -> None:
+        self.log, self.config, self.trajectory, self.grid = log, config, trajectory, grid
+        self.checkpoints = checkpoints or Checkpoints(config)
+        self.index = 0  #: scans in the map
+        self._scans, self._updates = 0, 0  # the way so far
+        self._begin(0)
+
+    def _begin(self, moment: int) -> None:
+        """Note that the map is as it was kept at a moment."""
+        tiles = [-(-side // TILE) for side in self.grid.geometry.shape]
+        self._since = moment
+        self._updates_since = 0
+        self._touched = np.zeros(tiles, dtype=np.bool_)  # tiles that may have changed since
+
+    def go_to(self, index: int, wanted: Callable[[], bool] = lambda: True) -> Change:
+        """Bring the map to ``index`` scans.
+
+        Raises :class:`UnwantedError` where ``wanted``, asked now and then, says False.
+        """
+        moment = self.checkpoints.before(index)
+        box = self._restore(moment) if index < self.index or moment > self.index else None
+        count = 0
+        while self.index < index:
+            if not wanted():
+                raise UnwantedError("replay.unwanted", "The map is not wanted any more.")
+            change = self.step(index)
+            count += change.cells_updated
+            box = change.box if box is None else box if change.box is None else box | change.box
+        return Change(box, geometry_changed=False, cells_updated=count)
+
+    def _restore(self, moment: int) -> CellBox | None:
+        box = self.checkpoints.restore(self.grid, self._touched, self._since, moment)
+        self.index = moment
+        self._begin(moment)
+        return box
+
+    def step(self, last: int) -> Change:
+        """Add some scans, some hundredths of a second's work and not beyond ``last``; leave a checkpoint where due."""
+        kept = self.checkpoints
+        stop = kept.after(self.index, min(self.index + self._scans_at_once(), last))
+        change = integrate_scans(self.grid, self.log, self.config, self.trajectory, self.index, stop)
+        self._scans += stop - self.index
+        self._updates += change.cells_updated
+        self._updates_since += change.cells_updated
+        self.index = stop
+        if change.box is not None:
+            self._touched[_tiles_of(change.box)] = True
+        kept.reached = max(kept.reached, stop)
+        if kept.before(stop) == stop or (
+            kept.is_due(self._updates_since, self._touched) and kept.keep(self.grid, self._touched, stop)
+        ):
+            self._begin(stop)
+        return change
+
+    @property
+    def updates_per_scan(self) -> float | None:
+        """Cells that a scan updates, as far as the way so far tells."""
+        return self._updates / self._scans if self._scans else None
+
+    def _scans_at_once(self) -> int:
+        rate, most = self.updates_per_scan, PART_READINGS // self.log.n_beams
+        if rate is None:
+            due = FIRST_READINGS // self.log.n_beams
+        else:
+            spacing = self.checkpoints.spacing
+            due = int(max(spacing - self._updates_since, spacing // 4) / max(rate, 1.0))
+        return max(1, min(due, most))
+
+    def go_on_with(self, log: ScanLog, *, grown: bool) -> None:
+        """Go on with ``log``, which is the same log grown at its end; ``grown`` says that the grid grew for it."""
+        self.log = log
+        if grown:
+            # What is kept is of a smaller grid.
+            self.checkpoints = Checkpoints(self.config)
+            self._begin(0)
+            self._touched[:] = True
+
+
+class Scout:
+    """Leaves the checkpoints that a course has not come by yet, on a grid of its own, while nobody waits.
+
+    For one thread at a time, which need not be that of the course.
+    """
+
+    def __init__(self, course: Course) -> None:
+        grid = course.grid.emptied()
+        self._course = Course(course.log, course.config, course.trajectory, grid, course.checkpoints)
+
+    @staticmethod
+    def is_worth(course: Course) -> bool:
+        """Whether enough is left to go that somebody would notice."""
+        kept, rate = course.checkpoints, course.updates_per_scan
+        return rate is not None and rate * (course.log.n_scans - kept.reached) > kept.spacing
+
+    def step(self) -> bool:
+        """Work for some hundredths of a second, on this thread alone; return whether something is left to do."""
+        course = self._course
+        with alone():
+            newest = course.checkpoints.newest
+            if newest > course.index:  # where others have been
+                course.go_to(newest)
+            elif course.index < course.log.n_scans:
+                course.step(course.log.n_scans)
+        return course.index < course.log.n_scans
+
+
+def _tiles_of(box: CellBox) -> tuple[slice, slice]:
+    return np.s_[box.row0 // TILE : -(-box.row1 // TILE), box.col0 // TILE : -(-box.col1 // TILE)]
