@@ -138,8 +138,10 @@ def test_seeks_go_back_to_a_prior_map(log: ScanLog, config: MappingConfig) -> No
 
 
 def test_a_log_that_grows_and_with_it_the_grid(log: ScanLog) -> None:
+    back = -log.trajectory().poses  # towards where the grid's origin is
+
     def first(n: int) -> ScanLog:
-        walk = Trajectory(log.trajectory().poses[:n])
+        walk = Trajectory(back[:n])
         return replace(log, ranges=log.ranges[:n], stamps_ns=log.stamps_ns[:n], trajectories={"walk": walk})
 
     config = MappingConfig(resolution=0.05)
@@ -151,7 +153,7 @@ def test_a_log_that_grows_and_with_it_the_grid(log: ScanLog) -> None:
         origins.add(replay.grid.geometry.origin)
         replay.advance_to(index)
         grid = OccupancyGrid(replay.grid.geometry)
-        integrate_log(grid, log, config, None, 0, index)
+        integrate_log(grid, first(N), config, None, 0, index)
         assert_same(replay.grid, grid)
     assert len(origins) > 1
 
