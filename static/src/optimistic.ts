@@ -58,11 +58,13 @@ export class Optimistic {
     return Object.fromEntries([...this.#local.peek()].map(([name, { value }]) => [name, value]));
   }
 
-  /** The server says what holds. */
-  hear(values: Values): void {
+  /** The server says what holds. Says whether that is something else than what it said before. */
+  hear(values: Values): boolean {
+    const isNews = !isSame(values, this.#server.peek());
     this.#server.value = values;
     this.#heardAt = this.#now();
     this.#drop((name, local) => values[name] === local.value || this.#heardAt - local.since > SETTLE_MS);
+    return isNews;
   }
 
   /** The server refused what was set here. */

@@ -31,6 +31,7 @@ export class ShownMap {
   readonly version: ReadonlySignal<number> = this.#version;
   /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
   onBloom: OnBloom | null = null;
+  #isRemade = false;
   #coming: (MapPicture & { readonly since: number }) | null = null;
   #newest = 0;
   #complete: { readonly epoch: number; readonly revision: number } | null = null;
@@ -43,12 +44,17 @@ export class ShownMap {
     if (!this.#map.peek()) this.#show();
   }
 
+  /** What comes next is the same readings taken otherwise: nothing of it was just seen. */
+  remake(): void {
+    this.#isRemade = true;
+  }
+
   takeTiles(frame: TilesFrame): void {
     const coming = this.#coming;
     const picture = coming ?? this.#map.peek();
     if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
     const undecided = byteAt(0, picture.geometry);
-    const hear = coming || !this.#complete ? null : this.onBloom;
+    const hear = coming || !this.#complete || this.#isRemade ? null : this.onBloom;
     const now = performance.now();
     const bloom = hear ? (row: number, col: number): void => hear(row, col, now) : undefined;
     for (const tile of frame.tiles) {
@@ -65,6 +71,7 @@ export class ShownMap {
       if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();
       if (frame.tiles.length > 0) this.#version.value++;
     });
+    if (frame.complete && frame.tiles.length > 0) this.#isRemade = false;
     if (frame.complete) this.#complete = { epoch: frame.epoch, revision: this.#newest };
   }
 

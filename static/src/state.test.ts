@@ -272,6 +272,23 @@ describe("the store", () => {
     expect(bloomed).toBeGreaterThan(0);
   });
 
+  test("a map that is made anew of the same readings does not bloom, and what is seen after it does", () => {
+    const bloomed: number[] = [];
+    const more = (tx: number) => ({ ...tiles(1, 2 + tx, true), tiles: [{ tx, ty: 0, revision: 2 + tx, data: zstd }] });
+    store.onBloom = () => void bloomed.push(1);
+    store.receive(hello("a"));
+    store.receive(geometry(1));
+    store.takeTiles(tiles(1, 1, true));
+    const retuned = { type: "parameters", values: { log_odds_hit: 1.5 }, sensor: null } as const;
+    store.receive(retuned);
+    store.takeTiles({ ...more(1), complete: false });
+    store.takeTiles(more(2));
+    expect(bloomed).toHaveLength(0);
+    store.receive(retuned); // says nothing new: no map follows
+    store.takeTiles(more(3));
+    expect(bloomed.length).toBeGreaterThan(0);
+  });
+
   test("the correction of the mount turns the beams in the map, not in the world", () => {
     store.receive(hello("a"));
     store.receive({ ...frame, scan_pose: [1, 2, 0] });

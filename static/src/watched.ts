@@ -283,7 +283,7 @@ export class Watched implements Receiver {
         this.trajectory.value = message;
         return;
       case "parameters":
-        this.mapping.hear(message.values);
+        if (this.mapping.hear(message.values)) this.#shown.remake();
         if (message.sensor) this.sensor.hear(message.sensor);
         this.faults.value = message.faults ?? null;
         this.compared.value = message.compare ?? null;

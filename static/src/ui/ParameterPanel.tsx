@@ -1,6 +1,8 @@
 import type { ReadonlySignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
 import type { Parameter, Value, Values } from "../protocol";
 import { Choice } from "./Choice";
+import type { Range } from "./numbers";
 import { Disclosure } from "./Panel";
 import { boundsOf, type Group, grouped, isEnabled, readable } from "./parameters";
 import { Slider, type Tone } from "./Slider";
@@ -66,10 +68,18 @@ interface ControlProps {
   readonly set: (name: string, value: Value) => void;
 }
 
+/** A control is made anew where something of its own changed: while one moves under the hand the others cost nothing. */
 function Control({ row, values, set }: ControlProps) {
   const value = values[row.name] ?? row.initial;
   const disabled = !isEnabled(row, values);
-  const change = (next: Value): void => set(row.name, next);
+  const { low, high, step } = boundsOf(row, values);
+  return useMemo(
+    () => controlOf(row, value, { low, high, step }, disabled, (next) => set(row.name, next)),
+    [row, value, low, high, step, disabled, set],
+  );
+}
+
+function controlOf(row: Parameter, value: Value, range: Range, disabled: boolean, change: (next: Value) => void) {
   if (row.kind === "flag") {
     return (
       <Toggle
@@ -103,7 +113,7 @@ function Control({ row, values, set }: ControlProps) {
       value={Number(value)}
       initial={Number(row.initial)}
       disabled={disabled}
-      {...boundsOf(row, values)}
+      {...range}
       onInput={change}
     />
   );

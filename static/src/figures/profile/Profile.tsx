@@ -65,8 +65,9 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
 
   const { width, height, curve, strip } = view.layout.value;
   const hover = (event: PointerEvent): void => {
-    const box = frame.current?.getBoundingClientRect();
-    if (!box || view.held.peek() !== null) return;
+    // Where the frame lies is not asked while a handle is dragged: the answer would cost a layout in the hand's frame.
+    const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
+    if (!box) return;
     const px = event.clientX - box.left;
     const py = event.clientY - box.top;
     const inside = px >= curve.left && px <= curve.right && py >= curve.top && py <= strip.bottom + 10;
