@@ -17,12 +17,22 @@ class ByteStream:
     """Reads forward. ``at`` is the offset in the log (after decompression); ``crc`` its CRC-32 up to there."""
 
     def __init__(self, file: BinaryIO, limits: Limits, progress: Progress | None = None) -> None:
-        self._pieces = iter(Unpacked(file, lambda: f"after byte {self.at}", progress))
+        self._unpacked = Unpacked(file, lambda: f"after byte {self.at}", progress)
+        self._pieces = iter(self._unpacked)
         self._limits = limits
         self._held = b""
         self._start = 0  #: of what is not yet read in ``_held``
         self.at = 0
         self.crc = 0
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of packed data that was found damaged so far."""
+        if self._unpacked.broken != "is damaged":
+            return []
+        return [
+            f"The {self._unpacked.packing} data is damaged: what comes out of it before is there, some perhaps wrong."
+        ]
 
     def read(self, n: int) -> bytes:
         """Return the next ``n`` bytes, fewer at the end. Raises :class:`LimitError` for more than one record may have.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 from mapper.errors import LimitError, ReadError
@@ -16,11 +16,11 @@ class TextLines:
     """The lines of one file; iterate once, over ``(line number from 1, line without its end)``.
 
     While the last line is handed out ``unfinished`` says that it has no line end: whoever parses it may find it cut.
-    ``cut_after`` is afterwards the number of whole lines before the place where packed data, of the kind ``packing``,
-    ends too early, or None; the piece of a line that it ends in is never handed out.
+    The piece of a line that broken packed data ends in is never handed out.
 
     Raises :class:`LimitError` for more lines than ``limits`` allow, or for more bytes, after decompression, in the file
-    or in one line, and :class:`ReadError` for a file that cannot be opened, is empty or holds damaged packed data.
+    or in one line, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
+    nothing can be read.
     """
 
     def __init__(self, path: Path, limits: Limits, progress: Progress | None = None) -> None:
@@ -28,29 +28,46 @@ class TextLines:
         self.limits = limits
         self.progress = progress
         self.unfinished = False
-        self.cut_after: int | None = None
-        self.packing: str | None = None
         self.number = 0  #: of the line handed out last
+        self._unpacked: Unpacked | None = None
+        self._pieces: Iterator[bytes] = iter(())
+        self._total = 0
 
     def __iter__(self) -> Iterator[tuple[int, bytes]]:
         with opened(self.path) as file:
-            unpacked = Unpacked(file, lambda: f"after line {self.number}", self.progress)
-            rest = yield from self._whole_lines(unpacked)
-            if unpacked.cut:
-                self.cut_after, self.packing = self.number, unpacked.packing
-            elif rest:
+            self._unpacked = Unpacked(file, lambda: f"after line {self.number}", self.progress)
+            self._pieces = iter(self._unpacked)
+            rest = yield from self._whole_lines()
+            if rest and not self._unpacked.broken:
                 self.number += 1
                 self.unfinished = True
                 yield self.number, rest
 
-    def _whole_lines(self, pieces: Iterable[bytes]) -> Generator[tuple[int, bytes], None, bytes]:
+    @property
+    def broken(self) -> str | None:
+        """What was found wrong with packed data, as "The gzip data ends early"; None where nothing was."""
+        if self._unpacked is None or self._unpacked.broken is None:
+            return None
+        return f"The {self._unpacked.packing} data {self._unpacked.broken}"
+
+    def is_damaged(self) -> bool:
+        """Return whether the packed data is damaged, which the lines tell earlier than its checksum; reads it all.
+
+        To be asked while the lines are read; then no more of them come.
+        """
+        for piece in self._pieces:
+            self._total += len(piece)
+            if self._total > self.limits.max_log_bytes:
+                return False
+        return self._unpacked is not None and self._unpacked.broken == "is damaged"
+
+    def _whole_lines(self) -> Generator[tuple[int, bytes], None, bytes]:
         """Yield the lines that end; return what follows the last of them."""
         rest = b""
-        total = 0
-        for piece in pieces:
-            begun = rest + piece if total else piece.removeprefix(BOM)
-            total += len(piece)
-            if total > self.limits.max_log_bytes:
+        for piece in self._pieces:
+            begun = rest + piece if self._total else piece.removeprefix(BOM)
+            self._total += len(piece)
+            if self._total > self.limits.max_log_bytes:
                 raise LimitError(
                     "log.too_many_bytes",
                     f"The log is larger than the limit of {self.limits.max_log_bytes} bytes, counted after "
@@ -65,9 +82,13 @@ class TextLines:
             for line in lines:
                 self.number += 1
                 if len(line) > self.limits.max_line_bytes:
+                    if self.is_damaged():
+                        return b""
                     raise self._line_too_long(self.number)
                 yield self.number, line
             if len(rest) > self.limits.max_line_bytes:
+                if self.is_damaged():
+                    return b""
                 raise self._line_too_long(self.number + 1)
         return rest
 
@@ -90,19 +111,25 @@ def take_lines(
         try:
             take(number, text)
         except ReadError:
-            if not (lines.unfinished and n_scans()):
+            if n_scans() and lines.unfinished:
+                notes.append(f"The file ends in the middle of line {number}, which is left out.")
+            elif n_scans() and lines.is_damaged():
+                break
+            else:
                 raise
-            notes.append(f"The file ends in the middle of line {number}, which is left out.")
         else:
             if lines.unfinished:
                 notes.append(
                     f"Line {number}, the last, has no line end: if the file was cut there, so is its last number."
                 )
-    if lines.cut_after is None:
+    if lines.broken is None:
         return
     if not n_scans():
-        raise ReadError(
-            "log.truncated",
-            f"The {lines.packing} data ends early, after line {lines.cut_after}, before any whole scan.",
+        raise ReadError("log.truncated", f"{lines.broken}, after line {lines.number}, before any whole scan.")
+    if lines.is_damaged():
+        notes.append(
+            f"{lines.broken}: what stands before line {lines.number} is there, some of it perhaps wrong, and the rest "
+            "is missing."
         )
-    notes.append(f"The {lines.packing} data ends early, after line {lines.cut_after}: the rest of the log is missing.")
+    else:
+        notes.append(f"{lines.broken}, after line {lines.number}: the rest of the log is missing.")

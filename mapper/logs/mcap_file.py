@@ -230,4 +230,5 @@ def read_mcap(
         with opened(path) as file:
             mcap.look_ahead(file)
         mcap.read()
+        recording.notes += stream.notes
     return recording.log(path.name, "MCAP", topic)

@@ -20,7 +20,6 @@ HEAD = 1 << 16  #: bytes that the kind is read from
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data"),
     (b"\xfd7zXZ\0", "xz data"),
-    (b"PK\x03\x04", "a zip archive"),
     (b"\x89PNG\r\n", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"BM", "a BMP picture"),
@@ -30,6 +29,16 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
     (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
     (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
+    (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
+    (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
+)
+
+#: Archives of several files: where their mark stands, the mark, and what they are.
+ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
+    (0, b"PK\x03\x04", "a zip archive"),
+    (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
+    (0, b"Rar!", "a rar archive"),
+    (257, b"ustar", "a tar archive"),
 )
 
 Reader = Callable[[Path, Limits, Progress | None, str | None], ScanLog]
@@ -109,7 +118,7 @@ def _reader_for(file: Path) -> Reader:
     """Return the reader of the format that the file begins in; raise :class:`ReadError` where it begins in none."""
     if sonar.is_sonar_folder(file):
         return sonar.read_sonar
-    head, cut = _head(file)
+    head, broken = _head(file)
     for magic, reader in BINARY:
         if head.startswith(magic):
             return reader
@@ -117,17 +126,17 @@ def _reader_for(file: Path) -> Reader:
     for format_words, reader in TEXT:
         if words & format_words:
             return reader
-    if not cut or b"\n" in head:  # half a line of numbers looks like another format's
+    if not broken or b"\n" in head:  # half a line of numbers looks like another format's
         for begins, reader in NUMBERS:
             if begins(head):
                 return reader
-    if cut:
-        raise ReadError("log.truncated", "The packed data ends early, before it tells what kind of log it is.")
+    if broken:
+        raise ReadError("log.truncated", f"The packed data {broken}, before it tells what kind of log it is.")
     raise _not_a_log(head)
 
 
-def _head(file: Path) -> tuple[bytes, bool]:
-    """Return the log's first bytes, and whether they are all of packed data that ends early."""
+def _head(file: Path) -> tuple[bytes, str | None]:
+    """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
     head = b""
     with opened(file) as stream:
         unpacked = Unpacked(stream, lambda: "at the beginning")
@@ -135,7 +144,7 @@ def _head(file: Path) -> tuple[bytes, bool]:
             head += piece
             if len(head) >= HEAD:
                 break
-    return head[:HEAD].removeprefix(BOM), unpacked.cut
+    return head[:HEAD].removeprefix(BOM), unpacked.broken
 
 
 def _first_words(head: bytes) -> set[str]:
@@ -148,6 +157,9 @@ def _not_a_log(head: bytes) -> ReadError:
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:
         return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
+    archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+    if archive is not None:
+        return ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     if b"\0" in head:
         return ReadError("log.binary", "The file is binary data, not a text log.")
     comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())

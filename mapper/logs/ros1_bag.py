@@ -202,4 +202,5 @@ def read_ros1_bag(
     recording = Recording(limits)
     with byte_stream(path, limits, progress) as stream:
         _Bag(stream, recording, limits).read()
+        recording.notes += stream.notes
     return recording.log(path.name, "ROS 1 bag", topic)

@@ -36,44 +36,56 @@ def read_ros2_db3(
     is no scan, and :class:`LimitError`.
     """
     recording = Recording(limits)
-    connection, cut = _opened(path, limits)
+    connection, notes, is_journaled = _opened(path, limits)
     try:
-        if cut:
-            recording.notes.append("The SQLite file ends early: what stands before is there.")
+        recording.notes += notes
+        if is_journaled:
+            recording.notes.append(
+                "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
+                "file beside it that ends in -wal, which is not read, and is missing here."
+            )
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if not recording.n_scans:
             raise _unreadable(error) from error
         recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): what stands before is there.")
+    except ReadError as error:
+        if not is_journaled:
+            raise
+        raise ReadError(
+            error.code,
+            f"{error.message} If the recorder was not closed, what it wrote is in the file beside it that ends in "
+            "-wal; with both in one folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in.",
+        ) from error
     finally:
         connection.close()
     return recording.log(path.name, "ROS 2 bag (SQLite)", topic)
 
 
-def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
-    """Return the database, and whether the file is shorter than it says."""
+def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, list[str], bool]:
+    """Return the database, what is missing of it, and whether it keeps a write-ahead log."""
     with path.open("rb") as file:
         head = file.read(100)
         size = os.fstat(file.fileno()).st_size
+    notes = []
     try:
         if head.startswith(MAGIC) and not _is_cut(head, size):
             # immutable: neither locks nor a journal beside it, which a hostile file could come with
-            connection, cut = (
-                sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True),
-                False,
-            )
+            connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
         else:
+            data = bytearray()
             with byte_stream(path, limits) as stream:
-                data = bytearray()
                 while piece := stream.read(1 << 20):
                     data += piece
-            cut = _is_cut(data, len(data))
-            data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
-            if cut:
+                notes += stream.notes
+            head = bytes(data[:100])
+            if _is_cut(data, len(data)):
+                notes.append("The SQLite file ends early: what stands before is there.")
                 # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
                 pages = len(data) // _page_bytes(data)
                 del data[pages * _page_bytes(data) :]
                 data[28:32] = pages.to_bytes(4, "big")
+            data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
             connection = sqlite3.connect(":memory:")
             connection.deserialize(data)
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
@@ -85,7 +97,7 @@ def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, bool]:
             connection.execute(f"PRAGMA {pragma}")
     except (sqlite3.Error, OverflowError) as error:
         raise _unreadable(error) from error
-    return connection, cut
+    return connection, notes, 2 in head[18:20]
 
 
 def _reason(error: Exception) -> str:

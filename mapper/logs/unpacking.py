@@ -5,6 +5,7 @@ Source: RFC 1952 (a gzip file may be several members, one after the other, and p
 
 from __future__ import annotations
 
+import contextlib
 import os
 import zlib
 from collections.abc import Callable, Iterator
@@ -36,14 +37,16 @@ def opened(path: Path) -> BinaryIO:
 class Unpacked:
     """The pieces of one open file; iterate once. None is empty or longer than ``PIECE``.
 
-    ``packing`` is what the file is packed with, "gzip" or "zstd", or None. ``cut`` says afterwards whether the packed
-    data ends too early; of Zstandard data that does not state its size that cannot be told. ``where`` is asked in which
-    place of the log an error comes. Raises :class:`ReadError` for damaged packed data and for a disk that fails.
+    ``packing`` is what the file is packed with, "gzip" or "zstd", or None. ``broken`` says afterwards what is wrong
+    with the packed data, "ends early" or "is damaged", or None: the pieces are what comes out before. Where nothing
+    tells of it before a checksum does, they are all, and wrong in places. Of Zstandard data that does not state its
+    size it cannot be told that it ends early. ``where`` is asked in which place of the log an error comes. Raises
+    :class:`ReadError` for packed data of which nothing comes out and for a disk that fails.
     """
 
     def __init__(self, file: BinaryIO, where: Callable[[], str], progress: Progress | None = None) -> None:
         self.packing: str | None = None
-        self.cut = False
+        self.broken: str | None = None
         self._file = file
         self._where = where
         self._progress = progress
@@ -60,11 +63,18 @@ class Unpacked:
                 yield first
                 yield from raw
             return
+        is_any = False
         try:
-            yield from filter(None, unpacked)
+            for piece in filter(None, unpacked):
+                is_any = True
+                yield piece
         except (zlib.error, zstandard.ZstdError) as error:
-            code = "log.gzip" if self.packing == "gzip" else "log.compression"
-            raise ReadError(code, f"The {self.packing} data is damaged {self._where()} of the log: {error}.") from error
+            if not is_any:
+                code = "log.gzip" if self.packing == "gzip" else "log.compression"
+                raise ReadError(
+                    code, f"The {self.packing} data is damaged {self._where()} of the log: {error}."
+                ) from error
+            self.broken = "is damaged"
 
     def _raw(self) -> Iterator[bytes]:
         size = max(1, os.fstat(self._file.fileno()).st_size)
@@ -89,13 +99,19 @@ class Unpacked:
                     continue
                 stream = zlib.decompressobj(zlib.MAX_WBITS | 16)
             while data and not stream.eof:
-                yield stream.decompress(data, PIECE)
+                before = stream.copy()
+                try:
+                    piece = stream.decompress(data, PIECE)
+                except zlib.error:
+                    yield from _up_to_the_damage(before, data)
+                    raise
+                yield piece
                 data = stream.unconsumed_tail
             data = stream.unused_data if stream.eof else b""
         # What decompress() kept back because of PIECE still has to come out.
         while not stream.eof and (piece := stream.decompress(b"", PIECE)):
             yield piece
-        self.cut = not stream.eof
+        self.broken = None if stream.eof else "ends early"
 
     def _unzstd(self, first: bytes, raw: Iterator[bytes]) -> Iterator[bytes]:
         stated = zstandard.frame_content_size(first)
@@ -103,10 +119,22 @@ class Unpacked:
             cast("IO[bytes]", _Readable(first, raw)), read_across_frames=True
         )
         done = 0
-        while piece := stream.read(PIECE):
+        while piece := stream.read1(PIECE):  # no more than is there, of which the rest may be damaged
             done += len(piece)
             yield piece
-        self.cut = done < stated or done == 0 != stated
+        self.broken = "ends early" if done < stated or done == 0 != stated else None
+
+
+def _up_to_the_damage(stream: zlib._Decompress, data: bytes) -> Iterator[bytes]:
+    """Yield what comes out of ``data``, in which an error stands, before the error comes."""
+    out = bytearray()
+    with contextlib.suppress(zlib.error):
+        for at in range(len(data)):
+            out += stream.decompress(data[at : at + 1])  # of a call that fails, all would be lost
+            if len(out) > PIECE // 2:
+                yield bytes(out)
+                out.clear()
+    yield bytes(out)
 
 
 class _Readable:

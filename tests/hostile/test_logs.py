@@ -174,16 +174,54 @@ def test_a_gzip_file_cut_before_any_scan_is_refused(tmp_path):
         assert "ends early" in error.message
 
 
-def test_damaged_gzip_data_is_refused(tmp_path):
+def packed_log(n: int = 2500) -> tuple[list[str], bytearray]:
+    """The lines of a log, no two alike, and the whole as gzip."""
     rng = np.random.default_rng(2)
-    text = "".join(GOOD.replace("3.0", f"{reading:.6f}") + "\n" for reading in rng.uniform(1, 9, 20000))
-    packed = bytearray(gzip.compress(text.encode()))
-    packed[-5] ^= 0xFF  # the checksum
-    error = refused(tmp_path, bytes(packed))
-    assert error.code == "log.gzip"
-    assert "damaged after line" in error.message
+    lines = [GOOD.replace("3.0", f"{reading:.6f}") for reading in rng.uniform(1, 9, n)]
+    return lines, bytearray(gzip.compress("".join(f"{line}\n" for line in lines).encode()))
+
+
+def test_of_gzip_data_that_is_damaged_in_its_middle_the_scans_before_are_there_and_it_is_marked(tmp_path):
+    lines, good = packed_log()
+    path = tmp_path / "a.log.gz"
+    path.write_text("".join(f"{line}\n" for line in lines))
+    whole = open_log(path)
+    rng = np.random.default_rng(5)
+    for _ in range(12):
+        packed = bytearray(good)
+        at = int(rng.integers(len(packed) // 3, len(packed) - 8))
+        packed[at : at + 3] = rng.integers(0, 256, 3, dtype=np.uint8).tobytes()
+        # What comes out of the bytes before the damage is the answer to compare with.
+        sound = zlib.decompressobj(31).decompress(bytes(packed[:at])).count(b"\n")
+        path.write_bytes(packed)
+        log = open_log(path)
+        assert sound <= log.n_scans <= len(lines)
+        np.testing.assert_array_equal(log.ranges[:sound], whole.ranges[:sound])
+        assert packed == good or any("The gzip data is damaged: what stands before line" in note for note in log.notes)
+
+
+def test_gzip_data_with_another_checksum_than_its_own_is_marked(tmp_path):
+    lines, packed = packed_log(100)
+    packed[-5] ^= 0xFF
+    path = tmp_path / "a.log.gz"
+    path.write_bytes(packed)
+    log = open_log(path)
+    assert log.n_scans == len(lines)
+    assert any("The gzip data is damaged" in note for note in log.notes)
+
+
+def test_gzip_data_of_which_nothing_comes_out_is_refused(tmp_path):
     assert refused(tmp_path, b"\x1f\x8bhello").code == "log.gzip"
-    assert refused(tmp_path, gzip.compress(f"{GOOD}\n".encode()) + b"more").code == "log.gzip"
+    packed = bytearray(gzip.compress(f"{GOOD}\n".encode()))
+    packed[12:20] = b"\xff" * 8
+    assert refused(tmp_path, bytes(packed)).code in ("log.gzip", "log.truncated")
+
+
+def test_a_wrong_line_in_good_gzip_data_is_named(tmp_path):
+    """Only where the packing is damaged the lines are not to blame."""
+    lines, _ = packed_log(100)
+    error = refused(tmp_path, gzip.compress("\n".join([*lines, "garbage", *lines, ""]).encode()))
+    assert (error.code, error.message.startswith("Line 101")) == ("log.garbage", True)
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
+import { droppedFiles } from "./dropped";
 import { Icon } from "./Icon";
 
 interface DropzoneProps {
@@ -9,12 +10,11 @@ interface DropzoneProps {
   readonly children: ComponentChildren;
 }
 
-/** Takes files by drop or by picker. */
+/** Takes files by drop, those of dropped folders too, or by picker. */
 export function Dropzone({ onFiles, button, children }: DropzoneProps) {
   const depth = useSignal(0);
   const input = useRef<HTMLInputElement>(null);
-  const take = (list: FileList | null | undefined): void => {
-    const files = [...(list ?? [])];
+  const take = (files: readonly File[]): void => {
     if (files.length > 0) onFiles(files);
   };
   return (
@@ -32,7 +32,7 @@ export function Dropzone({ onFiles, button, children }: DropzoneProps) {
       onDrop={(event) => {
         event.preventDefault();
         depth.value = 0;
-        take(event.dataTransfer?.files);
+        if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(take);
       }}
     >
       <Icon name="upload" />
@@ -44,7 +44,7 @@ export function Dropzone({ onFiles, button, children }: DropzoneProps) {
         multiple
         aria-label={button}
         onChange={(event) => {
-          take(event.currentTarget.files);
+          take([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
         }}
       />

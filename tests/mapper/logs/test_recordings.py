@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import gzip
 import math
+import shutil
+import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -241,6 +244,46 @@ def test_a_ros_2_bag_is_a_folder(tmp_path, kind):
     file.with_name(f"run_1.{kind}").write_bytes(file.read_bytes())
     with pytest.raises(ReadError, match=rf"holds 2 recordings; open one of them: 'run\.{kind}', 'run_1\.{kind}'"):
         open_log(tmp_path / "run")
+
+
+def test_a_db3_whose_recorder_was_not_closed_says_what_may_be_missing(tmp_path):
+    """Of a database in WAL mode the last rows are in another file, which nobody thinks of."""
+    path = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(path)) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("PRAGMA wal_autocheckpoint=0")
+        recorder.execute("INSERT INTO messages SELECT id + 1000, topic_id, timestamp, data FROM messages")
+        recorder.commit()
+        assert path.with_name(f"{path.name}-wal").stat().st_size > 0
+        alone = tmp_path / "alone.db3"
+        for pack in (bytes, gzip.compress):
+            alone.write_bytes(pack(path.read_bytes()))
+            log = open_log(alone)
+            assert log.n_scans == 10
+            assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
+
+
+def test_a_db3_that_has_all_in_its_journal_says_how_to_get_it(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("CREATE TABLE topics (id, name, type, serialization_format)")
+        recorder.commit()
+        alone = tmp_path / "alone.db3"
+        alone.write_bytes((tmp_path / "run.db3").read_bytes())
+        with pytest.raises(ReadError, match=r"no table 'topics'\. .* ends in -wal; .* wal_checkpoint"):
+            open_log(alone)
+        alone.write_bytes((tmp_path / "run.db3-wal").read_bytes())
+        with pytest.raises(ReadError, match=r"write-ahead log of an SQLite file, of no use without the \.db3"):
+            open_log(alone)
+
+
+@pytest.mark.parametrize("packing", ["zip", "tar", "gztar"])
+def test_an_archive_of_a_recording_says_what_to_do(tmp_path, packing):
+    recorded.write_rosbag2(tmp_path / "in" / "run", run(), StoragePlugin.MCAP, "mcap")
+    archive = shutil.make_archive(str(tmp_path / "run"), packing, tmp_path / "in")
+    with pytest.raises(ReadError, match=r"The file is a (zip|tar) archive: unpack it, and take the log") as caught:
+        open_log(archive)
+    assert caught.value.code == "log.archive"
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -15,26 +16,40 @@ from mapper.logs.unpacking import PIECE, Unpacked
 from tests.hostile.corpus import TEXTS, recording
 
 
-def pieces(path: Path, data: bytes) -> tuple[list[bytes], bool]:
-    """What comes out of a file with ``data``, and whether it was found to be cut."""
+def pieces(path: Path, data: bytes) -> tuple[list[bytes], str | None]:
+    """What comes out of a file with ``data``, and what is found to be wrong with it."""
     path.write_bytes(data)
     with path.open("rb") as file:
         stream = Unpacked(file, lambda: "here")
-        return list(stream), stream.cut
+        return list(stream), stream.broken
 
 
 @pytest.mark.parametrize("pack", [bytes, gzip.compress, zstandard.compress], ids=["plain", "gzip", "zstd"])
 def test_the_pieces_are_the_whole_and_none_is_empty_or_long(tmp_path, pack):
     noise = np.random.default_rng(1).integers(0, 256, 3 * PIECE + 17, dtype=np.uint8).tobytes() + bytes(5 * PIECE)
-    found, cut = pieces(tmp_path / "a", pack(noise))
+    found, broken = pieces(tmp_path / "a", pack(noise))
     assert b"".join(found) == noise
     assert 0 < min(map(len, found)) <= max(map(len, found)) <= PIECE
-    assert not cut
+    assert broken is None
     packed = pack(noise)
     if pack is not bytes:
-        found, cut = pieces(tmp_path / "a", packed[: len(packed) // 2])
+        found, broken = pieces(tmp_path / "a", packed[: len(packed) // 2])
         assert noise.startswith(b"".join(found))
-        assert cut
+        assert broken == "ends early"
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, zstandard.ZstdCompressor(write_checksum=True).compress])
+def test_of_damaged_data_all_comes_out_that_stands_before(tmp_path, pack):
+    """The bytes before the damage are the data's own, to within a block of Zstandard (128 KiB) and a symbol of gzip."""
+    letters = np.random.default_rng(3).choice(np.frombuffer(b"0123456789. \n", np.uint8), 4 * PIECE).tobytes()
+    packed = bytearray(pack(letters))
+    at = len(packed) // 2
+    packed[at : at + 40] = bytes(range(40, 80))
+    found, broken = pieces(tmp_path / "a", bytes(packed))
+    assert broken == "is damaged"
+    sound = zlib.decompressobj(31).decompress(bytes(packed[:at])) if pack is gzip.compress else letters[:PIECE]
+    assert len(sound) >= PIECE
+    assert b"".join(found).startswith(sound)
 
 
 def test_members_of_gzip_that_begin_or_end_anywhere(tmp_path):
@@ -47,9 +62,9 @@ def test_members_of_gzip_that_begin_or_end_anywhere(tmp_path):
         fill = PIECE - missing - len(member) - 1
         named = member[:3] + bytes([8]) + member[4:10] + b"n" * fill + b"\0" + member[10:]
         assert len(named) == PIECE - missing
-        found, cut = pieces(tmp_path / "a", named + gzip.compress(b"") + gzip.compress(rest) + bytes(100))
+        found, broken = pieces(tmp_path / "a", named + gzip.compress(b"") + gzip.compress(rest) + bytes(100))
         assert b"".join(found) == first[:-200] + rest
-        assert not cut
+        assert broken is None
 
 
 @pytest.mark.parametrize("kind", ["bag-none", "mcap-none", "db3", *TEXTS])

@@ -4,7 +4,7 @@ import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
 import { bytes } from "../../ui/numbers";
 import { LogCard } from "./LogCard";
-import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
+import { dismiss, type LogRecord, listError, logs, mayBeLogs, type Upload, upload, uploads, watch } from "./library";
 
 /** Every log there is, and the place to drop one's own. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
@@ -22,9 +22,9 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           every reading of the log, while the slider moves.
         </p>
       </div>
-      <Dropzone button="Choose a log" onFiles={(files) => files.forEach(upload)}>
+      <Dropzone button="Choose a log" onFiles={(files) => mayBeLogs(files).forEach(upload)}>
         <p>
-          <strong>Drop your own log here</strong>
+          <strong>Drop your own log here, or the folder that it is</strong>
         </p>
         <p class="quiet">
           CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM or CSV, plain or compressed. Only this browser will see it.

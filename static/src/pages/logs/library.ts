@@ -153,6 +153,13 @@ async function offsetOf(name: string): Promise<number | null> {
   }
 }
 
+/** What lies beside recordings and is none: ROS 2's description of a bag, SQLite's journals, what file managers leave. */
+const BESIDE = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|Thumbs\.db|desktop\.ini)$/i;
+
+/** Of files that were chosen together, as the folder that a ROS 2 bag is, those that may be logs; a single one is. */
+export const mayBeLogs = (files: readonly File[]): readonly File[] =>
+  files.length > 1 ? files.filter((file) => !BESIDE.test(file.name)) : files;
+
 /** Send a file; after a cut, go on from where the server has it. */
 export function upload(file: File): void {
   const key = nextKey++;
