@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.kernels.field import Plan, draw_fields, plan_fields
-from mapper.kernels.sheet import PLANES, WORD, observe
+from mapper.kernels.sheet import MAX_SIDE, PLANES, observe
 from mapper.kernels.types import Frame, Rule, Sight
 from mapper.parameters import MappingConfig
 from mapper.threads import in_parallel, scratch, shares
@@ -25,17 +26,26 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class PlannedFields:
-    """What some scans will draw: the scans as the kernel takes them, and where in the grid.
-
-    ``rows`` and ``words`` (of 32 columns) [first, stop) hold all that they see in the grid; ``work`` (grid rows,) says
-    what each row costs.
-    """
+class PlannedScans:
+    """What some scans will draw: the scans as the kernel takes them, and what was planned of them."""
 
     scans: tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
     frame: Frame
     sight: Sight
     plan: Plan
+    toggles: NDArray[np.uint32]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFields:
+    """What scans will draw, one part after the other, and where in the grid.
+
+    ``rows`` and ``words`` (of 32 columns) [first, stop) hold all that they see in the grid; ``work`` (grid rows,) says
+    what each row costs.
+    """
+
+    parts: list[PlannedScans]
+    views: NDArray[np.int64]
     work: NDArray[np.float64]
     rows: Span
     words: Span
@@ -44,25 +54,31 @@ class PlannedFields:
 def plan_of_fields(
     sweep: Sweep, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
 ) -> PlannedFields:
-    """Plan some scans of a sweep for the per-scan update."""
+    """Plan some scans of a sweep for the per-scan update.
+
+    Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
+    """
+    if max(geometry.shape) >= MAX_SIDE:
+        raise ConfigError(
+            "grid.size",
+            f"The per-scan update takes grids of less than {MAX_SIDE} rows and columns; choose larger cells.",
+        )
     ranges, sensors, headings = sweep.ranges[part], sweep.sensors[part], sweep.headings(geometry)[part]
-    sight = sweep.sight(config)
-    regions = 2 if sight[2] > 0.0 or sight[3] > 0.0 else 1  # with a hit window also the one that reaches to its end
-    shape = (len(ranges), regions, ranges.shape[1])
-    radii, corners = np.empty(shape), np.empty((*shape, 2), dtype=np.int32)
-    sides, ends = np.empty(ranges.shape, dtype=np.int8), np.empty((*ranges.shape, 2), dtype=np.int32)
-    sure, views = np.empty(len(ranges), dtype=np.bool_), np.empty((len(ranges), 4), dtype=np.int64)
+    frame, sight, n = geometry.frame, sweep.sight(config), len(ranges)
+    starts, sure = np.empty((n, PLANES + 1), dtype=np.int64), np.empty(n, dtype=np.bool_)
+    views = np.empty((n, 4), dtype=np.int64)
     work = np.zeros((threads, geometry.rows + 1))
-    tasks = []
-    for (a, b), own_work in zip(shares(len(ranges), threads), work, strict=True):
-        own = (radii[a:b], corners[a:b], sides[a:b], ends[a:b], sure[a:b], views[a:b])
-        scans = (ranges[a:b], sensors[a:b], sweep.beams, sweep.fields, headings[a:b])
-        tasks.append(partial(plan_fields, *scans, geometry.frame, sight, geometry.cols, own, own_work))
-    in_parallel(tasks)
-    return PlannedFields(
-        (ranges, sensors, sweep.fields, headings), geometry.frame, sight, (radii, corners, sides, ends, sure, views),
-        np.cumsum(work.sum(axis=0))[:-1], *_seen(views, geometry),
+
+    def planned(a: int, b: int, own_work: NDArray[np.float64]) -> PlannedScans:
+        plan = (starts[a:b], sure[a:b], views[a:b])
+        scans, sees = (ranges[a:b], sensors[a:b]), (sweep.fields, headings[a:b])
+        toggles = plan_fields(*scans, sweep.beams, *sees, frame, sight, geometry.cols, plan, own_work)
+        return PlannedScans((*scans, *sees), frame, sight, plan, toggles)
+
+    parts = in_parallel(
+        [partial(planned, a, b, own) for (a, b), own in zip(shares(n, threads), work, strict=True)]
     )  # fmt: skip
+    return PlannedFields(parts, views, np.cumsum(work.sum(axis=0))[:-1], *_seen(views))
 
 
 def drawer_of_fields(
@@ -70,29 +86,31 @@ def drawer_of_fields(
 ) -> Callable[[int, int, NDArray[np.int64]], int]:
     """Return what draws them into rows [row_low, row_high), which lie in ``planned.rows``, and widens a box."""
     (row, row_stop), (word, word_stop) = planned.rows, planned.words
-    seen, seen_place = np.zeros((row_stop - row, word_stop - word), dtype=np.int64), (row, word, 0)
-    views = planned.plan[-1]
+    seen = np.zeros((row_stop - row, word_stop - word), dtype=np.int64)
+    seen_place = (row, word, word_stop - word, 0)
+    views = planned.views
 
     def draw(row_low: int, row_high: int, box: NDArray[np.int64]) -> int:
         rows = int((views[:, 1].clip(row_low, row_high) - views[:, 0].clip(row_low, row_high)).max())
-        shape = (PLANES, rows, int((views[:, 3] - views[:, 2]).max()))
+        shape = (PLANES, rows, int((views[:, 3] - views[:, 2]).max()) + 1)
+        count = 0
         with scratch(prod(shape) + rows) as store:
             used, planes = store[:rows], store[rows : rows + prod(shape)].reshape(shape)
-            count = draw_fields(
-                grid.log_odds, seen, seen_place, *planned.scans, planned.frame, planned.sight, planned.plan, planes,
-                used, rule, row_low, row_high,
-            )  # fmt: skip
+            for part in planned.parts:
+                count += draw_fields(
+                    grid.log_odds, seen, seen_place, *part.scans, part.frame, part.sight, part.plan, part.toggles,
+                    planes, used, rule, row_low, row_high,
+                )  # fmt: skip
         observe(grid.observed, seen, seen_place, row_low, row_high, box)
-        return int(count)
+        return count
 
     return draw
 
 
-def _seen(views: NDArray[np.int64], geometry: GridGeometry) -> tuple[Span, Span]:
-    """Return the rows and the words [first, stop) of the grid that hold all views of some scans."""
+def _seen(views: NDArray[np.int64]) -> tuple[Span, Span]:
+    """Return the rows and the words [first, stop) that hold all views of some scans."""
     views = views[views[:, 0] < views[:, 1]]
     if len(views) == 0:
         return (0, 0), (0, 0)
     low, high = views[:, ::2].min(axis=0), views[:, 1::2].max(axis=0)
-    words = -(-geometry.cols // WORD)
-    return (max(int(low[0]), 0), min(int(high[0]), geometry.rows)), (max(int(low[1]), 0), min(int(high[1]), words))
+    return (int(low[0]), int(high[0])), (int(low[1]), int(high[1]))

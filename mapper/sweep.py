@@ -30,8 +30,7 @@ from mapper.parameters import CONES, MappingConfig
 from mapper.threads import bands, cores, in_parallel, shares
 from mapper.wide import drawer_of_cones, evidence_of, ramp_increments, touches_in_cones
 
-_CHUNK_READINGS = 1 << 16  # planned at once: what they become stays in the caches
-_CHUNK_FIELDS = 1 << 18  # of which less is read again
+_CHUNK_READINGS = 1 << 19  # planned at once: each turn costs two rounds of the threads
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
 _WORTH_VEILING = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 
@@ -199,9 +198,9 @@ class Sweep:
         out[:n, 0] = np.flatnonzero(near)[scans] * n_beams + beams
         return out[:n]
 
-    def _chunks(self, readings: int = _CHUNK_READINGS) -> list[slice]:
+    def _chunks(self) -> list[slice]:
         """The scans in parts of about so many readings."""
-        step = max(1, readings // max(1, self.ranges.shape[1]))
+        step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
         return [slice(first, min(first + step, len(self.ranges))) for first in range(0, len(self.ranges), step)]
 
     def _plan_beams(
@@ -250,7 +249,7 @@ class Sweep:
         self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
     ) -> int:
         count = 0
-        for part in self._chunks(_CHUNK_FIELDS):
+        for part in self._chunks():
             plan = plan_of_fields(self, part, grid.geometry, config, threads)
             if plan.rows[0] < plan.rows[1] and plan.words[0] < plan.words[1]:
                 count += _in_bands(drawer_of_fields(plan, grid, rule), plan.work, plan.rows, threads, box)

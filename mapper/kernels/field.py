@@ -1,120 +1,226 @@
 """The per-scan update: each cell of the perceptual field once, by the beam whose field it lies in.
 
-Numba twin of :func:`mapper.textbook.update_per_scan`, in two passes. :func:`plan_fields` finds for each reading the
-corners of its field and the cell in which it ends; :func:`draw_fields` notes what a scan says on a sheet of bits (see
-:mod:`mapper.kernels.sheet`) and adds that to a band of the grid's rows, scan after scan, so that threads that have a
-band each never meet. The work goes with the regions' borders and with their areas by 32 cells at a time.
+Numba twin of :func:`mapper.textbook.update_per_scan`, in two passes. :func:`plan_fields` finds for each scan where the
+border of its field crosses the rows of the grid (:mod:`mapper.kernels.border`) and in which cells its beams end;
+:func:`draw_fields` notes that on a sheet of bits (:mod:`mapper.kernels.sheet`) and adds it to a band of the grid's
+rows, scan after scan, so that threads that have a band each never meet. The work goes with the regions' borders and
+with their areas by 32 cells at a time.
 """
 
 from __future__ import annotations
 
 from math import floor
 
-from mapper.kernels.border import HAIR, _outline, _ring_of, _row_at, _side, _turned
+import numpy as np
+
+from mapper.kernels.border import (
+    STRIDE,
+    Crossings,
+    Pieces,
+    Ring,
+    Sectors,
+    _crossed,
+    _list_arcs,
+    _list_edges,
+    _note_crossings,
+    _place_sectors,
+    _ring_of,
+    _room_for_crossings,
+    _room_for_pieces,
+    _row_at,
+    _turned,
+    _walk_arcs,
+    _walk_edges,
+)
 from mapper.kernels.compiled import jit
 from mapper.kernels.lattice import cell_of, to_lattice
 from mapper.kernels.sectors import _ring, _sector
-from mapper.kernels.sheet import FREE, USED_BITS, WORD, WORD_BITS, Place, _mark, _settle, _settle_narrow, _wipe
+from mapper.kernels.sheet import (
+    FREE,
+    HITS,
+    PLANES,
+    USED_BITS,
+    WORD,
+    WORD_BITS,
+    Place,
+    _note,
+    _packed,
+    _settle,
+    _settle_narrow,
+)
 from mapper.kernels.types import (
     BoolArray,
     Float32Array,
     Float64Array,
     Frame,
-    Int8Array,
-    Int32Array,
     Int64Array,
     Rule,
     Sight,
+    UInt32Array,
 )
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
-#: What is planned for each reading: radii (n_scans, regions, n_beams) float64 of its field's arcs, cells; corners
-#: (n_scans, regions, n_beams, 2) int32, the rows of their right and left ends; sides (n_scans, n_beams) int8, on which
-#: side of the sensor they lie; ends (n_scans, n_beams, 2) int32, the row and column in which the beam ends, row −1
-#: where that is no cell of the grid. The regions are FREE and, where there are hit windows, OUTER. For each scan: sure
-#: (n_scans,) bool, whether every corner keeps clear of every row's middle; views (n_scans, 4) int64, the rows and
-#: words [first, stop) that it sees, in the grid or not.
-Plan = tuple[Float64Array, Int32Array, Int8Array, Int32Array, BoolArray, Int64Array]
+#: What is planned for each scan: starts (n_scans, 4) int64, where in the list of all toggles those of its planes FREE,
+#: OUTER and HITS begin, and where they end; sure (n_scans,) bool, whether rounding decided nothing, without which FREE
+#: and OUTER have none; views (n_scans, 4) int64, the rows and words [first, stop) of the grid that it sees.
+Plan = tuple[Int64Array, BoolArray, Int64Array]
+
+#: Room for a scan's pieces of edges and of arcs (:mod:`mapper.kernels.border`), and for where they cross rows.
+_Room = tuple[Pieces, Pieces, Crossings]
 
 
 @jit
 def plan_fields(
     ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array, headings: Float64Array,
     frame: Frame, sight: Sight, cols: int, plan: Plan, work: Float64Array,
-) -> None:  # fmt: skip
-    """Plan what scans will draw.
+) -> UInt32Array:  # fmt: skip
+    """Plan what scans will draw; return their toggles (n,), see :func:`mapper.kernels.sheet._packed`.
 
     ``ranges``, ``sensors``, ``beams``, ``frame`` and ``sight`` are as :func:`mapper.kernels.lines.plan_lines` takes
     them. ``fields`` (n_beams, 4) float64 is each beam's right and left edge (cosine, sine, cosine, sine), ``headings``
     (n_scans, 2) the cosine and sine of the sensor's heading along the lattice. ``plan`` is written; to ``work`` (rows +
-    1,) float64, a difference along the rows, is added what each costs.
+    1,) float64, a difference along the rows, is added what each costs. The grid has less than MAX_SIDE rows and columns
+    (:mod:`mapper.kernels.sheet`).
+    """
+    starts, sure, views = plan
+    n = ranges.shape[1]
+    rows, resolution = len(work) - 1, frame[4]
+    regions = 2 if sight[2] > 0.0 or sight[3] > 0.0 else 1  # with a hit window also the one that reaches to its end
+    ring = _ring_of(fields)
+    across = np.ascontiguousarray(fields.T)
+    edges, sides, corners = np.empty((4, n)), np.empty(n), np.empty((2, n), dtype=np.int64)
+    radii, ends = np.empty((2, n)), np.empty(n, dtype=np.int64)
+    room = (_room_for_pieces(2 * n), _room_for_pieces(2 * n), _room_for_crossings(8 * n))
+    toggles = np.empty(8 * ranges.size, dtype=np.uint32)
+    done = 0
+    for t in range(ranges.shape[0]):
+        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+        farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, sight, rows, cols, radii, ends, work)
+        starts[t, :] = done
+        _see(views[t], u, v, farthest / resolution, rows, cols)
+        low, high, left, right = views[t, 0], views[t, 1], WORD * views[t, 2], WORD * views[t, 3]
+        if low == high:
+            continue
+        home, unsure = _row_at(v)
+        sure[t] = not unsure
+        for region in range(regions):
+            sectors = (edges, sides, radii[region], corners)
+            sure[t] &= _place_sectors(across, headings[t, 0], headings[t, 1], v, sectors)
+            room, crossed, is_sure = _cross(sectors, ring, int(home), u, v, low, high, room)
+            toggles = _with_room(toggles, done, crossed + n)
+            sure[t] &= is_sure & _note_crossings(room[2], crossed, low, left, right - left, toggles, done)
+            done += crossed
+            starts[t, region + 1 :] = done
+        if not sure[t]:
+            done = starts[t, FREE]
+            starts[t, :] = done
+        toggles = _with_room(toggles, done, n_ends)
+        for k in range(n_ends):
+            toggles[done + k] = _packed((ends[k] >> 32) - low, (ends[k] & 0xFFFFFFFF) - left)
+        done += n_ends
+        starts[t, PLANES] = done
+    return toggles[:done]
+
+
+@jit
+def _cross(
+    sectors: Sectors, ring: Ring, home: int, u: float, v: float, low: int, high: int, room: _Room
+) -> tuple[_Room, int, bool]:
+    """Find where the border of a scan's field crosses the rows [low, high).
+
+    Return the room, which may have become larger, how many crossings are in it, and whether all roots are sure.
+    """
+    edges, arcs, crossings = room
+    n_edges = _list_edges(sectors, ring, home, u, v, low, high, edges)
+    n_arcs, arcs_sure = _list_arcs(sectors, v, low, high, arcs)
+    n = _crossed(edges, n_edges) + _crossed(arcs, n_arcs)
+    if n + STRIDE > len(crossings[0]):
+        crossings = _room_for_crossings(2 * n)
+    done = _walk_edges(edges, n_edges, crossings, 0)
+    done, roots_sure = _walk_arcs(arcs, n_arcs, u, v, crossings, done)
+    return (edges, arcs, crossings), done, arcs_sure & roots_sure
+
+
+@jit
+def _with_room(toggles: UInt32Array, done: int, room: int) -> UInt32Array:
+    """Return a list that has room for so many toggles after the first ``done``."""
+    if done + room <= len(toggles):
+        return toggles
+    longer = np.empty(2 * (done + room), dtype=np.uint32)
+    longer[:done] = toggles[:done]
+    return longer
+
+
+@jit
+def _read(
+    ranges: Float32Array, sensor: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, rows: int, cols: int,
+    radii: Float64Array, ends: Int64Array, work: Float64Array,
+) -> tuple[float, int]:  # fmt: skip
+    """Read a scan: the radii (2, n_beams) up to which it frees and up to which its hit windows reach, cells.
+
+    ``ends`` gets the cells of the grid in which beams end, row << 32 | column. Return how far the scan sees, in metres,
+    −1 for not at all, and how many ends there are.
     """
     range_min, range_max, window, growth, no_return_free = sight
-    radii, corners, sides, ends, sure, views = plan
-    resolution, rows = frame[4], len(work) - 1
-    for t in range(ranges.shape[0]):
-        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
-        home, clear = _row_at(v)
-        farthest = -1.0
-        for k in range(ranges.shape[1]):
-            z = float(ranges[t, k])
-            ends[t, k, 0] = -1
-            free, outer = 0.0, 0.0
-            if range_min <= z <= range_max:
-                half = 0.5 * (window + growth * z)
-                free, outer = max(z - half, 0.0), min(z + half, range_max)
-                farthest = max(farthest, outer, z)
-                px, py = z * beams[k, 0], z * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
-                r, c = int(_cell_of(ev)), int(_cell_of(eu))
-                if 0 <= r < rows and 0 <= c < cols:
-                    ends[t, k, 0], ends[t, k, 1] = r, c
-                    work[min(r, max(home, 0))] += 1.0
-                    work[max(r, min(home, rows - 1)) + 1] -= 1.0
-            elif z > range_max and no_return_free:
-                free, outer = range_max, range_max
-                farthest = max(farthest, range_max)
-            right_u, right_v = _turned(fields[k, 0], fields[k, 1], headings[t, 0], headings[t, 1])
-            left_u, left_v = _turned(fields[k, 2], fields[k, 3], headings[t, 0], headings[t, 1])
-            if right_u == left_u and right_v == left_v:  # it sees nothing
-                free, outer = 0.0, 0.0
-            sides[t, k] = _side(right_u, left_u)
-            for region in range(radii.shape[1]):
-                radius = (free if region == FREE else outer) / resolution
-                radii[t, region, k] = radius
-                right_row, right_clear = _row_at(v + radius * right_v)
-                left_row, left_clear = _row_at(v + radius * left_v)
-                corners[t, region, k, 0], corners[t, region, k, 1] = right_row, left_row
-                clear = min(clear, right_clear, left_clear)
-        sure[t] = clear > HAIR
-        if farthest >= 0.0:
-            reach = farthest / resolution + 2.0
-            views[t, 0], views[t, 1] = floor(v - reach), floor(v + reach) + 1
-            views[t, 2], views[t, 3] = floor(u - reach) >> WORD_BITS, (floor(u + reach) >> WORD_BITS) + 1
-        else:
-            views[t, :] = 0
+    x, y, cos, sin = sensor[0], sensor[1], sensor[2], sensor[3]
+    resolution = frame[4]
+    _, v = _to_lattice(x, y, *frame)
+    home = int(_cell_of(v))
+    farthest, n_ends = -1.0, 0
+    for i in range(len(ranges)):
+        k = np.uint64(i)
+        z = float(ranges[k])
+        free, outer = 0.0, 0.0
+        if range_min <= z <= range_max:
+            half = 0.5 * (window + growth * z)
+            free, outer = max(z - half, 0.0), min(z + half, range_max)
+            farthest = max(farthest, outer, z)
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            r, c = int(_cell_of(ev)), int(_cell_of(eu))
+            if 0 <= r < rows and 0 <= c < cols:
+                ends[np.uint64(n_ends)] = (r << 32) | c
+                n_ends += 1
+                work[min(r, max(home, 0))] += 1.0
+                work[max(r, min(home, rows - 1)) + 1] -= 1.0
+        elif z > range_max and no_return_free:
+            free, outer = range_max, range_max
+            farthest = max(farthest, range_max)
+        radii[0, k], radii[1, k] = free / resolution, outer / resolution
+    return farthest, n_ends
+
+
+@jit
+def _see(view: Int64Array, u: float, v: float, reach: float, rows: int, cols: int) -> None:
+    """Write the rows and words [first, stop) of the grid within ``reach`` cells of the sensor; less than 0: none."""
+    words = (cols + WORD - 1) >> WORD_BITS
+    view[0], view[1] = max(floor(v - reach - 2.0), 0), min(floor(v + reach + 2.0) + 1, rows)
+    view[2], view[3] = (
+        max(floor(u - reach - 2.0) >> WORD_BITS, 0),
+        min((floor(u + reach + 2.0) >> WORD_BITS) + 1, words),
+    )
+    if reach < 0.0 or view[0] >= view[1] or view[2] >= view[3]:
+        view[:] = 0
 
 
 @jit
 def draw_fields(
     log_odds: Float32Array, seen: Int64Array, seen_place: Place, ranges: Float32Array, sensors: Float64Array,
-    fields: Float64Array, headings: Float64Array, frame: Frame, sight: Sight, plan: Plan, planes: Int64Array,
-    used: Int64Array, rule: Rule, row_low: int, row_high: int,
+    fields: Float64Array, headings: Float64Array, frame: Frame, sight: Sight, plan: Plan, toggles: UInt32Array,
+    planes: Int64Array, used: Int64Array, rule: Rule, row_low: int, row_high: int,
 ) -> int:  # fmt: skip
     """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
 
     ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which lies at ``seen_place`` in it, the bits
-    of the cells touched are set. ``planes`` (3, rows, words) and ``used`` (rows,), a sheet, all 0 before and after,
+    of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a sheet, all 0 before and after,
     have as many rows and words as any of the plan's views has within these rows. The other arguments are those of
-    :func:`plan_fields`.
+    :func:`plan_fields` and what it gave.
     """
-    radii, corners, sides, ends, sure, views = plan
+    starts, sure, views = plan
     cells, cols = log_odds.reshape(-1), log_odds.shape[1]
-    windows = radii.shape[1] > 1
-    ring = _ring_of(fields)
+    windows = sight[2] > 0.0 or sight[3] > 0.0
     shift = 0
     while planes.shape[2] > USED_BITS << shift:
         shift += 1
@@ -123,26 +229,18 @@ def draw_fields(
         low, high = max(views[t, 0], row_low), min(views[t, 1], row_high)
         if low >= high:
             continue
-        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
-        turn_u, turn_v = headings[t, 0], headings[t, 1]
         own = used[: high - low]
-        place = (low, views[t, 2], shift)
-        clear = 1.0 if sure[t] else 0.0
-        if sure[t]:
-            post = (u, v, low, high)
-            for region in range(radii.shape[1]):
-                near = _outline(
-                    planes, own, place, region, post, fields, turn_u, turn_v, ring, radii[t, region],
-                    corners[t, region], sides[t],
-                )  # fmt: skip
-                clear = min(clear, near)
-        if clear < HAIR:
-            _wipe(planes, own)
+        place = (low, views[t, 2], views[t, 3] - views[t, 2], shift)
+        first_row = low - views[t, 0]
+        for plane in range(PLANES):
+            a, b = starts[t, plane], starts[t, plane + 1]
+            _note(planes[plane], own, shift, plane == HITS, toggles[a:b], first_row)
+        if not sure[t]:
+            u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+            turn_u, turn_v = headings[t, 0], headings[t, 1]
             _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, sight, frame[4])
-        for k in range(ranges.shape[1]):
-            if low <= ends[t, k, 0] < high:
-                _mark(planes, own, place, int(ends[t, k, 0]), int(ends[t, k, 1]))
-        full = (cells, cols, seen, seen_place, planes, own, place, windows and clear >= HAIR, rule)
+        bordered = windows and sure[t]
+        full = (cells, cols, seen, seen_place, planes, own, place, bordered, rule)
         count += _settle(*full) if cols >= WORD else _settle_narrow(*full)
     return count
 

@@ -11,51 +11,73 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.kernels.compiled import jit
-from mapper.kernels.types import BoolArray, Float32Array, Int64Array, Rule
+from mapper.kernels.types import BoolArray, Float32Array, Int64Array, Rule, UInt32Array
 
-#: A sheet is ``planes`` (3, rows, words) int64, 32 cells to a word, and ``used`` (rows,) int64, which has a bit for
+#: A sheet is ``planes`` (3, rows, words + 1) int64, 32 cells to a word, and ``used`` (rows,) int64, which has a bit for
 #: each 1 << shift words in which some plane is not 0. FREE has the toggles of the region in which a scan's cells are
 #: free, OUTER those of the region that reaches to the far end of the hit windows, HITS a bit for each cell hit in any
-#: case.
+#: case. The word to spare holds toggles at the sheet's far side, where nothing follows that they could concern.
 PLANES = 3
 FREE, OUTER, HITS = range(PLANES)
-_FREE, _OUTER, _HITS = np.uint64(FREE), np.uint64(OUTER), np.uint64(HITS)
-#: Where a sheet lies: the row of the grid at which it begins, the word (of 32 columns) likewise, and the shift.
-Place = tuple[int, int, int]
+#: Where a sheet lies: the row of the grid at which it begins, the word (of 32 columns) likewise, how many words of it
+#: count, and the shift.
+Place = tuple[int, int, int, int]
 
 WORD_BITS = 5
 WORD = 1 << WORD_BITS  #: cells
 _ALL = (1 << WORD) - 1
 USED_BITS = 62  #: of a row's word in ``used``, which stay clear of its sign
+_COLUMN_BITS = 16
+MAX_SIDE = (1 << _COLUMN_BITS) - WORD  #: rows or columns of a grid, for which a toggle has room
+
+
+@jit
+def _packed(row: int, column: int) -> np.uint32:
+    """Return a row and a column, both counted from a corner of what a scan sees, in one word of 32 bits."""
+    return np.uint32((row << _COLUMN_BITS) | column)
+
+
+@jit
+def _note(
+    plane: Int64Array, used: Int64Array, shift: int, sticks: bool, toggles: UInt32Array, first_row: int
+) -> None:  # fmt: skip
+    """Flip the bits of the cells ``toggles`` (n,), or set them where a bit ``sticks``.
+
+    ``first_row`` is the row, as the toggles count them, at which the sheet begins. Rows before it or beyond the sheet
+    are another's.
+    """
+    sticky = -1 if sticks else 0
+    rows = len(used)
+    for j in range(len(toggles)):
+        toggle = int(toggles[j])
+        row, column = (toggle >> _COLUMN_BITS) - first_row, toggle & ((1 << _COLUMN_BITS) - 1)
+        if 0 <= row < rows:
+            r, w = np.uint64(row), np.uint64(column >> WORD_BITS)
+            before = plane[r, w]
+            plane[r, w] = before ^ ((1 << (column & (WORD - 1))) & ~(before & sticky))
+            used[r] |= 1 << ((column >> WORD_BITS) >> shift)
 
 
 @jit
 def _toggle(planes: Int64Array, used: Int64Array, place: Place, plane: int, row: int, column: int) -> None:
-    """Flip the bit of a column, which must lie in the sheet, as its row.
+    """Flip the bit of a column, whose row must lie in the sheet; what is beyond its sides counts as at them.
 
     Without a branch, for numba counts references to arrays at each one, and with unsigned indices, of which it does not
     ask whether they count from the end: either costs more than all the rest.
     """
-    c = column - WORD * place[1]
-    w, r = min(max(c >> WORD_BITS, 0), planes.shape[2] - 1), np.uint64(row - place[0])
+    c = min(max(column - WORD * place[1], 0), WORD * place[2])
+    w, r = c >> WORD_BITS, np.uint64(row - place[0])
     planes[np.uint64(plane), r, np.uint64(w)] ^= 1 << (c & (WORD - 1))
-    used[r] |= 1 << (w >> place[2])
+    used[r] |= 1 << (w >> place[3])
 
 
 @jit
 def _mark(planes: Int64Array, used: Int64Array, place: Place, row: int, column: int) -> None:
-    """Note that a cell, which must lie in the sheet, is hit."""
+    """Note that a cell is hit, whose row must lie in the sheet; what is beyond its sides is dropped."""
     c = column - WORD * place[1]
-    w, r = min(max(c >> WORD_BITS, 0), planes.shape[2] - 1), np.uint64(row - place[0])
-    planes[_HITS, r, np.uint64(w)] |= 1 << (c & (WORD - 1))
-    used[r] |= 1 << (w >> place[2])
-
-
-@jit
-def _wipe(planes: Int64Array, used: Int64Array) -> None:
-    """Forget all that was noted."""
-    planes[:, : len(used)] = 0
-    used[:] = 0
+    if 0 <= c < WORD * place[2]:
+        planes[HITS, row - place[0], c >> WORD_BITS] |= 1 << (c & (WORD - 1))
+        used[row - place[0]] |= 1 << ((c >> WORD_BITS) >> place[3])
 
 
 @jit
@@ -107,49 +129,44 @@ def _settle(
 ) -> int:  # fmt: skip
     """Add what a sheet says to the grid and wipe it; return the number of updates.
 
-    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the sheet's rows lie in it. In
-    ``seen`` (rows, words) int64, which lies at ``seen_place``, the bits of the cells touched are set. With ``windows``
-    the plane OUTER counts.
+    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the sheet lies in it. In ``seen``
+    (rows, words) int64, which lies at ``seen_place``, the bits of the cells touched are set. With ``windows`` the plane
+    OUTER counts.
     """
+    free_plane, outer_plane, hit_plane = planes[FREE].reshape(-1), planes[OUTER].reshape(-1), planes[HITS].reshape(-1)
+    noted, noted_length = seen.reshape(-1), seen.shape[1]
+    noted_start = (place[0] - seen_place[0]) * noted_length + place[1] - seen_place[1]
+    length = planes.shape[2]
+    corner = place[0] * cols + WORD * place[1]
+    last = cols - WORD * (place[1] + 1)  # the column, from there, of the row's last 32 cells
     count = 0
-    words = (cols + WORD - 1) >> WORD_BITS
     for row in range(len(used)):
         r = np.uint64(row)
         if used[r] == 0:
             continue
         first, stop = _span(used[r])
-        first, stop = first << place[2], min(stop << place[2], planes.shape[2])
+        first, stop = first << place[3], min(stop << place[3], place[2])
         used[r] = 0
         free_before, outer_before = 0, 0  # all ones where the row is inside at the end of the last word
-        for i in range(first, min(-place[1], stop)):  # left of the grid
-            free_before ^= _ALL * (_ones(planes[FREE, r, i]) & 1)
-            outer_before ^= _ALL * (_ones(planes[OUTER, r, i]) & 1)
-            planes[:, r, i] = 0
-        start = (place[0] + row) * cols
-        noted_row = np.uint64(place[0] + row - seen_place[0])
-        for i in range(max(first, -place[1]), min(stop, words - place[1])):
-            w = np.uint64(i)
-            free, hits = planes[_FREE, r, w], planes[_HITS, r, w]
-            planes[_FREE, r, w], planes[_HITS, r, w] = 0, 0
+        for word in range(first, stop):
+            w = np.uint64(row * length + word)
+            free, hits = free_plane[w], hit_plane[w]
+            free_plane[w], hit_plane[w] = 0, 0
             free = _filled(free) ^ free_before
             free_before = -(free >> (WORD - 1)) & _ALL
             if windows:
-                outer = _filled(planes[_OUTER, r, w]) ^ outer_before
-                planes[_OUTER, r, w] = 0
+                outer = _filled(outer_plane[w]) ^ outer_before
+                outer_plane[w] = 0
                 outer_before = -(outer >> (WORD - 1)) & _ALL
                 hits |= free ^ outer
-            inside = free | hits
-            if inside == 0:
-                continue
             # The last word of a row may reach beyond it: then the row's last 32 cells are taken.
-            base = WORD * (place[1] + i)
-            beyond = max(base + WORD - cols, 0)
-            inside = (inside << beyond) & _ALL
-            _add(cells, start + base - beyond, inside, hits << beyond, rule)
-            seen[noted_row, np.uint64(place[1] + i - seen_place[1])] |= inside >> beyond
+            beyond = max(WORD * word - last, 0)
+            inside = ((free | hits) << beyond) & _ALL
+            _add(cells, corner + row * cols + WORD * word - beyond, inside, hits << beyond, rule)
+            noted[np.uint64(noted_start + row * noted_length + word)] |= inside >> beyond
             count += _ones(inside)
-        for i in range(max(first, words - place[1]), stop):  # right of the grid
-            planes[:, r, i] = 0
+        spare = np.uint64(row * length + place[2])
+        free_plane[spare], outer_plane[spare] = 0, 0
     return count
 
 

@@ -1,12 +1,16 @@
 """The two ways from a scan to its field: along the border, and by the exact test where rounding may decide."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mapper import fields, textbook
+from mapper.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import sweep_of_log
+from mapper.kernels.sheet import HITS
+from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog, Trajectory
 from mapper.sweep import rule_of
@@ -20,12 +24,20 @@ def log_of(seed: int, n_beams: int, increment: float, pose: tuple[float, float, 
     return ScanLog(ranges, -2.0, increment, 0.05, 80.0, stamps, {"one": Trajectory(np.array([pose]))})
 
 
+def decline(planned: fields.PlannedFields) -> None:
+    """Let no scan be sure, so that the exact test does all of them."""
+    for part in planned.parts:
+        starts, sure, _ = part.plan
+        starts[:, :HITS] = starts[:, HITS : HITS + 1]
+        sure[:] = False
+
+
 def draw(log: ScanLog, config: MappingConfig, *, exactly: bool) -> tuple[OccupancyGrid, int]:
     grid = OccupancyGrid(GridGeometry(0.1, 80, 75, (-4.0, -3.0, 0.3)))
     sweep = sweep_of_log(log, config, None, 0, 1)
     planned = fields.plan_of_fields(sweep, slice(0, 1), grid.geometry, config, 1)
     if exactly:
-        planned.plan[4][:] = False  # no corner is sure
+        decline(planned)
     box = np.array([80, 0, 75, 0])
     if planned.rows[0] >= planned.rows[1] or planned.words[0] >= planned.words[1]:
         return grid, 0
@@ -76,3 +88,23 @@ def test_grids_of_every_width_are_clipped_alike(cols, rows, corner, seed, window
     assert n_ours == n_book
     np.testing.assert_allclose(ours.log_odds, book.log_odds, atol=1e-6)
     np.testing.assert_array_equal(ours.observed, book.observed)
+
+
+@pytest.mark.parametrize(("rows", "cols"), [(65_504, 1), (1, 65_504)])
+def test_a_grid_too_long_for_a_sheet_is_refused_and_stays_as_it_was(rows, cols) -> None:
+    grid = OccupancyGrid(GridGeometry(0.1, rows, cols, limits=Limits(max_side=1 << 17)))
+    sweep = sweep_of_log(log_of(1, 60, np.pi / 30, (0.0, 0.0, 0.0)), MappingConfig(), None, 0, 1)
+    with pytest.raises(ConfigError, match="65504 rows and columns; choose larger cells"):
+        sweep.add_to(grid, MappingConfig(update="per_scan"))
+    assert not grid.observed.any()
+
+
+def test_a_grid_that_a_sheet_just_holds_is_mapped_to_its_far_end() -> None:
+    config = MappingConfig(update="per_scan", range_max=5.0)
+    log = log_of(2, 60, np.pi / 30, (0.1 * 65_500, 0.05, 0.0))
+    ours = OccupancyGrid(GridGeometry(0.1, 2, 65_503, limits=Limits(max_side=1 << 17)))
+    book = OccupancyGrid(ours.geometry)
+    textbook.update_per_scan(book, log.scan(0), log.sensor_poses()[0], config)
+    sweep_of_log(log, config, None, 0, 1).add_to(ours, config)
+    np.testing.assert_allclose(ours.log_odds, book.log_odds, atol=1e-6)
+    assert ours.observed[:, -4:].any()
