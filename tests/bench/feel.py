@@ -12,11 +12,13 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, Response
 
-from tests.bench.stopwatch import Laps, dragged, floor, laps, p95
+from tests.bench.hand import Hand
+from tests.bench.stopwatch import Laps, dragged, floor, laps, moved, p95
 from tests.browser.looking import await_map, centre, frame, settled_digest, until
-from tests.browser.running import running_chromium, running_server
+from tests.browser.running import free_port, running_chromium, running_server
 
 TIMES = 40  # of each hand movement
+MOVES = 200  # of each drag
 OPENED = 8  # of the page
 RUNNING_S = 4.0
 ASLEEP_S = 3.0
@@ -61,21 +63,27 @@ def paused(browser: Browser, server: str) -> Page:
     return page
 
 
-def nothing(browser: Browser) -> Laps:
-    """Return the laps of a page with nothing in it."""
+def nothing(browser: Browser, hand: Hand) -> tuple[Laps, Laps]:
+    """Return the laps of a page with nothing in it, move by move and dragged."""
     page = new_page(browser)
-    took = floor(page, TIMES)
+    took = floor(page, hand, TIMES, MOVES)
     page.context.close()
     return took
 
 
-def handle(browser: Browser, server: str) -> Laps:
-    """Return the laps from a handle's move to the repainted profile, while the map follows."""
+def handle(browser: Browser, server: str, hand: Hand) -> tuple[Laps, Laps]:
+    """Return the laps from a handle's move to the repainted profile, while the map follows: move by move, and dragged.
+
+    It is dragged while the lab runs.
+    """
     page = paused(browser, server)
     grip = page.locator("figure.profile").get_by_role("slider", name="Hit increment", exact=True)
-    took = dragged(page, grip.locator(".knob"), TIMES, dy=-24.0)
+    single = moved(page, grip.locator(".knob"), TIMES, dy=-24.0)
+    page.get_by_role("button", name="Play").click()
+    until("the robot to go", lambda: frame(page)["playing"])
+    drag = dragged(page, grip.locator(".knob"), hand, MOVES, dy=-60.0)
     page.context.close()
-    return took
+    return single, drag
 
 
 def teleport(browser: Browser, server: str) -> Laps:
@@ -94,8 +102,8 @@ def teleport(browser: Browser, server: str) -> Laps:
     return took
 
 
-def lecture(browser: Browser, server: str) -> dict[str, Laps]:
-    """Return the laps of the handles of three figures of the lecture."""
+def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, Laps]]:
+    """Return the laps of the handles of three figures of the lecture, move by move and dragged."""
     page = new_page(browser)
     page.goto(f"{server}/lecture.html")
     grips = {
@@ -108,7 +116,9 @@ def lecture(browser: Browser, server: str) -> dict[str, Laps]:
         page.locator(section).scroll_into_view_if_needed()
         grip = page.locator(figure).get_by_role("slider", name=label, exact=True)
         grip.scroll_into_view_if_needed()
-        took[name] = dragged(page, grip.locator(part), TIMES, dx=dx, dy=dy)
+        held = grip.locator(part)
+        single = moved(page, held, TIMES, dx=dx, dy=dy)
+        took[name] = single, dragged(page, held, hand, MOVES, dx=2.5 * dx, dy=2.5 * dy)
     page.context.close()
     return took
 
@@ -229,11 +239,21 @@ def feel() -> None:
             shutil.copy(real, logs)
         else:
             print(f"{LOG}: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
-        with running_server(Path(folder), "--logs-dir", str(logs)) as server, running_chromium() as browser:
-            row("an empty page's rectangle: the floor", nothing(browser), "", "")
-            row("handle moved → profile repainted", handle(browser, server), "16 ms", "8 ms")
-            for figure, took in lecture(browser, server).items():
-                row(f"the lecture's {figure}: handle moved → repainted", took, "16 ms", "8 ms")
+        port = free_port()
+        with (
+            running_server(Path(folder), "--logs-dir", str(logs)) as server,
+            running_chromium(f"--remote-debugging-port={port}") as browser,
+        ):
+            hand = Hand(port)
+            single, drag = nothing(browser, hand)
+            row("an empty page's rectangle: the floor", single, "", "")
+            row("the same dragged", drag, "", "")
+            single, drag = handle(browser, server, hand)
+            row("handle moved → profile repainted", single, "16 ms", "8 ms")
+            row("the same dragged, while the lab runs", drag, "", "")
+            for figure, (single, drag) in lecture(browser, server, hand).items():
+                row(f"the lecture's {figure}: handle moved → repainted", single, "16 ms", "8 ms")
+                row("the same dragged", drag, "", "")
             row("teleport click → first new cells", teleport(browser, server), "100 ms", "50 ms")
             if real.is_file():
                 alone, compared = retuned(browser, server)

@@ -1,53 +1,64 @@
 """A stopwatch in the page: from the instant of an input event to the paint that follows what it changed.
 
 The page's own clock is used throughout, so what the driver takes to send an event and to hear of it does not count. A
-lap begins with ``event.timeStamp``, when the browser took the event in, and has four parts:
+lap begins with ``event.timeStamp``, when the browser took the event in, and has three parts:
 
 ========== =========================================================================================================
-delivered  until the page's code hears of it: the browser holds moves back until its next frame, 16.7 ms at 60 Hz
+delivered  until the page's code hears of it: a browser at rest begins a frame for a move at once, one that is painting
+           holds it back until its next frame, 16.7 ms at 60 Hz
 own        until the page has changed what it shows: its own code
-painted    until style, layout and painting of that frame are done
-next       the whole, from the event until the frame after that one began: by then it was handed over to the screen
+painted    until style, layout and painting of that frame are done, and it is handed over to be composed
 ========== =========================================================================================================
 
-The same laps on an empty page, in which the event moves one rectangle, are the floor of the method: no page is faster.
+The stopwatch asks for no frame of its own, and does not look at the page while it answers: either would keep the
+browser painting, and the next move would wait for that. The same laps on an empty page, in which the event moves one
+rectangle, are the floor of the method: no page is faster.
+
+A handle is moved in two ways: one move after the other, each to a page that has answered the last, and dragged as by
+a hand, with the moves of an ordinary mouse, 125 a second, whether or not the page keeps up. While it is dragged the
+browser paints all the time, and a move that comes just after a frame has begun is seen with the next: no page is then
+faster than a frame, and what a page adds is its distance from the floor.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import random
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from playwright.sync_api import Locator, Page
 
+from tests.bench.hand import Hand
 from tests.browser.looking import still, until
 
-# `change` is where a change ends the lap: the attribute of an element, or a new map, whole or any part of it.
+FRAME_S = 1.0 / 60.0
+REST_S = 0.12  # within which an answer is seen, and the page comes to rest
+
+# `change` is where a change ends the lap: the attribute of an element, or a new map, whole or any part of it. As many
+# laps are taken as `window.wanted` says.
 _STOPWATCH = """([starts, change]) => {
   window.laps = [];
-  window.lap = null;
+  window.wanted = 0;
+  let lap = null;
   for (const type of starts)
     addEventListener(type, (event) => {
-      if (!window.lap || window.lap.since) return;
-      window.lap.since = event.timeStamp;
-      window.lap.heard = performance.now();
+      if (window.wanted > 0) lap = { since: event.timeStamp, heard: performance.now() };
     }, true);
-  const painted = (then) => requestAnimationFrame(() => {
-    const channel = new MessageChannel();
-    channel.port1.onmessage = then;
-    channel.port2.postMessage(null);
-  });
   const changed = () => {
-    const lap = window.lap;
-    if (!lap || !lap.since) return;
-    window.lap = null;
-    lap.changed = performance.now();
-    painted(() => {
-      const done = performance.now();
-      requestAnimationFrame(() => window.laps.push([
-        lap.heard - lap.since, lap.changed - lap.heard, done - lap.changed, done - lap.since,
-        performance.now() - lap.since,
-      ]));
+    if (!lap) return;
+    const { since, heard } = lap;
+    const changed = performance.now();
+    lap = null;
+    window.wanted--;
+    requestAnimationFrame(() => {
+      const channel = new MessageChannel();
+      channel.port1.onmessage = () => {
+        const done = performance.now();
+        window.laps.push([heard - since, changed - heard, done - changed, done - since]);
+      };
+      channel.port2.postMessage(null);
     });
   };
   if (change === "map" || change === "whole map") {
@@ -90,7 +101,6 @@ class Laps:
     own: tuple[float, ...]
     painting: tuple[float, ...]
     painted: tuple[float, ...]
-    next: tuple[float, ...]
 
     def told(self) -> str:
         """Return the figures in one cell of a table: the 95th percentile, then the median."""
@@ -98,25 +108,34 @@ class Laps:
 
     def parts(self) -> str:
         """Return the 95th percentile of each part."""
-        return (
-            f"delivered {p95(self.delivered):.1f}, own code {p95(self.own):.1f}, painting {p95(self.painting):.1f}; "
-            f"next frame {p95(self.next):.1f}"
-        )
+        return f"delivered {p95(self.delivered):.1f}, own code {p95(self.own):.1f}, painting {p95(self.painting):.1f}"
 
 
 def laps(page: Page, starts: Sequence[str], change: str, movement: Callable[[int], None], times: int) -> Laps:
     """Make a movement many times; return how long each took to be seen. See :data:`_STOPWATCH` for ``change``."""
     page.evaluate(_STOPWATCH, [list(starts), change])
+    chance = random.Random(4)  # moves that kept step with the browser's frames would all wait equally long
     for i in range(times):
-        page.evaluate("() => { window.lap = {}; }")
+        page.evaluate("() => { window.wanted = 1; }")
+        time.sleep(chance.uniform(0.0, FRAME_S))
         movement(i)
-        until("the answer to be seen", lambda i=i: page.evaluate("() => window.laps.length") > i)  # type: ignore[misc]
+        time.sleep(REST_S)
+        _await(page, i + 1)
+    return _taken(page)
+
+
+def _await(page: Page, count: int) -> None:
+    until("the answer to be seen", lambda: page.evaluate("() => window.laps.length") >= count)
+
+
+def _taken(page: Page) -> Laps:
     columns = zip(*page.evaluate("() => window.laps"), strict=True)
     return Laps(*(tuple(float(ms) for ms in column) for column in columns))
 
 
-def dragged(page: Page, grip: Locator, times: int, *, dx: float = 0.0, dy: float = 0.0) -> Laps:
-    """Take a handle (``role=slider``) by a part of it and move it to and fro; return the laps to its new value."""
+@contextmanager
+def gripped(page: Page, grip: Locator) -> Iterator[tuple[float, float]]:
+    """Hold a handle by a part of it until the block ends; yield where."""
     x, y = still(grip)
     page.mouse.move(x, y)
     page.wait_for_timeout(500)
@@ -124,19 +143,37 @@ def dragged(page: Page, grip: Locator, times: int, *, dx: float = 0.0, dy: float
     page.mouse.move(x, y)
     page.mouse.down()
     try:
-        return laps(
-            page,
-            ["pointermove"],
-            "aria-valuenow",
-            lambda i: page.mouse.move(x + dx * (0.5 + i % 2), y + dy * (0.5 + i % 2)),
-            times,
-        )
+        yield x, y
     finally:
         page.mouse.up()
 
 
-def floor(page: Page, times: int) -> Laps:
-    """Return the laps of an empty page: what no page can better in this browser on this machine."""
+def moved(page: Page, grip: Locator, times: int, *, dx: float = 0.0, dy: float = 0.0) -> Laps:
+    """Take a handle (``role=slider``) and move it to and fro, move by move; return the laps to its new value."""
+    with gripped(page, grip) as (x, y):
+
+        def move(i: int) -> None:
+            page.mouse.move(x + dx * (0.5 + i % 2), y + dy * (0.5 + i % 2))
+
+        for i in range(2):  # a figure whose axes have to grow for these places does so now
+            move(i)
+            page.wait_for_timeout(500)
+        return laps(page, ["pointermove"], "aria-valuenow", move, times)
+
+
+def dragged(page: Page, grip: Locator, hand: Hand, times: int, *, dx: float = 0.0, dy: float = 0.0) -> Laps:
+    """Take a handle (``role=slider``) and drag it to and fro by ``hand``; return the laps to its new values."""
+    with gripped(page, grip) as (x, y):
+        page.evaluate(_STOPWATCH, [["pointermove"], "aria-valuenow"])
+        page.evaluate("(times) => { window.wanted = times; }", times)
+        with hand.dragging(page.url, (x, y), (x + dx, y + dy)):
+            _await(page, times)
+        return _taken(page)
+
+
+def floor(page: Page, hand: Hand, times: int, frames: int) -> tuple[Laps, Laps]:
+    """Return the laps of an empty page, move by move and dragged: what no page can better in this browser here."""
     page.set_content(EMPTY)
-    page.locator("rect").focus()
-    return dragged(page, page.locator("rect"), times, dy=-20.0)
+    rect = page.locator("rect")
+    rect.focus()
+    return moved(page, rect, times, dy=-20.0), dragged(page, rect, hand, frames, dy=-60.0)
