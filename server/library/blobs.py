@@ -27,7 +27,7 @@ from server.library.storage import StorageError, disk_full, private_folder
 if TYPE_CHECKING:
     from obstore.store import ObjectStore, RetryConfig
 
-BLOBS, INCOMING = "blobs", "incoming"
+BLOBS, INCOMING, IDENTITY = "blobs", "incoming", "identity"
 LOCAL_PART_BYTES = 1 << 18  #: bytes of an upload that are held back in memory
 REMOTE_PART_BYTES = 5 << 20  #: S3 takes no smaller parts
 HASHED_AT_ONCE = 1 << 16  #: bytes that are not worth another thread
@@ -120,6 +120,19 @@ class Blobs:
             for name in (BLOBS, INCOMING):
                 private_folder(folder / name)
             return cls(LocalStore(prefix=folder), folder, scratch)
+
+    def identity(self) -> str:
+        """Return what tells this store from every other one, made when it is first asked for.
+
+        Blocks. Raises :class:`StorageError`.
+        """
+        with _told(away=not isinstance(self._store, LocalStore)):
+            try:
+                return bytes(obstore.get(self._store, IDENTITY).bytes()).decode("ascii", "replace")[:64]
+            except FileNotFoundError:
+                identity = uuid.uuid4().hex
+                obstore.put(self._store, IDENTITY, identity.encode())
+                return identity
 
     def incoming(self) -> Incoming:
         """Return where an upload goes."""

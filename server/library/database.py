@@ -58,6 +58,10 @@ class Database:
         """
         return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
 
+    def now(self, work: Callable[[Connection], T]) -> T:
+        """Have ``work`` done before anything was asked for, and wait for it. Raises :class:`StorageError`."""
+        return _attempt(self._engine, work)
+
     def close(self) -> None:
         """Finish what was asked for, which may take a while, and let go of the database."""
         self._thread.shutdown()

@@ -37,3 +37,6 @@ links = Table(
     Column("view", Text, nullable=False),  # JSON
     Index("links_by_log_id", "log_id"),
 )
+
+#: One row: what tells the store of logs that the records belong to from every other.
+store = Table("store", metadata, Column("id", String(64), primary_key=True))

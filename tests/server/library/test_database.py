@@ -144,7 +144,7 @@ async def test_a_locked_one_is_waited_for_and_then_refused(tmp_path: Path, monke
 
 async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> None:
     database = Database.open(None, tmp_path)
-    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 12"))
+    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 16"))
     rows = LogRows(database)
     ends = await asyncio.gather(
         *(rows.put(replace(RECORD, id=str(n), name="n" * 5000)) for n in range(30)), return_exceptions=True

@@ -1,0 +1,42 @@
+"""Records and bytes that belong together: a database of records is that of one store of logs, and of no other.
+
+A service whose bytes are elsewhere would take the records of another's logs for records of logs that are gone, and
+delete them.
+"""
+
+from __future__ import annotations
+
+import structlog
+from sqlalchemy import Connection
+
+from server.library.blobs import Blobs
+from server.library.database import Database
+from server.library.storage import StorageError
+from server.library.tables import store
+
+_log = structlog.get_logger(__name__)
+
+
+def check_belonging(database: Database, blobs: Blobs) -> None:
+    """Note in the records which store they belong to; raise :class:`StorageError` where they belong to another.
+
+    A store that cannot say who it is just now is let pass.
+    """
+    try:
+        identity = blobs.identity()
+    except StorageError:
+        _log.warning("the store of blobs does not say who it is: whether the records are its own is not checked")
+        return
+
+    def belong(connection: Connection) -> bool:
+        known = connection.execute(store.select()).scalars().all()
+        if not known:
+            connection.execute(store.insert().values(id=identity))
+        return not known or identity in known
+
+    if not database.now(belong):
+        raise StorageError(
+            "library.another_store",
+            "The database of the records belongs to the logs of another data folder or bucket: "
+            "name that one, or a database of this one's own.",
+        )

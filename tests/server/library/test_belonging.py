@@ -1,0 +1,73 @@
+"""Two stores of logs never share the records of one: the second is refused, and the first one's records stay.
+
+``GRIDBLOOM_TEST_DATABASE`` names an empty PostgreSQL database on which this runs too.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from obstore.store import MemoryStore
+from pydantic import SecretStr
+from sqlalchemy import text
+
+from server.library import StorageError, check_stores
+from server.library.belonging import check_belonging
+from server.library.blobs import Blobs
+from server.library.database import Database
+from server.settings import Settings
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'records.db'}"
+    named = os.environ.get("GRIDBLOOM_TEST_DATABASE")
+    if named is None:
+        pytest.skip("GRIDBLOOM_TEST_DATABASE does not name a PostgreSQL database")
+    return named
+
+
+def forget(url: str, folder: Path) -> None:
+    database = Database.open(url, folder)
+    database.now(lambda connection: connection.execute(text("DELETE FROM store")))
+    database.close()
+
+
+def test_a_second_data_folder_on_the_same_database_is_refused(url: str, tmp_path: Path) -> None:
+    first = Settings(data_dir=tmp_path / "first", database=SecretStr(url))
+    second = Settings(data_dir=tmp_path / "second", database=SecretStr(url))
+    check_stores(first)
+    check_stores(first)
+    with pytest.raises(StorageError, match="belongs to the logs of another data folder or bucket") as caught:
+        check_stores(second)
+    assert caught.value.code == "library.another_store"
+    # A folder that has moved is the same one; and a database that knows of none takes the next.
+    (tmp_path / "first").rename(tmp_path / "moved")
+    check_stores(Settings(data_dir=tmp_path / "moved", database=SecretStr(url)))
+    forget(url, tmp_path)
+    check_stores(second)
+    forget(url, tmp_path)
+
+
+def test_a_bucket_belongs_to_its_records_too(tmp_path: Path) -> None:
+    bucket, other = Blobs(MemoryStore(), None, tmp_path), Blobs(MemoryStore(), None, tmp_path)
+    database = Database.open(None, tmp_path)
+    check_belonging(database, bucket)
+    check_belonging(database, bucket)
+    with pytest.raises(StorageError, match="another data folder or bucket"):
+        check_belonging(database, other)
+    database.close()
+
+
+def test_a_store_that_is_away_is_let_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bucket that does not answer for a moment keeps no service from starting."""
+    monkeypatch.setattr("server.library.blobs.RETRY", {"max_retries": 0})
+    monkeypatch.setenv("AWS_ENDPOINT", "http://127.0.0.1:1")
+    for name in ("AWS_ALLOW_HTTP", "AWS_SKIP_SIGNATURE"):
+        monkeypatch.setenv(name, "true")
+    database = Database.open(None, tmp_path)
+    check_belonging(database, Blobs.at("s3://a-bucket/logs", tmp_path))
+    database.close()
