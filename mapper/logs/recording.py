@@ -7,7 +7,6 @@ each source of poses: tf, odometry, a localiser's estimate.
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -18,14 +17,14 @@ from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
 from mapper.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.logs.names import printable
-from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, Beams, StampedPose, plain_type
+from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, StampedPose, plain_type
+from mapper.logs.sensor_scans import SensorScans
 from mapper.logs.transforms import FrameTree, Poses3, Timeline
 from mapper.scan import ScanLog, Topic, Trajectory
 
 Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
 STILL = "standing still"
-_Geometry = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
 
 
 @dataclass(slots=True)
@@ -38,90 +37,6 @@ class _Channel:
     bad: int = 0
 
 
-class _Sensor:
-    """The scans of one sensor, as they come."""
-
-    def __init__(self, topic: str, kind: str, frame: str, beam_width: float) -> None:
-        self.topic = topic
-        self.kind = kind
-        self.frame = frame
-        self.beam_width = max(0.0, beam_width)
-        self.stamps = array("q")
-        self._numbers: dict[_Geometry, int] = {}
-        self._of_scan = array("q")  #: the number of each scan's geometry
-        self._ranges = bytearray()
-
-    def add(self, stamp_ns: int, beams: Beams) -> None:
-        geometry = (
-            float(beams.angle_min),
-            float(beams.angle_increment),
-            float(beams.range_min),
-            float(beams.range_max),
-            len(beams.ranges),
-        )
-        self.stamps.append(stamp_ns)
-        self._of_scan.append(self._numbers.setdefault(geometry, len(self._numbers)))
-        self._ranges += beams.ranges.tobytes()
-
-    @property
-    def n_scans(self) -> int:
-        return len(self.stamps)
-
-    @property
-    def usual(self) -> _Geometry:
-        """The beams that most scans have."""
-        counts = np.bincount(np.frombuffer(self._of_scan, dtype=np.int64))
-        return list(self._numbers)[int(np.argmax(counts))]
-
-    def packed(self, limits: Limits) -> tuple[NDArray[np.float32], list[str]]:
-        """Return the readings (n_scans, n_beams) on the usual beams, and what is to be noted about them."""
-        angle_min, increment, _, _, n = self.usual
-        flat = np.frombuffer(self._ranges, dtype=np.float32)
-        if len(self._numbers) == 1:
-            return flat.reshape(-1, n), []
-        if self.n_scans * n > limits.max_readings:
-            raise LimitError(
-                "log.too_many_scans",
-                f"{self.n_scans} scans of {n} beams on {self.topic} are more than {limits.max_readings} readings.",
-            )
-        out = np.full((self.n_scans, n), np.nan, dtype=np.float32)
-        at = 0
-        others = 0
-        places: dict[_Geometry, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
-        geometries = list(self._numbers)
-        for row, number in enumerate(self._of_scan):
-            geometry = geometries[number]
-            readings = flat[at : at + geometry[4]]
-            at += geometry[4]
-            if geometry[0] == angle_min and geometry[1] == increment:
-                same = min(n, len(readings))
-                out[row, :same] = readings[:same]
-            else:
-                if geometry not in places and len(places) < 100:
-                    places[geometry] = _nearest(geometry, self.usual)
-                to, taken = places[geometry] if geometry in places else _nearest(geometry, self.usual)
-                out[row, to] = readings[taken]
-            others += geometry != self.usual
-        note = (
-            f"{others} of the {self.n_scans} scans on {self.topic} have other beams or range limits than the rest; "
-            "their readings count at the nearest of the usual beams."
-        )
-        return out, [note]
-
-
-def _nearest(theirs: _Geometry, usual: _Geometry) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return which of the usual beams have one of theirs within half a step, and which one that is."""
-    angles = usual[0] + usual[1] * np.arange(usual[4])
-    if theirs[4] == 0:
-        return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
-    if theirs[1] == 0.0:
-        index = np.zeros(usual[4])
-    else:
-        index = np.clip(np.rint((angles - theirs[0]) / theirs[1]), 0, theirs[4] - 1)
-    near = np.abs(theirs[0] + theirs[1] * index - angles) <= max(abs(usual[1]), abs(theirs[1])) / 2.0 + 1e-9
-    return np.nonzero(near)[0], index[near].astype(np.intp)
-
-
 class Recording:
     """Takes a recording message by message; :meth:`log` packs what it took."""
 
@@ -129,7 +44,7 @@ class Recording:
         self.limits = limits
         self.notes: list[str] = []
         self._channels: dict[int, _Channel] = {}
-        self._sensors: dict[str, _Sensor] = {}
+        self._sensors: dict[str, SensorScans] = {}
         self._poses: dict[str, tuple[str, Timeline]] = {}  #: topic → type, poses
         self._children: set[str] = set()
         self._tf = FrameTree(limits)
@@ -217,7 +132,7 @@ class Recording:
         if sensor is None:
             if len(self._sensors) >= self.limits.max_topics:
                 raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} sensors.")
-            sensor = self._sensors[name] = _Sensor(name, channel.kind, frame, beams.beam_width)
+            sensor = self._sensors[name] = SensorScans(name, channel.kind, frame, beams.beam_width)
         sensor.add(_stamp(beams.stamp_ns, stamp_ns), beams)
 
     def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
@@ -283,7 +198,7 @@ class Recording:
             limits=self.limits,
         )
 
-    def _sensor(self, topic: str | None, bad: list[str]) -> _Sensor:
+    def _sensor(self, topic: str | None, bad: list[str]) -> SensorScans:
         if not self._sensors:
             held = "it holds no messages"
             if bad:
@@ -370,7 +285,7 @@ class Recording:
             else []
         )
 
-    def _topics(self, chosen: _Sensor) -> tuple[Topic, ...]:
+    def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]
         counts: dict[tuple[str, str], int] = {}
         for channel in self._channels.values():
@@ -380,7 +295,7 @@ class Recording:
         rest = [Topic(name, kind, count) for (name, kind), count in sorted(counts.items())]
         return (*sorted(sensors, key=lambda one: -one.count), *rest)
 
-    def _described(self, sensor: _Sensor, chosen: bool) -> Topic:
+    def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
         _, increment, _, _, n = sensor.usual
         stamps = np.sort(np.frombuffer(sensor.stamps, dtype=np.int64))
         step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0

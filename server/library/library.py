@@ -7,27 +7,26 @@ read-only) and one built-in sample. All methods run on the event loop; files and
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 
 from mapper.errors import LimitError, MapperError, ReadError
-from mapper.logs.summary import summarise
 from mapper.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
-from server.library.folder import FolderLog, LogFolder
 from server.library.intake import Intake, Part, Received, too_large
-from server.library.jobs import Jobs, full, unstored, without_paths
+from server.library.jobs import Jobs, full, unstored
 from server.library.names import display_name
-from server.library.packed import StalePackError, read_pack
+from server.library.packed import StalePackError
 from server.library.reading import Reader
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
-from server.library.storage import StorageError, private_folder
+from server.library.scans import Scans
+from server.library.shared_folder import SharedFolder
+from server.library.storage import private_folder
 from server.library.workers import worker_at
 from server.settings import Settings
 
@@ -59,12 +58,17 @@ class LibraryLimits:
 
 def check_stores(settings: Settings) -> None:
     """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
-    from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
+    from server.library.belonging import check_belonging  # noqa: PLC0415 - who reads logs does without SQLAlchemy
+    from server.library.database import Database  # noqa: PLC0415
 
     root = settings.data_dir / "library"
     private_folder(root)
-    Blobs.at(settings.blobs, root)
-    Database.open(settings.database_url, root).close()
+    blobs = Blobs.at(settings.blobs, root)
+    database = Database.open(settings.database_url, root)
+    try:
+        check_belonging(database, blobs)
+    finally:
+        database.close()
     if settings.executor is not None:
         worker_at(settings.executor, 0, root).close()
 
@@ -84,24 +88,20 @@ class Library:
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._folder = None if settings.logs_dir is None else LogFolder(settings.logs_dir)
-        self._looking = asyncio.Lock()  #: held while the folder is looked through
-        self._survey_job: asyncio.Task[None] | None = None
         self._uploads = 0
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
-        self._unpacking = asyncio.Lock()
         self._sample = Sample(self._cache)
         root = settings.data_dir / "library"
-        self._scratch = root / "incoming"
-        for folder in (root, root / "packs", self._scratch):
+        scratch = root / "incoming"
+        for folder in (root, root / "packs", scratch):
             private_folder(folder)
         memory = self._limits.read_memory_bytes
         self._reader = reader or Reader(
             timeout_s=self._limits.read_timeout_s,
             memory_bytes=memory,
             cpu_s=self._limits.read_cpu_s,
-            worker=worker_at(settings.executor, memory, self._scratch),
+            worker=worker_at(settings.executor, memory, scratch),
         )
         blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
@@ -109,23 +109,23 @@ class Library:
         self._intake = Intake(blobs, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
+        self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
+        self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
         """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end.
 
         Raises :class:`StorageError`.
         """
-        await self._look_into_folder()
+        await self._folder.look()
         await self._catalogue.start()
         await self.links.start()
         await self._expire()
-        self._begin_survey()
+        self._folder.begin_survey()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and let go of the stores."""
-        if self._survey_job is not None:
-            self._survey_job.cancel()
-            await asyncio.gather(self._survey_job, return_exceptions=True)
+        await self._folder.close()
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
@@ -265,14 +265,13 @@ class Library:
 
     async def list(self, owner: str) -> Sequence[Record]:
         """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
-        await self._look_into_folder()
-        self._begin_survey()
+        await self._folder.look()
+        self._folder.begin_survey()
         self._sample.begin()
         uploads = sorted(
             (r for r in self._catalogue.uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True
         )
-        folder = [self._folder_record(log) for log in self._catalogue.folder_logs.values()]
-        return [*(self._with_progress(record) for record in [*uploads, *folder]), self._sample.record]
+        return [*map(self._with_progress, [*uploads, *self._folder.records()]), self._sample.record]
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
@@ -280,7 +279,7 @@ class Library:
             return self._sample.record
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
-            record = self._folder_record(self._catalogue.folder_logs[log_id])
+            record = self._folder.record(self._catalogue.folder_logs[log_id])
         elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
             record = None
         if record is None:
@@ -289,49 +288,6 @@ class Library:
 
     def _with_progress(self, record: Record) -> Record:
         return replace(record, progress=self._reader.progress) if record.state == "reading" else record
-
-    # -- the folder ---------------------------------------------------------------------------------------------
-
-    async def _look_into_folder(self) -> None:
-        if self._folder is None:
-            return
-        async with self._looking:
-            self._catalogue.folder_logs = {log.id: log for log in await asyncio.to_thread(self._folder.logs)}
-        gone = [r for r in self._catalogue.all() if r.source == "folder" and r.id not in self._catalogue.folder_logs]
-        for record in gone:
-            if record.id not in self._jobs.busy:
-                with contextlib.suppress(StorageError):  # at the next look
-                    await self._catalogue.forget(record.id)
-
-    def _folder_record(self, log: FolderLog) -> Record:
-        known = self._catalogue.get(log.id)
-        if known is not None:
-            return known
-        return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
-
-    def _unknown(self) -> Record | None:
-        """Return a log of which it is not known what it holds although nobody has asked for it; None where all are."""
-        known = self._catalogue.all()
-        ids = {record.id for record in known}
-        folder = (self._folder_record(log) for log in self._catalogue.folder_logs.values() if log.id not in ids)
-        unsaid = (record for record in known if record.state == "ready" and record.summary is None)
-        return next(folder, None) or next(unsaid, None)
-
-    def _begin_survey(self) -> None:
-        if self._survey_job is None and self._unknown() is not None:
-            self._survey_job = asyncio.create_task(self._survey())
-
-    async def _survey(self) -> None:
-        """Find out what the logs hold that nobody has opened: one after the other, so that who waits, waits for one.
-
-        Nothing of them is packed: a folder may be larger than the room for packs.
-        """
-        try:
-            while (record := self._unknown()) is not None:
-                self._jobs.queue(record, pack=False)
-                await self._jobs.settled(record.id)
-        finally:
-            self._survey_job = None
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -349,40 +305,17 @@ class Library:
         if topic is not None:
             record = await self._settled(owner, log_id)
             if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
-                return await self._load_sensor(record, topic)
+                return await self._scans.of_sensor(record, topic)
         kept = self._cache.get(log_id)
         if kept is not None:
             return kept
         for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
             record = await self._settled(owner, log_id)
             try:
-                return await self._unpack(record)
+                return await self._scans.packed(record)
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
-
-    async def _load_sensor(self, record: Record, topic: str) -> ScanLog:
-        """Return another sensor's scans than the log was packed with: read for who asks, and kept in memory only."""
-        key = f"{record.id}#{topic}"
-        async with self._reader.turn(record.owner):
-            kept = self._cache.get(key)
-            if kept is not None:
-                return kept
-            pack = self._scratch / f"{secrets.token_hex(10)}.npz"
-            try:
-                async with self._catalogue.source(record) as source:
-                    try:
-                        await self._reader.read(source, pack, topic)
-                    except MapperError as error:
-                        raise without_paths(error, source, record.name) from None
-                log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
-            except StalePackError:
-                raise unstored() from None
-            finally:
-                for half in self._scratch.glob(f"{pack.name}*"):
-                    half.unlink(missing_ok=True)
-            self._cache.put(key, log)
-        return log
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""
@@ -391,15 +324,3 @@ class Library:
         if record.error is not None:
             raise ReadError(record.error.code, record.error.message)
         return record
-
-    async def _unpack(self, record: Record) -> ScanLog:
-        async with self._unpacking:  # who opens it at the same time shares it, and memory holds one more log at a time
-            kept = self._cache.get(record.id)
-            if kept is not None:
-                return kept
-            log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id))
-            log = replace(log, name=record.name)
-            self._cache.put(record.id, log)
-        if record.summary is None:
-            self._catalogue.save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
-        return log

@@ -1,0 +1,65 @@
+"""The scans of logs that were read: from memory, from their packs, or, a further sensor's, from the file once more."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from dataclasses import replace
+from pathlib import Path
+
+from mapper.errors import MapperError
+from mapper.logs.summary import summarise
+from mapper.scan import ScanLog
+from server.library.cache import LogCache
+from server.library.catalogue import Catalogue
+from server.library.jobs import unstored, without_paths
+from server.library.packed import StalePackError, read_pack
+from server.library.reading import Reader
+from server.library.records import Record
+
+
+class Scans:
+    """The scans of the catalogue's logs; ``scratch`` is a folder for what is kept for a moment."""
+
+    def __init__(self, catalogue: Catalogue, reader: Reader, cache: LogCache, scratch: Path) -> None:
+        self._catalogue = catalogue
+        self._reader = reader
+        self._cache = cache
+        self._scratch = scratch
+        self._unpacking = asyncio.Lock()
+
+    async def packed(self, record: Record) -> ScanLog:
+        """Return the log that was packed. Raises :class:`StalePackError` where there is no pack, or an older one."""
+        async with self._unpacking:  # who opens it at the same time shares it, and memory holds one more log at a time
+            kept = self._cache.get(record.id)
+            if kept is not None:
+                return kept
+            log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id))
+            log = replace(log, name=record.name)
+            self._cache.put(record.id, log)
+        if record.summary is None:
+            self._catalogue.save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
+        return log
+
+    async def of_sensor(self, record: Record, topic: str) -> ScanLog:
+        """Return another sensor's scans than the log was packed with: read for who asks, and kept in memory only."""
+        key = f"{record.id}#{topic}"
+        async with self._reader.turn(record.owner):
+            kept = self._cache.get(key)
+            if kept is not None:
+                return kept
+            pack = self._scratch / f"{secrets.token_hex(10)}.npz"
+            try:
+                async with self._catalogue.source(record) as source:
+                    try:
+                        await self._reader.read(source, pack, topic)
+                    except MapperError as error:
+                        raise without_paths(error, source, record.name) from None
+                log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
+            except StalePackError:
+                raise unstored() from None
+            finally:
+                for half in self._scratch.glob(f"{pack.name}*"):
+                    half.unlink(missing_ok=True)
+            self._cache.put(key, log)
+        return log

@@ -1,0 +1,80 @@
+"""The folder of logs that everybody sees: what lies in it now, and what its logs hold, found out one by one."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Sequence
+from pathlib import Path
+
+from server.library.catalogue import Catalogue
+from server.library.folder import FolderLog, LogFolder
+from server.library.jobs import Jobs
+from server.library.names import display_name
+from server.library.records import Record
+from server.library.storage import StorageError
+
+
+class SharedFolder:
+    """The logs in ``path``, None for no folder, in the catalogue. Used from the event loop."""
+
+    def __init__(self, path: Path | None, catalogue: Catalogue, jobs: Jobs) -> None:
+        self._folder = None if path is None else LogFolder(path)
+        self._catalogue = catalogue
+        self._jobs = jobs
+        self._looking = asyncio.Lock()  #: held while the folder is looked through
+        self._survey_job: asyncio.Task[None] | None = None
+
+    async def close(self) -> None:
+        """End the survey."""
+        if self._survey_job is not None:
+            self._survey_job.cancel()
+            await asyncio.gather(self._survey_job, return_exceptions=True)
+
+    def records(self) -> Sequence[Record]:
+        """Return the records of the logs that lie in the folder."""
+        return [self.record(log) for log in self._catalogue.folder_logs.values()]
+
+    async def look(self) -> None:
+        """Take in what lies in the folder now; forget what was known of logs that do not any more."""
+        if self._folder is None:
+            return
+        async with self._looking:
+            self._catalogue.folder_logs = {log.id: log for log in await asyncio.to_thread(self._folder.logs)}
+        gone = [r for r in self._catalogue.all() if r.source == "folder" and r.id not in self._catalogue.folder_logs]
+        for record in gone:
+            if record.id not in self._jobs.busy:
+                with contextlib.suppress(StorageError):  # at the next look
+                    await self._catalogue.forget(record.id)
+
+    def record(self, log: FolderLog) -> Record:
+        """Return what is known of one of its logs."""
+        known = self._catalogue.get(log.id)
+        if known is not None:
+            return known
+        return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
+
+    def _unknown(self) -> Record | None:
+        """Return a log of which it is not known what it holds although nobody has asked for it; None where all are."""
+        known = self._catalogue.all()
+        ids = {record.id for record in known}
+        folder = (self.record(log) for log in self._catalogue.folder_logs.values() if log.id not in ids)
+        unsaid = (record for record in known if record.state == "ready" and record.summary is None)
+        return next(folder, None) or next(unsaid, None)
+
+    def begin_survey(self) -> None:
+        """Begin to find out what the logs hold that nobody has opened, unless that is known or under way."""
+        if self._survey_job is None and self._unknown() is not None:
+            self._survey_job = asyncio.create_task(self._survey())
+
+    async def _survey(self) -> None:
+        """Find out what the logs hold that nobody has opened: one after the other, so that who waits, waits for one.
+
+        Nothing of them is packed: a folder may be larger than the room for packs.
+        """
+        try:
+            while (record := self._unknown()) is not None:
+                self._jobs.queue(record, pack=False)
+                await self._jobs.settled(record.id)
+        finally:
+            self._survey_job = None
