@@ -32,9 +32,9 @@ export function Disclosure({ title, note, open = false, children }: PanelProps) 
 export function Panel({ title, note, children }: Omit<PanelProps, "open">) {
   return (
     <section class="panel" aria-label={title}>
-      <h3 class="panel-title">
+      <h2 class="panel-title">
         {title} <span class="panel-note">{note}</span>
-      </h3>
+      </h2>
       <div class="panel-body">{children}</div>
     </section>
   );

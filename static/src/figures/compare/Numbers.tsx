@@ -16,7 +16,7 @@ const HOW = {
   entropy:
     "H(p) = −p log₂ p − (1 − p) log₂ (1 − p), summed over the cells that either map has observed; one that a map lacks counts with its prior.",
   contrast:
-    "The mean step of p across all edges between neighbouring cells of which one is more likely occupied than not and the other less: 1 is as sharp as can be.",
+    "The mean step of p across all edges between neighbouring observed cells of which one is more likely occupied than not and the other is not: 1 is as sharp as can be.",
   only: "Cells that beams touched in one of the maps and in the other never.",
   mean: "The mean of |ℓ of B − ℓ of A| over the cells that both maps have observed.",
   most: "The greatest |ℓ of B − ℓ of A| of a cell that both maps have observed. Press to go there.",

@@ -241,21 +241,24 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       after={
         <>
           <LastUpdate />
+          <p>Why may one simply add? Because Bayes’ filter for a state that does not change comes down to a sum:</p>
+          <Derivation />
           <p>
-            That is the whole filter. It keeps one number a cell, it does not remember the readings, and their order
-            does not matter, except at the dashed lines: there the mapper <em>clamps</em> ℓ, and what would go beyond is
-            lost. Section 10 shows why one wants that.
+            What the buttons add is the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. That is
+            the whole filter. It keeps one number a cell, it does not remember the readings, and their order does not
+            matter, except at the dashed lines: there the mapper <em>clamps</em> ℓ, and what would go beyond is lost.
+            Section 10 shows why one wants that.
           </p>
         </>
       }
     >
       <p>
         Take one cell and watch it through many readings. It does not move (assumption 2), so its state is a constant,
-        either <i>m</i> (occupied) or ¬<i>m</i> (free), and Bayes’ filter for it is short.
+        either <i>m</i> (occupied) or ¬<i>m</i> (free). The map keeps one number of it, its log-odds{" "}
+        <b class="noun-robot">ℓ</b>: above 0 it is more likely occupied, below 0 more likely free.
       </p>
-      <Derivation />
       <p>
-        Feed the cell. A <b class="noun-hit">hit</b> adds{" "}
+        Feed it. A <b class="noun-hit">hit</b> adds{" "}
         <Scrub
           label="evidence of a hit"
           sentence="By how much a hit raises the log-odds of the cell."
@@ -279,10 +282,10 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           high={0}
           step={0.05}
           onInput={(value) => setParameter("log_odds_miss", value)}
-          after=";"
+          after="."
         />{" "}
-        both are already the middle term minus ℓ₀. Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while
-        one of them has the focus.
+        Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while one of them has the focus: how many misses
+        does it take to make up for four hits?
       </p>
     </Section>
   );

@@ -93,7 +93,7 @@ export function topic(one: Topic): string {
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
     /\.(unknown_format|binary|garbage|empty|missing)$/,
-    "CARMEN logs, ROS bags, MCAP and DP-SLAM logs can be read. Others have to be converted first.",
+    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read. Others have to be converted first.",
   ],
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
