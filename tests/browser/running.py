@@ -81,7 +81,7 @@ def _wait_until_ready(address: str, process: subprocess.Popen[bytes], log: Path)
 
 @contextmanager
 def running_chromium(*arguments: str) -> Iterator[Browser]:
-    """Run headless Chromium until the block ends, with more ``arguments`` than :data:`CHROMIUM_ARGUMENTS` if need be."""
+    """Run headless Chromium until the block ends, with ``arguments`` beside :data:`CHROMIUM_ARGUMENTS` if need be."""
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=str(chromium()), args=[*CHROMIUM_ARGUMENTS, *arguments])
         try:
