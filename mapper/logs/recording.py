@@ -7,24 +7,31 @@ each source of poses: tf, odometry, a localiser's estimate.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
+from mapper.logs.clocks import Clock
 from mapper.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.logs.names import printable
+from mapper.logs.pose_sources import STAMP_LIMIT_NS, PoseSource, trajectories_at
 from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, StampedPose, plain_type
 from mapper.logs.sensor_scans import SensorScans
-from mapper.logs.transforms import FrameTree, Poses3, Timeline
-from mapper.scan import ScanLog, Topic, Trajectory
+from mapper.logs.transforms import FrameTree, Timeline
+from mapper.scan import ScanLog, Topic
 
 Int64Array = NDArray[np.int64]
-STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
-STILL = "standing still"
+
+#: Messages that others make scans of: what one calls them, and the program that does it.
+CONVERTERS = {
+    "sensor_msgs/PointCloud2": ("A point cloud", "pointcloud_to_laserscan"),
+    "sensor_msgs/Image": ("A depth image", "depthimage_to_laserscan"),
+}
 
 
 @dataclass(slots=True)
@@ -45,9 +52,10 @@ class Recording:
         self.notes: list[str] = []
         self._channels: dict[int, _Channel] = {}
         self._sensors: dict[str, SensorScans] = {}
-        self._poses: dict[str, tuple[str, Timeline]] = {}  #: topic → type, poses
+        self._poses: dict[str, tuple[str, Timeline, Clock]] = {}  #: topic → type, poses, their clock
         self._children: set[str] = set()
         self._tf = FrameTree(limits)
+        self._tf_clock = Clock()
         self._messages = 0
         self._scans = 0
         self._readings = 0
@@ -133,19 +141,25 @@ class Recording:
             if len(self._sensors) >= self.limits.max_topics:
                 raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} sensors.")
             sensor = self._sensors[name] = SensorScans(name, channel.kind, frame, beams.beam_width)
-        sensor.add(_stamp(beams.stamp_ns, stamp_ns), beams)
+        at = _stamp(beams.stamp_ns, stamp_ns)
+        sensor.add(at, beams)
+        sensor.clock.add(at, _stamp(stamp_ns, 0))
 
     def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in POSES[channel.kind](data, cdr=channel.cdr):
             if channel.topic not in self._poses:
-                self._poses[channel.topic] = (channel.kind, Timeline(self.limits))
-            self._poses[channel.topic][1].add(_stamp(one.stamp_ns, stamp_ns), one.pose)
+                self._poses[channel.topic] = (channel.kind, Timeline(self.limits), Clock())
+            _, timeline, clock = self._poses[channel.topic]
+            at = _stamp(one.stamp_ns, stamp_ns)
+            timeline.add(at, one.pose)
+            clock.add(at, _stamp(stamp_ns, 0))
             if one.child and len(self._children) < 100:
                 self._children.add(printable(one.child))
 
     def _take_transforms(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in TRANSFORMS[channel.kind](data, cdr=channel.cdr):
             at = _stamp(one.stamp_ns, stamp_ns)
+            self._tf_clock.add(at, _stamp(stamp_ns, 0))
             self._tf.add(StampedPose(at, printable(one.frame), printable(one.child), one.pose))
 
     # -- the log ------------------------------------------------------------------------------------------------
@@ -177,7 +191,7 @@ class Recording:
         base = self._tf.base_of(chain, self._children)
         mount, upside_down, more = self._mount(chain[: base + 1], stamps)
         notes += more
-        trajectories, more = self._trajectories(chain[base:], stamps)
+        trajectories, more = trajectories_at(stamps, self._pose_sources(chain[base:], sensor.clock), self.limits)
         notes += more
         return ScanLog(
             ranges=ranges,
@@ -209,7 +223,7 @@ class Recording:
             raise ReadError(
                 "log.no_scans",
                 "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan or Range): "
-                f"{held}{damage}.",
+                f"{held}{damage}.{_advice(channel.kind for channel in self._channels.values())}",
             )
         if topic is None:
             return max(self._sensors.values(), key=lambda sensor: (sensor.kind != "sensor_msgs/Range", sensor.n_scans))
@@ -237,53 +251,18 @@ class Recording:
             )
         return (x, y, yaw), up < 0.0, notes
 
-    def _trajectories(self, chain: list[str], stamps: Int64Array) -> tuple[dict[str, Trajectory], list[str]]:
-        """Return a trajectory for each world that the base moves in and for each topic of poses, the best first."""
-        found: dict[str, Trajectory] = {}
-        notes = []
+    def _pose_sources(self, chain: list[str], clock: Clock) -> Iterator[PoseSource]:
+        """Yield each world that the base moves in, then each topic of poses, odometry first."""
         for world in self._tf.worlds(chain):
             way = chain[: chain.index(world) + 1]
-            covered = np.ones(len(stamps), dtype=np.bool_)
-            for edge in self._tf.edges(way):
-                if edge.moves:
-                    covered &= edge.covers(stamps)
-            poses = self._tf.lookup(way, stamps)
             sentence = f"tf from {world} to {chain[0]}, at the time of each scan"
-            notes += self._keep(found, f"tf/{world}", poses, covered, sentence)
+            at, covers = partial(self._tf.lookup, way), partial(self._tf.covers, way)
+            yield PoseSource(f"tf/{world}", sentence, at, covers, self._tf_clock.ahead_of(clock))
         for topic in sorted(self._poses, key=lambda topic: self._poses[topic][0] != "nav_msgs/Odometry"):
-            kind, timeline = self._poses[topic]
-            if len(timeline):
+            kind, line, theirs = self._poses[topic]
+            if len(line):
                 sentence = f"the {kind.split('/')[-1]} messages on {topic}, at the time of each scan"
-                notes += self._keep(found, topic.lstrip("/"), timeline.at(stamps), timeline.covers(stamps), sentence)
-        if not found:
-            notes.append(
-                "The file holds no poses, so the map shows all scans as from one place: record /tf and /tf_static, or "
-                "the odometry, beside the scans."
-            )
-            found[STILL] = Trajectory(np.zeros((len(stamps), 3)), "no poses in the file: one place for all scans")
-        return found, notes
-
-    def _keep(
-        self,
-        found: dict[str, Trajectory],
-        name: str,
-        poses: Poses3,
-        covered: NDArray[np.bool_],
-        sentence: str,
-    ) -> list[str]:
-        """Add the trajectory unless its poses are from another time than the scans; return what is to be noted."""
-        outside = int(np.count_nonzero(~covered))
-        if outside == len(covered):
-            return [f"The poses of {name} are from another time than the scans, and are left out."]
-        planar = np.broadcast_to(poses.planar, (len(covered), 3))
-        if np.abs(planar[:, :2]).max() > self.limits.max_pose:
-            return [f"The poses of {name} lie more than {self.limits.max_pose:g} m away, and are left out."]
-        found[name] = Trajectory(planar, sentence)
-        return (
-            [f"{outside} scans lie before the first or after the last pose of {name}; they get the nearest."]
-            if outside
-            else []
-        )
+                yield PoseSource(topic.lstrip("/"), sentence, line.at, line.covers, theirs.ahead_of(clock))
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]
@@ -322,6 +301,14 @@ class Recording:
 def _stamp(stated_ns: int, recorded_ns: int) -> int:
     """Return the time that a message states, or else when it was recorded, or else 0."""
     return next((t for t in (stated_ns, recorded_ns) if t and abs(t) < STAMP_LIMIT_NS), 0)
+
+
+def _advice(kinds: Iterable[str]) -> str:
+    """Return what makes scans of the messages that there are, as a further sentence, or nothing."""
+    made = next((CONVERTERS[kind] for kind in kinds if kind in CONVERTERS), None)
+    return (
+        "" if made is None else f" {made[0]} becomes a LaserScan with the ROS package {made[1]}: record what it says."
+    )
 
 
 def _listed(names: list[str], most: int = 6) -> str:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mapper.errors import LimitError
 from mapper.limits import Limits
+from mapper.logs.clocks import Clock
 from mapper.logs.ros_messages import Beams
 
 Beaming = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
@@ -23,6 +24,7 @@ class SensorScans:
         self.frame = frame
         self.beam_width = max(0.0, beam_width)
         self.stamps = array("q")
+        self.clock = Clock()
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's geometry
         self._ranges = bytearray()

@@ -199,6 +199,14 @@ class FrameTree:
             found = edge.at(stamps_ns) @ found
         return found
 
+    def covers(self, chain: list[str], stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        """Return whether all that moves along the chain is known at each time (n,)."""
+        covered = np.ones(len(stamps_ns), dtype=np.bool_)
+        for edge in self.edges(chain):
+            if edge.moves:
+                covered &= edge.covers(stamps_ns)
+        return covered
+
     def base_of(self, chain: list[str], hints: set[str]) -> int:
         """Return the index in ``chain``, which begins with a sensor's frame, of the robot's base.
 

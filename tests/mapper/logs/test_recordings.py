@@ -7,6 +7,7 @@ import math
 import shutil
 import sqlite3
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,6 +161,24 @@ def test_without_poses_the_robot_stands_still_and_a_note_says_what_to_do(tmp_pat
     assert any("no poses" in note and "record /tf" in note for note in log.notes)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("source", ["odom", "tf/odom"])
+@pytest.mark.parametrize("ahead_s", [3600, -1_699_999_000])
+def test_clocks_that_differ_are_put_together_by_when_all_was_recorded(tmp_path, kind, source, ahead_s):
+    """A scanner whose host was set wrongly, and one in simulated time: the recorder saw both."""
+    said = [*[estimate(T0 - 5 * SECOND, 0.0, 0.0, 0.0) for _ in range(2)]]
+    for i in range(11):
+        at = T0 + i * SECOND // 5
+        pose = odometry(at, *truth(i / 5)) if source == "odom" else transform(at, "odom", "laser", *truth(i / 5))
+        seen = at + SECOND // 10
+        said += [pose, replace(scan(seen + ahead_s * SECOND, [1.0]), stamp_ns=seen)]
+    log = open_log(written(tmp_path, said[:-1], kind))
+    np.testing.assert_allclose(log.trajectory(source).poses, [truth(i / 5 + 0.1) for i in range(10)], atol=2e-3)
+    apart = f"{abs(ahead_s):,}.0 s {'behind' if ahead_s > 0 else 'ahead of'}"
+    assert any(f"The clock of {source} is {apart} that of the scans" in note for note in log.notes)
+    assert any("amcl_pose are from another time" in note for note in log.notes)
+
+
 def test_poses_of_another_time_are_left_out_and_those_that_end_early_noted(tmp_path):
     said = [odometry(T0 + i * SECOND, float(i), 0.0, 0.0) for i in range(3)]
     said += [odometry(i * SECOND + 5, 0.0, 0.0, 0.0, "/clockless") for i in range(3)]
@@ -284,6 +303,15 @@ def test_an_archive_of_a_recording_says_what_to_do(tmp_path, packing):
     with pytest.raises(ReadError, match=r"The file is a (zip|tar) archive: unpack it, and take the log") as caught:
         open_log(archive)
     assert caught.value.code == "log.archive"
+
+
+def test_what_scans_can_be_made_of_is_said(tmp_path):
+    cloud = {
+        "header": recorded.header(T0, "lidar"), "height": 1, "width": 0, "fields": [], "is_bigendian": False,
+        "point_step": 12, "row_step": 0, "data": np.zeros(0, np.uint8), "is_dense": True,
+    }  # fmt: skip
+    with pytest.raises(ReadError, match=r"it has sensor_msgs/PointCloud2\. A point cloud .* pointcloud_to_laserscan"):
+        open_log(written(tmp_path, [recorded.Said("/velodyne", "sensor_msgs/msg/PointCloud2", T0, cloud)], "mcap"))
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,0 +1,29 @@
+"""The clocks of a recording: each sender stamps its messages by its own, and one recorder notes when each came."""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+
+
+class Clock:
+    """How the stamps of one sender lie to when its messages were recorded."""
+
+    def __init__(self) -> None:
+        self._ahead = array("q")
+
+    def add(self, stamp_ns: int, recorded_ns: int) -> None:
+        """Take one message's stamp and when it was recorded, 0 where that is not known."""
+        if recorded_ns:
+            self._ahead.append(stamp_ns - recorded_ns)
+
+    @property
+    def ahead_ns(self) -> int | None:
+        """By how much its stamps are ahead, usually; None where that is not known."""
+        return int(np.median(np.frombuffer(self._ahead, dtype=np.int64))) if self._ahead else None
+
+    def ahead_of(self, other: Clock) -> int:
+        """Return by how many nanoseconds this clock is ahead of another; 0 where that cannot be told."""
+        mine, theirs = self.ahead_ns, other.ahead_ns
+        return 0 if mine is None or theirs is None else mine - theirs
