@@ -88,6 +88,10 @@ class Content(ABC):
         """The scans that the map is made of, in that order (worker thread)."""
 
     @abstractmethod
+    def initial_config(self) -> MappingConfig:
+        """The parameters that such a session begins with where nobody says others."""
+
+    @abstractmethod
     def particulars(self) -> dict[str, Any]:
         """What ``hello`` says beyond the common fields."""
 

@@ -174,6 +174,10 @@ class LogSession(ComparedSession):
         """The log, as far as it is in the map."""
         return [Source(self.log, self.trajectory, self._replay.index, self._recorded)]
 
+    def initial_config(self) -> MappingConfig:
+        """Those that suit the log's sensor."""
+        return first_config(self.log)
+
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""
         log = self.log

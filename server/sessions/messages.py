@@ -14,9 +14,10 @@ from mapper.world import SensorConfig
 from server.sessions.view import Moment, Pose
 
 
-def parameter_table(config: MappingConfig) -> dict[str, Any]:
-    """Return the ``parameters`` of ``hello``: the table and the values."""
-    return {"table": [asdict(row) for row in PARAMETERS], "values": asdict(config)}
+def parameter_table(config: MappingConfig, initial: MappingConfig) -> dict[str, Any]:
+    """Return the ``parameters`` of ``hello``: the table, its initial values being the session's, and the values."""
+    table = [asdict(row) | {"initial": getattr(initial, row.name)} for row in PARAMETERS]
+    return {"table": table, "values": asdict(config)}
 
 
 def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:

@@ -194,7 +194,7 @@ class Session(Content):
             "title": self.title,
             "epoch_id": self.epoch_id,
             "speeds": list(self.speeds),
-            "parameters": parameter_table(self.config),
+            "parameters": parameter_table(self.config, self.initial_config()),
             "sensor": None,
             "log": None,
         } | self.particulars()

@@ -135,13 +135,16 @@ class WorldSession(Session):
         async with self._lock:
             return story_of(self._mapper) | {"speed": self.speed, "playing": self.playing}
 
+    def initial_config(self) -> MappingConfig:
+        """Those of a lidar in a live world."""
+        return self._mapper.first_config(SensorConfig())
+
     def particulars(self) -> dict[str, Any]:
         """The sensor and its parameters."""
         return {
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
-            "initial": asdict(self._mapper.first_config(SensorConfig())),
         }
 
     def parameters_message(self) -> dict[str, Any]:

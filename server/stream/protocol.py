@@ -23,13 +23,12 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 **Text frames** are JSON objects with a ``type``. Server → browser:
 
 ``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
-                 speeds: [least, greatest], sensor: {table, values}|null, world: name (of a world session),
-                 seed: n, initial: values (of a world session),
+                 speeds: [least, greatest], sensor: {table, values}|null, world: name, seed: n (of a world session),
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
                 first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
-                log has no times; ``table`` is rows of mapper.parameters.Parameter as objects; ``epoch_id`` changes when
-                the server restarts or the session is made anew
+                log has no times; ``table`` is rows of mapper.parameters.Parameter as objects, whose ``initial`` is what
+                such a session begins with; ``epoch_id`` changes when the server restarts or the session is made anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
 ``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
                  scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, bearings?, beam_width?,

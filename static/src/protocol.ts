@@ -57,8 +57,6 @@ export interface Hello {
   readonly log: LogInfo | null;
   /** Of a live world: the same seed and the same commands give the same scans. */
   readonly seed?: number;
-  /** The parameters with which a live world begins, where they differ from the table's. */
-  readonly initial?: Values;
 }
 
 export interface Geometry {

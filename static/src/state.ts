@@ -80,7 +80,7 @@ export class Store extends Watched {
     const hello = this.hello.peek();
     const world = this.world.peek();
     if (!hello) return;
-    const values = { ...initialOf(hello.parameters.table), ...hello.initial };
+    const values = initialOf(hello.parameters.table);
     const undo = [...this.#back("parameters", values)];
     const redo: Command[] = [{ type: "parameters", values }];
     if (hello.sensor) {

@@ -43,7 +43,8 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         assert WORLDS["room"].is_free(frame["pose"][:2])
         hello = watcher.newest["hello"]
         assert hello["kind"] == "world"
-        assert {row["name"] for row in hello["parameters"]["table"]} == set(hello["parameters"]["values"])
+        # A session that nobody has touched differs in nothing from what its table calls initial.
+        assert {row["name"]: row["initial"] for row in hello["parameters"]["table"]} == hello["parameters"]["values"]
 
 
 async def test_every_kind_of_change_reaches_the_picture(service: Service) -> None:
