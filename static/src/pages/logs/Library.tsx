@@ -24,7 +24,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
       </div>
       <Dropzone button="Choose a log" onFiles={(files) => mayBeLogs(files).forEach(upload)}>
         <p>
-          <strong>Drop your own log here, or the folder that it is</strong>
+          <strong>Drop your own log here, a file or a whole ROS 2 folder</strong>
         </p>
         <p class="quiet">
           CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM or CSV, plain or compressed. Only this browser will see it.
