@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
@@ -12,7 +11,7 @@ import pytest
 import structlog
 
 from server.logging import configure_logging
-from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
+from tests.server.service import Service, Watcher, running, settings_for, until
 
 
 @pytest.fixture(scope="session")
@@ -20,10 +19,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """One service for all of them."""
     folder = tmp_path_factory.mktemp("hostile")
     with running(settings_for(folder, max_sessions=200, max_sessions_per_visitor=200)) as service:
-        deadline = time.monotonic() + PATIENCE_S
-        while service.http.get("/readyz").status_code != 200:
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        until(lambda: service.http.get("/readyz").status_code == 200)
         yield service
 
 

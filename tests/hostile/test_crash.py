@@ -8,8 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import httpx
 
 from tests.server.library.small_logs import carmen
+from tests.server.service import until
 
 ROOT = Path(__file__).parents[2]
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
@@ -44,14 +44,6 @@ def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]
         process.kill()
         _, errors = process.communicate(timeout=30)
     assert "Traceback" not in errors
-
-
-def until(condition: Callable[[], Any]) -> Any:
-    deadline = time.monotonic() + 60
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    return found
 
 
 def uploads(client: httpx.Client) -> dict[str, dict[str, Any]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
-import time
 import zlib
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
@@ -15,7 +14,7 @@ import httpx
 import pytest
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, Watcher
+from tests.server.service import Service, Watcher, once_read
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 LINE = b"FLASER 4 1.0 2.0 3.0 4.0 0.1 0.2 0.3 0.1 0.2 0.3 12.5 host 12.5\n"
@@ -57,13 +56,7 @@ def sent(service: Service, data: bytes, name: str = "a.log") -> dict[str, Any]:
     """Upload a log; return what the service says of it once it was read."""
     answer = service.http.put("/api/logs", params={"name": name}, content=data)
     assert answer.status_code == 202, answer.text
-    deadline = time.monotonic() + 60
-    while True:
-        log = service.http.get(f"/api/logs/{answer.json()['id']}").json()
-        if log["state"] in ("ready", "failed"):
-            return dict(log)
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    return once_read(service.http, answer.json()["id"])
 
 
 def open_log(service: Service, log: dict[str, Any]) -> httpx.Response:

@@ -14,9 +14,10 @@ import zstandard
 
 from tests.hostile import bombs
 from tests.hostile.corpus import TEXTS, bag_record, bag_with_chunk, images, mcap_with_chunk, recording
-from tests.hostile.test_crash import files, served, until
+from tests.hostile.test_crash import files, served
 from tests.mapper.logs import recorded
 from tests.mapper.logs.recorded import SECOND, scan
+from tests.server.service import once_read
 
 T0 = 1_700_000_000 * SECOND
 SIZE = 4 * bombs.GIB
@@ -110,7 +111,7 @@ def test_the_service_lives_on_and_nothing_is_left(process, name):
     assert answer.status_code == 202, answer.text
     assert alive(client)
     there = f"/api/logs/{answer.json()['id']}"
-    log = until(lambda: (found := client.get(there).json())["state"] not in ("queued", "reading") and found)
+    log = once_read(client, answer.json()["id"])
     assert log["name"].isprintable()
     assert alive(client)
     said = log["error"]["code"] if log["state"] == "failed" else " ".join(log["notes"])

@@ -37,6 +37,21 @@ def settings_for(folder: Path, **changes: Any) -> Settings:
     return Settings(**options)
 
 
+def until(condition: Callable[[], Any]) -> Any:
+    """Return the first true value of ``condition``."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not (found := condition()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    return found
+
+
+def once_read(client: httpx.Client, log_id: str) -> dict[str, Any]:
+    """Return what the service says of a log that it has read, or failed to read."""
+    ends = ("ready", "failed")
+    return dict(until(lambda: (log := client.get(f"/api/logs/{log_id}").json())["state"] in ends and log))
+
+
 async def eventually(condition: Callable[[], bool]) -> None:
     """Return once ``condition`` holds."""
     deadline = time.monotonic() + PATIENCE_S

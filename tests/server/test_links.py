@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
+from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for, stream_at, until_closed
 
 TOKEN = "the-token-of-this-service"
 ODDS = 1.75
@@ -58,10 +58,7 @@ def ann(browser: Callable[..., httpx.Client]) -> httpx.Client:
 
 def uploaded(client: httpx.Client, n: int = 40) -> str:
     log_id = str(client.put("/api/logs", params={"name": "run.log"}, content=carmen(n)).json()["id"])
-    deadline = time.monotonic() + PATIENCE_S
-    while client.get(f"/api/logs/{log_id}").json()["state"] != "ready":
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    assert once_read(client, log_id)["state"] == "ready"
     return log_id
 
 

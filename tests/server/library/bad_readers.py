@@ -13,7 +13,9 @@ from typing import Any
 from mapper.logs.summary import LogSummary
 from mapper.scan import ScanLog
 from server.library import job as jobs
+from tests.server.library.small_logs import carmen
 
+BAD = carmen(2).replace(b"FLASER 3 1.0", b"FLASER 3 6.0")  #: the log that they read so badly
 OPEN = "open_log"  #: what the job calls
 
 
@@ -21,7 +23,7 @@ def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
     good = getattr(jobs, OPEN)
 
     def read(path: Any, **options: Any) -> ScanLog:
-        if b"FLASER 3 6.0" in path.read_bytes():  # the bad log
+        if path.read_bytes() == BAD:
             reader()
         log: ScanLog = good(path, **options)
         return log

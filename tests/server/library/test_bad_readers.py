@@ -14,7 +14,6 @@ from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-BAD = carmen(2).replace(b"FLASER 3 1.0", b"FLASER 3 6.0")
 
 
 async def settled(library: Library, owner: str, log_id: str) -> Record:
@@ -54,7 +53,7 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     monkeypatch.setattr("server.library.workers.GRACE_S", 1.0)
     library = make_library(own_reader=True, **limits)
     await library.start()
-    bad = await library.put("ann", "bad", in_pieces(BAD))
+    bad = await library.put("ann", "bad", in_pieces(bad_readers.BAD))
     good = await library.put("ben", "good", in_pieces(carmen(4)))
     failed = await settled(library, "ann", bad.id)
     assert failed.error is not None
@@ -73,7 +72,7 @@ async def test_a_job_is_stopped_and_run_again(
     monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
     library = make_library(own_reader=True)
     await library.start()
-    reading = await library.put("ann", "a", in_pieces(BAD))
+    reading = await library.put("ann", "a", in_pieces(bad_readers.BAD))
     queued = await library.put("ann", "b", in_pieces(carmen(3)))
     await eventually(lambda: library.get("ann", reading.id).state == "reading")
     for log in (queued, reading):  # the one that waits, then the one that is read

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import socket
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -14,7 +13,7 @@ import httpx
 import pytest
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, running, settings_for
+from tests.server.service import Service, once_read, running, settings_for, until
 
 
 @pytest.fixture(scope="module")
@@ -54,17 +53,6 @@ def put(client: httpx.Client, data: bytes, name: str = "run.log") -> dict[str, A
     return dict(answer.json())
 
 
-def settled(client: httpx.Client, log_id: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 60
-    while True:
-        answer = client.get(f"/api/logs/{log_id}")
-        assert answer.status_code == 200, answer.text
-        if answer.json()["state"] in ("ready", "failed"):
-            return dict(answer.json())
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-
-
 def refused(answer: httpx.Response, status: int) -> str:
     """Check an error's shape and return its code."""
     assert answer.status_code == status, answer.text
@@ -79,7 +67,7 @@ def unfinished(folder: Path) -> list[Path]:
 def test_upload_look_open_delete(visitor: Callable[[], httpx.Client]) -> None:
     client = visitor()
     log_id = put(client, gzip.compress(carmen(9)), "../../tmp/Café run.log.gz")["id"]
-    log = settled(client, log_id)
+    log = once_read(client, log_id)
     assert (log["state"], log["name"], log["source"]) == ("ready", "Café run.log.gz", "upload")
     assert (log["scans"], log["beams"], log["duration_s"]) == (9, 3, 8.0)
     listed = client.get("/api/logs").json()["logs"]
@@ -99,12 +87,12 @@ def test_upload_look_open_delete(visitor: Callable[[], httpx.Client]) -> None:
 def test_another_visitors_log_is_not_there(visitor: Callable[[], httpx.Client]) -> None:
     ann, bob = visitor(), visitor()
     log_id = put(ann, carmen(4))["id"]
-    settled(ann, log_id)
+    once_read(ann, log_id)
     assert refused(bob.get(f"/api/logs/{log_id}"), 404) == "log.not_found"
     assert refused(bob.delete(f"/api/logs/{log_id}"), 404) == "log.not_found"
     assert refused(bob.post("/api/sessions", json={"kind": "log", "log": log_id}), 404) == "log.not_found"
     assert log_id not in bob.get("/api/logs").text
-    assert settled(ann, log_id)["state"] == "ready"
+    assert once_read(ann, log_id)["state"] == "ready"
 
 
 def test_the_servers_own_logs_open_for_everybody_and_stay(visitor: Callable[[], httpx.Client], folder: Path) -> None:
@@ -113,7 +101,7 @@ def test_the_servers_own_logs_open_for_everybody_and_stay(visitor: Callable[[], 
     assert [entry["name"] for entry in own] == ["lecture.log", "A simulated office (sample)"]
     for entry in own:
         assert client.post("/api/sessions", json={"kind": "log", "log": entry["id"]}).status_code == 201
-        facts = settled(client, entry["id"])
+        facts = once_read(client, entry["id"])
         assert facts["scans"] > 0
         assert facts["trajectories"][0]["length_m"] > 0.0
         assert refused(client.delete(f"/api/logs/{entry['id']}"), 403) == "log.read_only"
@@ -135,7 +123,7 @@ def test_bad_logs_say_what_is_wrong(
     visitor: Callable[[], httpx.Client], folder: Path, data: bytes, code: str | None
 ) -> None:
     client = visitor()
-    log = settled(client, put(client, data, "bad.log")["id"])
+    log = once_read(client, put(client, data, "bad.log")["id"])
     assert log["state"] == "failed"
     assert code is None or log["error"]["code"] == code
     assert str(folder) not in log["error"]["message"]
@@ -184,12 +172,8 @@ def test_a_browser_that_leaves_half_way_leaves_nothing(service: Service, folder:
                 f"Content-Length: 1900000\r\n\r\n".encode()
                 + b"x" * 1_800_000
             )
-            time.sleep(0.1)
-            assert unfinished(folder)
-    deadline = time.monotonic() + 20
-    while unfinished(folder):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+            until(lambda: unfinished(folder))
+    until(lambda: not unfinished(folder))
     assert not [r for r in service.state.library._catalogue.all() if r.name == "half"]
 
 
@@ -197,7 +181,7 @@ def test_two_uploads_at_once(visitor: Callable[[], httpx.Client]) -> None:
     client = visitor()
     with ThreadPoolExecutor(4) as pool:
         logs = list(pool.map(lambda n: put(client, carmen(n), f"{n}.log"), (300, 400, 500, 600)))
-    assert [settled(client, log["id"])["scans"] for log in logs] == [300, 400, 500, 600]
+    assert [once_read(client, log["id"])["scans"] for log in logs] == [300, 400, 500, 600]
 
 
 def test_odd_requests(visitor: Callable[[], httpx.Client]) -> None:
@@ -222,5 +206,5 @@ def test_a_reading_is_stopped_and_run_again(visitor: Callable[[], httpx.Client])
         assert refused(ann.post(f"/api/logs/sample-office/{what}"), 403) == "log.read_only"
     answer = ann.post(f"{address}/read")
     assert answer.status_code == 202
-    assert settled(ann, log["id"])["state"] == "ready"
+    assert once_read(ann, log["id"])["state"] == "ready"
     ann.delete(address)

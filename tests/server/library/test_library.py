@@ -17,6 +17,7 @@ import pytest
 from mapper.errors import LimitError, MapperError, ReadError
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
 from server.settings import Settings
+from tests.server.library import bad_readers
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
 
@@ -132,8 +133,13 @@ async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, setti
         library.get("ann", record.id)
 
 
-async def test_delete_while_the_log_is_queued_or_read(library: Library, settings: Settings) -> None:
-    records = [await library.put("ann", "x", in_pieces(carmen(n), 100_000)) for n in (12_000, 20, 21)]
+async def test_delete_while_the_log_is_queued_or_read(
+    make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
+    library = make_library(own_reader=True)
+    await library.start()
+    records = [await library.put("ann", "x", in_pieces(data)) for data in (bad_readers.BAD, carmen(20), carmen(21))]
     waiting = asyncio.create_task(library.load("ann", records[0].id))
     await eventually(lambda: library.get("ann", records[0].id).state == "reading")
     assert [library.get("ann", record.id).state for record in records[1:]] == ["queued", "queued"]
@@ -297,11 +303,15 @@ async def test_a_gzip_bomb_is_stopped(library: Library) -> None:
     assert failed.error.code in ("log.too_large", "log.too_many_lines", "log.time")
 
 
-async def test_a_killed_worker_fails_its_own_job_only(library: Library) -> None:
-    slow = carmen(8000)
-    first = await library.put("ann", "first", in_pieces(slow, 100_000))
+async def test_a_killed_worker_fails_its_own_job_only(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
+    library = make_library(own_reader=True)
+    await library.start()
+    first = await library.put("ann", "first", in_pieces(bad_readers.BAD))
     second = await library.put("ann", "second", in_pieces(carmen(4)))
-    await eventually(lambda: library.get("ann", first.id).progress > 0.0)
+    await eventually(lambda: library._reader.worker_pid > 0)
     assert library.get("ann", first.id).state == "reading"
     os.kill(library._reader.worker_pid, signal.SIGKILL)
     failed = await settled(library, "ann", first.id)
@@ -309,16 +319,17 @@ async def test_a_killed_worker_fails_its_own_job_only(library: Library) -> None:
     assert failed.error.code == "log.reader_died"
     assert (await library.load("ann", second.id)).n_scans == 4
     # The same bytes again: read again, in the place of the failure.
-    again = await library.put("ann", "first", in_pieces(slow, 100_000))
+    monkeypatch.undo()
+    again = await library.put("ann", "first", in_pieces(bad_readers.BAD))
     assert again.id == first.id
-    assert (await library.load("ann", again.id)).n_scans == 8000
+    assert (await library.load("ann", again.id)).n_scans == 2
 
 
 async def test_a_worker_that_dies_idle_fails_no_job(library: Library) -> None:
     record = await library.put("ann", "a", in_pieces(carmen(2)))
     await library.load("ann", record.id)
     os.kill(library._reader.worker_pid, signal.SIGKILL)
-    await asyncio.sleep(0.2)
+    await eventually(lambda: library._reader._worker._pool._broken)  # type: ignore[attr-defined]
     record = await library.put("ann", "b", in_pieces(carmen(3)))
     assert (await library.load("ann", record.id)).n_scans == 3
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import socket
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import pytest
 
 from server.library import intake
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, running, settings_for
+from tests.server.service import Service, once_read, running, settings_for, until
 
 DATA = carmen(3000)
 KEY = "k" * 20
@@ -59,14 +58,6 @@ def incoming(folder: Path) -> list[Path]:
     return list((folder / "library" / "incoming").iterdir())
 
 
-def ready(client: httpx.Client, log_id: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 60
-    while (log := client.get(f"/api/logs/{log_id}").json())["state"] in ("queued", "reading"):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-    return dict(log)
-
-
 def test_in_ten_parts(client: httpx.Client, folder: Path) -> None:
     step = -(-len(DATA) // 10)
     for first in range(0, len(DATA), step):
@@ -76,7 +67,7 @@ def test_in_ten_parts(client: httpx.Client, folder: Path) -> None:
         if last + 1 < len(DATA):
             assert (answer.status_code, answer.json()) == (200, {"offset": last + 1, "total": len(DATA)})
     assert answer.status_code == 202
-    log = ready(client, answer.json()["id"])
+    log = once_read(client, answer.json()["id"])
     assert (log["state"], log["scans"], log["bytes"]) == ("ready", 3000, len(DATA))
     assert (folder / "library" / "blobs" / hashlib.sha256(DATA).hexdigest()).read_bytes() == DATA
     assert incoming(folder) == []
@@ -94,21 +85,15 @@ def test_cut_at_each_tenth_and_gone_on_with(service: Service, client: httpx.Clie
         raw.sendall(head.encode() + DATA[:sent])
         if tenth == 10:
             assert raw.recv(12) == b"HTTP/1.1 202"
-    deadline = time.monotonic() + 30
     expected = 0 if tenth == 10 else sent
-    while offset(client) != expected:
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    until(lambda: offset(client) == expected)
     if tenth < 10:
         # The connection may still be known as busy for a moment.
-        while (answer := part(client, expected, len(DATA) - 1)).status_code == 409:
-            assert answer.json()["code"] == "upload.busy"
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
+        answer = until(lambda: (found := part(client, expected, len(DATA) - 1)).status_code != 409 and found)
         assert answer.status_code == 202
-        log = ready(client, answer.json()["id"])
+        log = once_read(client, answer.json()["id"])
     else:
-        log = ready(client, client.get("/api/logs").json()["logs"][0]["id"])
+        log = once_read(client, client.get("/api/logs").json()["logs"][0]["id"])
     assert (log["scans"], log["bytes"]) == (3000, len(DATA))
     assert incoming(folder) == []
 

@@ -6,6 +6,7 @@ import asyncio
 import gc
 import socket
 import threading
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -22,15 +23,15 @@ from mapper.world import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
 from server.scenes.proxy import passes
 from server.sessions import Session, SessionRegistry
+from server.sessions.view import SessionView
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, viser_client
+from tests.server.service import eventually
 
 
-async def changed(session: Session, wanted: Any, seconds: float = 10.0) -> None:
+async def changed(session: Session, wanted: Callable[[SessionView], bool]) -> None:
     """Wait until ``wanted`` is true of the session's view."""
-    async with asyncio.timeout(seconds):
-        while not wanted(session.view()):  # noqa: ASYNC110 - sessions tell listeners of ticks, not of conditions
-            await asyncio.sleep(0.02)
+    await eventually(lambda: wanted(session.view()))
 
 
 async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
@@ -136,9 +137,7 @@ async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) 
         await changed(session, lambda view: view.index == 10)
         choice = await client.control("Trajectory")
         await client.send(type="GuiUpdateMessage", uuid=choice["uuid"], updates={"value": "odometry"})
-        async with asyncio.timeout(10):
-            while session.trajectory != "odometry":  # noqa: ASYNC110 - as above
-                await asyncio.sleep(0.02)
+        await eventually(lambda: session.trajectory == "odometry")
 
 
 # -- the proxy -----------------------------------------------------------------------------------------------------
@@ -278,17 +277,16 @@ async def test_no_work_while_nobody_looks(service: Service) -> None:
 
 
 async def test_scenes_that_nobody_looks_at_are_closed(sessions: SessionRegistry) -> None:
-    scenes = Scenes(idle_s=0.05, check_s=0.05)
+    scenes = Scenes(check_s=0.05)
     session = await sessions.create_world("ann", "room", seed=1)
     one, two = await asyncio.gather(scenes.get(session), scenes.get(session))
     assert one is two
     one.enter()
+    scenes._idle_s = 0.05
     await asyncio.sleep(0.3)
     assert len(scenes) == 1
     one.leave()
-    async with asyncio.timeout(10):
-        while len(scenes):  # noqa: ASYNC110 - closing is the scenes' own affair
-            await asyncio.sleep(0.02)
+    await eventually(lambda: len(scenes) == 0)
     again = await scenes.get(session)
     assert again is not one
     await scenes.close()
@@ -315,6 +313,4 @@ async def test_ten_scenes_leave_nothing_behind(sessions: SessionRegistry) -> Non
         await scenes.close()
         with pytest.raises(OSError, match=r".*"):
             socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
-    after = counts()
-    assert after[0] <= before[0]
-    assert after[1] <= before[1]
+    await eventually(lambda: all(now <= then for now, then in zip(counts(), before, strict=True)))

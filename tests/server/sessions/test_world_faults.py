@@ -18,6 +18,7 @@ from mapper.parameters import MappingConfig
 from mapper.world import WORLDS, Drawn, Edits, Faults, SensorConfig
 from server.sessions import SessionRegistry, WorldMapper
 from server.sessions.world_commands import retold, story_of
+from tests.server.service import PATIENCE_S
 
 
 def by_hand(mapper: WorldMapper, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
@@ -203,7 +204,7 @@ async def test_stories_leave_a_thread_to_the_others(
         if story.get("steps"):
             count += 1
             together.append(count)
-            telling.wait(10)
+            telling.wait(PATIENCE_S)
             count -= 1
         return retold({"world": story["world"], "seed": story["seed"]}, limits)
 
