@@ -26,9 +26,11 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         address = f"http://127.0.0.1:{proxy.port}"
         home.goto(address)
         viewer.goto(f"{address}/logs.html")
+        viewer.bring_to_front()
         viewer.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
         await_map(viewer)
         logs.goto(f"{address}/logs.html")
+        logs.bring_to_front()
         card = logs.locator(".log-card", has_text="sample")
         expect(card).to_be_visible()
         for page in (home, viewer, logs):
@@ -38,6 +40,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         proxy.cut()
         says(home, ".hero-facts", AWAY)
         says(viewer, ".viewer-over", AWAY)
+        logs.bring_to_front()
         card.get_by_role("button", name="Make its map").click()
         says(logs, ".viewer-message", "tries again by itself")
 
