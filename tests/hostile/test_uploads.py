@@ -41,7 +41,7 @@ SENT: dict[str, tuple[bytes, str]] = {
     "a gzip file cut in its header": (gzip.compress(LINE)[:9], "log.truncated"),
     "a text file cut in its first line": (LINE[:30], "log.truncated_line"),
     "garbage": (bytes(range(256)) * 100, "log.binary"),
-    "another program's archive": (b"PK\x03\x04" + bytes(100), "log.unknown_format"),
+    "another program's archive": (b"PK\x03\x04" + bytes(100), "log.archive"),
     "no scans": (b"ODOM 0.1 0.2 0.3 0 0 0 12.4 host 12.4\n", "log.no_scans"),
     "a pose of nan": (LINE + LINE.replace(b"0.1", b"nan", 1), "log.pose"),
     "a pose of 1e308": (LINE + LINE.replace(b"0.1", b"1e308", 1), "log.pose"),
