@@ -16,6 +16,7 @@ from mapper.threads import alone
 
 PART_READINGS = 1 << 22  #: readings that are added at once, at most
 FIRST_READINGS = 1 << 12  #: the same before it is known how many cells each of them touches
+MOST_UPDATES = 1 << 36  #: cell updates that a scout sets out for: a minute of one core, or two
 
 
 class UnwantedError(MapperError):
@@ -96,6 +97,10 @@ class Course:
         """Cells that a scan updates, as far as the way so far tells."""
         return self._updates / self._scans if self._scans else None
 
+    def expect_as(self, other: Course) -> None:
+        """Expect that scans cost what they did on another way, before anything is known of this one."""
+        self._scans, self._updates = other._scans, other._updates
+
     def _scans_at_once(self) -> int:
         rate, most = self.updates_per_scan, PART_READINGS // self.log.n_beams
         if rate is None:
@@ -122,18 +127,18 @@ class Scout:
     """
 
     def __init__(self, course: Course) -> None:
-        grid = course.grid.emptied()
-        self._course = Course(course.log, course.config, course.trajectory, grid, course.checkpoints)
+        self._follows = course
+        self._course: Course | None = None  # made by the thread that goes: a large grid takes its time
 
     @staticmethod
     def is_worth(course: Course) -> bool:
-        """Whether enough is left to go that somebody would notice."""
+        """Whether so much is left to go that somebody would notice, and not hours of work."""
         kept, rate = course.checkpoints, course.updates_per_scan
-        return rate is not None and rate * (course.log.n_scans - kept.reached) > kept.spacing
+        return rate is not None and kept.spacing < rate * (course.log.n_scans - kept.reached) < MOST_UPDATES
 
     def step(self) -> bool:
         """Work for some hundredths of a second, on this thread alone; return whether something is left to do."""
-        course = self._course
+        course = self._course = self._course or self._begin()
         with alone():
             newest = course.checkpoints.newest
             if newest > course.index:  # where others have been
@@ -141,6 +146,12 @@ class Scout:
             elif course.index < course.log.n_scans:
                 course.step(course.log.n_scans)
         return course.index < course.log.n_scans
+
+    def _begin(self) -> Course:
+        course = self._follows
+        own = Course(course.log, course.config, course.trajectory, course.grid.emptied(), course.checkpoints)
+        own.expect_as(course)
+        return own
 
 
 def _tiles_of(box: CellBox) -> tuple[slice, slice]:

@@ -13,6 +13,8 @@ from mapper.parameters import MappingConfig
 from mapper.provenance import Provenance, provenance
 from mapper.scan import ScanLog
 
+COSTLY = ("model", "update", "no_return", "resolution")  #: parameters on which it depends what a scan costs
+
 
 class Replay:
     """The map of the first :attr:`index` scans of a log.
@@ -74,6 +76,8 @@ class Replay:
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
         course = self._new_course(self.log, config)
+        if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
+            course.expect_as(self._course)
         change = course.go_to(self.index, self.wanted)
         geometry_changed = course.grid.geometry != self.grid.geometry
         self._course = course

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.course import Scout
 from mapper.errors import LimitError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
@@ -177,6 +178,10 @@ class LogSession(ComparedSession):
     def initial_config(self) -> MappingConfig:
         """Those that suit the log's sensor."""
         return first_config(self.log)
+
+    def scout(self) -> Scout | None:
+        """Return who leaves the checkpoints that lie ahead."""
+        return self._replay.scout()
 
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""

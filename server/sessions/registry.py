@@ -18,6 +18,7 @@ from mapper.errors import MapperError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.scan import ScanLog
 from server.sessions.log_session import LogSession, first_replay
+from server.sessions.preparing import Preparing
 from server.sessions.session import Session
 from server.sessions.view import LogView
 from server.sessions.world_commands import retold
@@ -88,22 +89,26 @@ class SessionRegistry:
         self._traffic = traffic or Traffic()
         self._sessions: dict[str, Session] = {}
         self._making: list[tuple[str, str | None]] = []  #: owner and link of those that are being made: they count
-        self._reaper: asyncio.Task[None] | None = None
+        self._tasks: list[asyncio.Task[None]] = []
         self.pool = ThreadPoolExecutor(settings.threads, thread_name_prefix="session")
         #: One thread is always left to sessions whose ticks are short: whoever asks for much cannot stop the others.
         self._turns = asyncio.Semaphore(max(1, settings.threads - 1))
         self._guest_turns = _InTurn(asyncio.Semaphore(1), self._turns)  #: nobody waits for two guests
 
     async def start(self) -> None:
-        """Begin to end sessions that nobody watches."""
+        """Begin to end sessions that nobody watches, and to prepare what others may ask for."""
         self.loop = asyncio.get_running_loop()
-        self._reaper = asyncio.create_task(self._reap(), name="session reaper")
+        preparing = Preparing(self.all, lambda session: self._limits(None, guest=True).max_cells >= session.cells)
+        self._tasks = [
+            asyncio.create_task(self._reap(), name="session reaper"),
+            asyncio.create_task(preparing.run(), name="seeks prepared"),
+        ]
 
     async def shutdown(self) -> None:
         """End all sessions."""
-        if self._reaper is not None:
-            self._reaper.cancel()
-            await asyncio.gather(self._reaper, return_exceptions=True)
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
         for session in list(self._sessions.values()):
             await self._end(session)
         await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)

@@ -18,6 +18,7 @@ from typing import Any
 
 import structlog
 
+from mapper.course import Scout
 from mapper.errors import MapperError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
@@ -62,7 +63,7 @@ class Session(Content):
         self.title = title
         self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
         self.on_close: list[Callable[[], None]] = []
-        self.unwatched_since = clock()
+        self.unwatched_since = self.commanded_at = clock()
         self.remake_seconds: Callable[[float], None] = lambda _: None
         self.turns: AbstractAsyncContextManager[Any] | None = None  #: of the sessions that compute for long
         self._clock = clock
@@ -146,12 +147,22 @@ class Session(Content):
         if len(self._orders) >= MAX_ORDERS:
             raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
         self._orders.append(Order(command, client))
+        self.commanded_at = self._clock()
         self._wake.set()
 
     @property
     def has_orders(self) -> bool:
         """Whether commands wait to be carried out, or are being."""
         return bool(self._orders)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether the session computes, or is about to."""
+        return self.has_orders or self._lock.locked()
+
+    def scout(self) -> Scout | None:
+        """Return who prepares seeks while nobody waits; None where there is nothing to prepare."""
+        return None
 
     def post(self, command: dict[str, Any]) -> None:
         """Take a command from any thread; one that is refused is only logged."""
