@@ -103,6 +103,8 @@ async def test_long_computations_leave_a_thread_to_the_others(tmp_path: Path, mo
         greedy = [session_of(service, service.begin()) for _ in range(2)]
         for session in greedy:
             session._load = 1.0  # as after computations of a second
+        # A walk takes no turn with them, however slow the machine is that the tests run on.
+        monkeypatch.setattr("server.sessions.session.HEAVY_S", 0.9)
         monkeypatch.setattr(WorldSession, "remake", slow)
         async with service.connect(service.begin()) as socket:
             watcher = Watcher(socket)
