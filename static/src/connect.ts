@@ -1,9 +1,8 @@
 /** A store and the stream that feeds it. */
 
 import type { ReadonlySignal } from "@preact/signals";
-import { SecondMap } from "./secondMap";
 import { Store } from "./state";
-import { type Status, Stream } from "./stream";
+import { type Receiver, type Status, Stream } from "./stream";
 
 export interface Connection {
   readonly store: Store;
@@ -24,15 +23,14 @@ async function isGone(session: string): Promise<boolean> {
   }
 }
 
-/** Watch the second map of a session, while there is one. */
-export function connectSecond(session: string): SecondMap {
-  return new SecondMap((receiver) => new Stream(`${address(session)}?map=second`, receiver, () => isGone(session)));
-}
+/** A stream of a session into a receiver; `query` says of which map, the first where it says nothing. */
+export const streamOf = (session: string, receiver: Receiver, query = ""): Stream =>
+  new Stream(address(session) + query, receiver, () => isGone(session));
 
 /** Watch a session. Nothing happens before `start`. */
 export function connect(session: string): Connection {
   let stream: Stream;
   const store = new Store((command) => stream.send(command));
-  stream = new Stream(address(session), store, () => isGone(session));
+  stream = streamOf(session, store);
   return { store, stream, status: stream.status, start: () => stream.start(), stop: () => stream.stop() };
 }

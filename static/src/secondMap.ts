@@ -1,5 +1,6 @@
 /** A second map of the same session, beside the first: its picture, and nothing else. */
 
+import { streamOf } from "./connect";
 import type { TilesFrame } from "./decodeTiles";
 import type { ServerMessage } from "./protocol";
 import { ShownMap } from "./shownMap";
@@ -40,4 +41,9 @@ export class SecondMap implements Receiver {
   forget(): void {
     this.shown.forget();
   }
+}
+
+/** Watch the second map of a session, while there is one. */
+export function connectSecond(session: string): SecondMap {
+  return new SecondMap((receiver) => streamOf(session, receiver, "?map=second"));
 }

@@ -2,7 +2,7 @@
 
 import { batch, signal } from "@preact/signals";
 import { NO_EDITS } from "./editing/editing";
-import { NOTHING_WRONG, type Wrong } from "./figures/faults/model";
+import { NOTHING_WRONG, type Wrong } from "./figures/faults/wrong";
 import { History } from "./history";
 import type { Command, Edits, Parameter, Point, Value, Values } from "./protocol";
 import { Watched } from "./watched";

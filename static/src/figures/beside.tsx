@@ -1,9 +1,9 @@
 /** The second map of the same recording, at the same places of the picture as the first. */
 
 import { useEffect, useMemo } from "preact/hooks";
-import { connectSecond } from "../connect";
 import { centreOf } from "../lattice";
 import type { Pose } from "../protocol";
+import { connectSecond } from "../secondMap";
 import type { Store } from "../state";
 import { type Brush, paintCell, paintCrosshair, paintRobot } from "./picture/brush";
 import { inks } from "./picture/inks";

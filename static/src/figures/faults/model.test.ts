@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import type { Parameter, Values } from "../../protocol";
-import { FAULTS, type Fault, isOn, NOTHING_WRONG, possible, rightValues, turned } from "./model";
+import { FAULTS, type Fault, isOn, possible, rightValues, turned } from "./model";
+import { NOTHING_WRONG } from "./wrong";
 
 const fault = (name: string): Fault => FAULTS.find((one) => one.name === name) as Fault;
 const START: Values = { mount_yaw: 0.02, clamp: true, update: "per_scan", no_return: "ignore", range_max: 10 };

@@ -1,6 +1,7 @@
 /** What goes wrong: for each fault what it sets, and what to look for. One switch sets it and gives back what was there. */
 
 import type { Parameter, Value, Values } from "../../protocol";
+import type { Wrong } from "./wrong";
 
 export interface Fault {
   readonly name: string;
@@ -62,14 +63,6 @@ export const FAULTS: readonly Fault[] = [
     sets: { clamp: false },
   },
 ];
-
-/** What holds while faults are on: which, in the order in which they were switched on, and what was there before. */
-export interface Wrong {
-  readonly on: readonly string[];
-  readonly before: Values;
-}
-
-export const NOTHING_WRONG: Wrong = { on: [], before: {} };
 
 const named = (name: string): Fault | undefined => FAULTS.find((fault) => fault.name === name);
 

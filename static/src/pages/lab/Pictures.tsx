@@ -3,13 +3,15 @@ import type { ComponentChildren } from "preact";
 import type { Connection } from "../../connect";
 import { Toolbar, ToolHint } from "../../editing/Toolbar";
 import { Belief } from "../../figures/belief";
-import { Beside } from "../../figures/beside";
 import type { Picture } from "../../figures/picture/Picture";
 import { Readout } from "../../figures/readout";
 import { TrueWorld } from "../../figures/world";
 import type { Parameter, Values } from "../../protocol";
 import { Button } from "../../ui/Button";
+import { later } from "../../ui/later";
 import { readable } from "../../ui/parameters";
+
+const Beside = later(async () => (await import("../../figures/beside")).Beside);
 
 /** A session on show. */
 export interface Live extends Connection {

@@ -1,6 +1,6 @@
 /** A link that opens what is on show: the world's story and the view, packed into the part of an address after `#`. */
 
-import { NOTHING_WRONG, type Wrong } from "../../figures/faults/model";
+import { NOTHING_WRONG, type Wrong } from "../../figures/faults/wrong";
 import type { Store } from "../../state";
 import type { View } from "../../view";
 

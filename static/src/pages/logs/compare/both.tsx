@@ -1,8 +1,8 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { connectSecond } from "../../../connect";
 import { Comparison } from "../../../figures/compare/comparison";
 import { Over } from "../../../figures/compare/Over";
+import { connectSecond } from "../../../secondMap";
 import type { Store } from "../../../state";
 import { toast } from "../../../ui/Toast";
 import { carried, keepAddress, restore } from "./link";
