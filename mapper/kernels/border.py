@@ -172,12 +172,18 @@ def _list_arcs(sectors: Sectors, v: float, low: int, high: int, pieces: Pieces) 
 
 
 @jit
-def _crossed(pieces: Pieces, n: int) -> int:
-    """Return how many rows the first ``n`` pieces cross together."""
+def _crossed(pieces: Pieces, n: int, work: Float64Array) -> int:
+    """Return how many rows the first ``n`` pieces cross together.
+
+    To ``work`` (grid rows + 1,), a difference along the rows, 1 is added for each crossing.
+    """
     rows, _ = pieces
     total = 0
     for p in range(n):
-        total += rows[1, p] - rows[0, p]
+        first, stop = rows[0, p], rows[1, p]
+        total += stop - first
+        work[first] += 1.0
+        work[stop] -= 1.0
     return total
 
 

@@ -97,7 +97,7 @@ def plan_fields(
     done = 0
     for t in range(ranges.shape[0]):
         u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
-        farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, sight, rows, cols, radii, ends, work)
+        farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, sight, rows, cols, radii, ends)
         starts[t, :] = done
         _see(views[t], u, v, farthest / resolution, rows, cols)
         low, high, left, right = views[t, 0], views[t, 1], WORD * views[t, 2], WORD * views[t, 3]
@@ -108,7 +108,7 @@ def plan_fields(
         for region in range(regions):
             sectors = (edges, sides, radii[region], corners)
             sure[t] &= _place_sectors(across, headings[t, 0], headings[t, 1], v, sectors)
-            room, crossed, is_sure = _cross(sectors, ring, int(home), u, v, low, high, room)
+            room, crossed, is_sure = _cross(sectors, ring, int(home), u, v, low, high, room, work)
             toggles = _with_room(toggles, done, crossed + n)
             sure[t] &= is_sure & _note_crossings(room[2], crossed, low, left, right - left, toggles, done)
             done += crossed
@@ -126,7 +126,7 @@ def plan_fields(
 
 @jit
 def _cross(
-    sectors: Sectors, ring: Ring, home: int, u: float, v: float, low: int, high: int, room: _Room
+    sectors: Sectors, ring: Ring, home: int, u: float, v: float, low: int, high: int, room: _Room, work: Float64Array
 ) -> tuple[_Room, int, bool]:
     """Find where the border of a scan's field crosses the rows [low, high).
 
@@ -135,7 +135,7 @@ def _cross(
     edges, arcs, crossings = room
     n_edges = _list_edges(sectors, ring, home, u, v, low, high, edges)
     n_arcs, arcs_sure = _list_arcs(sectors, v, low, high, arcs)
-    n = _crossed(edges, n_edges) + _crossed(arcs, n_arcs)
+    n = _crossed(edges, n_edges, work) + _crossed(arcs, n_arcs, work)
     if n + STRIDE > len(crossings[0]):
         crossings = _room_for_crossings(2 * n)
     done = _walk_edges(edges, n_edges, crossings, 0)
@@ -156,7 +156,7 @@ def _with_room(toggles: UInt32Array, done: int, room: int) -> UInt32Array:
 @jit
 def _read(
     ranges: Float32Array, sensor: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, rows: int, cols: int,
-    radii: Float64Array, ends: Int64Array, work: Float64Array,
+    radii: Float64Array, ends: Int64Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Read a scan: the radii (2, n_beams) up to which it frees and up to which its hit windows reach, cells.
 
@@ -166,8 +166,6 @@ def _read(
     range_min, range_max, window, growth, no_return_free = sight
     x, y, cos, sin = sensor[0], sensor[1], sensor[2], sensor[3]
     resolution = frame[4]
-    _, v = _to_lattice(x, y, *frame)
-    home = int(_cell_of(v))
     farthest, n_ends = -1.0, 0
     for i in range(len(ranges)):
         k = np.uint64(i)
@@ -183,8 +181,6 @@ def _read(
             if 0 <= r < rows and 0 <= c < cols:
                 ends[np.uint64(n_ends)] = (r << 32) | c
                 n_ends += 1
-                work[min(r, max(home, 0))] += 1.0
-                work[max(r, min(home, rows - 1)) + 1] -= 1.0
         elif z > range_max and no_return_free:
             free, outer = range_max, range_max
             farthest = max(farthest, range_max)
