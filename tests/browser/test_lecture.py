@@ -470,6 +470,8 @@ def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
 
 @pytest.mark.parametrize("context", SIZES, indirect=True)
 def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
+    if page.viewport_size and page.viewport_size["width"] > 1100:
+        page.set_viewport_size({"width": 1280, "height": 720})  # an old projector
     page.goto(f"{server}/lecture.html?present#grid")
     count = int(page.locator(".presenter-number").inner_text().split("/")[1])
     for i in range(count):

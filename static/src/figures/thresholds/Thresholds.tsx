@@ -105,6 +105,8 @@ const BINS = 50;
 const LEFT = 14;
 const BOTTOM = HEIGHT - 26;
 const RANGE = { low: 0.02, high: 0.98, step: 0.01 };
+/** Width of each threshold's flag, pixels. */
+const FLAG = { free: 88, occupied: 124 } as const;
 
 const BARS: readonly number[] = (() => {
   const bins = new Array<number>(BINS).fill(0);
@@ -130,6 +132,12 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
   const x = (p: number): number => LEFT + (right - LEFT) * p;
   const most = Math.sqrt(Math.max(...BARS));
   const tall = (count: number): number => ((BOTTOM - 30) * Math.sqrt(count)) / most;
+  // Flags on either side of their lines, inside the figure, and never over each other.
+  const freeFlag = Math.min(Math.max(0, x(free) - FLAG.free), width - FLAG.free - FLAG.occupied);
+  const flags = {
+    free: freeFlag,
+    occupied: Math.min(Math.max(freeFlag + FLAG.free, x(occupied)), width - FLAG.occupied),
+  };
   return (
     <>
       <rect class="zone-miss" x={x(0)} y={24} width={x(free) - x(0)} height={BOTTOM - 24} />
@@ -154,6 +162,8 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
       ))}
       {(["free", "occupied"] as const).map((which) => {
         const now = which === "free" ? free : occupied;
+        const [start, to] = [flags[which], flags[which] + FLAG[which]];
+        const [left, end] = [Math.min(start, x(now) - 8), Math.max(to, x(now) + 8)];
         return (
           <Handle
             key={which}
@@ -169,7 +179,7 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
             low={RANGE.low}
             high={RANGE.high}
             text={`p ${written(now, 2)}`}
-            grab={{ x: x(now) - 24, y: 0, width: 48, height: BOTTOM }}
+            grab={{ x: left, y: 0, width: end - left, height: BOTTOM }}
             onStart={() => {
               from.current = now;
             }}
@@ -182,15 +192,8 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
             }}
           >
             <line class="threshold" x1={x(now)} x2={x(now)} y1={20} y2={BOTTOM} />
-            <rect
-              class="pill"
-              x={x(now) - (which === "free" ? 44 : 62)}
-              y={1}
-              width={which === "free" ? 88 : 124}
-              height={21}
-              rx={10}
-            />
-            <text class="pill-text" x={x(now)} y={16} text-anchor="middle">
+            <rect class="pill" x={start} y={1} width={FLAG[which]} height={21} rx={10} />
+            <text class="pill-text" x={start + FLAG[which] / 2} y={16} text-anchor="middle">
               {which === "free" ? "free" : "occupied"} {written(now, 2)}
             </text>
           </Handle>
