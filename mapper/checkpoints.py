@@ -124,11 +124,13 @@ class Checkpoints:
             found = [self._version(tile, moment) for tile in tiles]
         tallies.begin(grid, self.config)
         decompressor = zstandard.ZstdDecompressor()
-        for tile, data in zip(tiles, found, strict=True):
+        # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
+        unpacked = [None if data is None else decompressor.decompress(data) for data in found]
+        for tile, data in zip(tiles, unpacked, strict=True):
             if data is None:
                 tallies.forget(grid, self.config, _cells_of(tile))
             else:
-                _unpack(decompressor.decompress(data), grid, _cells_of(tile))
+                _fill(grid, _cells_of(tile), data)
         return _box_of(tiles, grid)
 
     def _version(self, tile: Tile, moment: int) -> bytes | None:
@@ -160,7 +162,7 @@ def _packed(grid: OccupancyGrid, part: Part) -> bytes:
     return b"".join(one.tobytes() for one in (arrays if grid.tallies is None else [*arrays, *grid.tallies[:, *part]]))
 
 
-def _unpack(data: bytes, grid: OccupancyGrid, part: Part) -> None:
+def _fill(grid: OccupancyGrid, part: Part, data: bytes) -> None:
     """Put back what :func:`_packed` returned."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     at = 0
