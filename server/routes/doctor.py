@@ -19,5 +19,6 @@ async def doctor(request: Request, session_id: str) -> dict[str, Any]:
     session = request.app.state.sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.not_a_log", "Only a log can be examined; a live world has nothing to hide.")
+    trajectory = session.trajectory  # which may be another one when the examination is over
     findings = await session.examined()
-    return {"trajectory": session.trajectory, "findings": [asdict(finding) for finding in findings]}
+    return {"trajectory": trajectory, "findings": [asdict(finding) for finding in findings]}

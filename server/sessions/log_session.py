@@ -21,6 +21,7 @@ from mapper.replay import Replay
 from mapper.scan import ScanLog
 from mapper.suited import suited_parameters
 from server.sessions.compared import ComparedSession
+from server.sessions.examining import begin_examination
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import LogView, Moment, as_pose
@@ -140,12 +141,10 @@ class LogSession(ComparedSession):
         Whoever asks while it is being examined waits for the same answer; an examination that failed is made anew for
         the next who asks, and the end of the session ends it. Raises as :func:`mapper.doctor.examine`.
         """
-        from mapper.doctor import examine  # noqa: PLC0415 - SciPy, which most visitors do without
-
         name = self.trajectory
         known = self._examinations.get(name)
         if known is None or (known.done() and known.exception() is not None):
-            known = asyncio.ensure_future(asyncio.to_thread(examine, self.log, name, wanted=lambda: not self.closed))
+            known = begin_examination(self.log, name, lambda: not self.closed)
             known.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may wait any more
             self._examinations[name] = known
         return await asyncio.shield(known)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -176,6 +178,24 @@ async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegis
     first, again = await asyncio.gather(session.examined(), session.examined())
     assert [finding.check for finding in first] == ["mount.turned"]
     assert again is first
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only there has a thread a niceness of its own")
+async def test_an_examination_steps_back_behind_what_somebody_waits_for(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    found: list[int] = []
+
+    def look(*_: Any, **__: Any) -> list[Any]:
+        found.append(os.getpriority(os.PRIO_PROCESS, threading.get_native_id()))
+        return []
+
+    monkeypatch.setattr("mapper.doctor.examine", look)
+    session = await registry.create_log("me", office_log)
+    assert await session.examined() == []
+    assert found == [min(own + 10, 19)]
+    assert os.getpriority(os.PRIO_PROCESS, 0) == own
 
 
 async def test_an_examination_ends_with_its_session(

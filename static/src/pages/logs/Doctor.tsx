@@ -1,8 +1,9 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
+import { whenLeftAlone } from "../../ui/leftAlone";
 import { Panel } from "../../ui/Panel";
-import { type Examination, examine, type Finding, surety } from "./doctor";
+import { type Examination, examine, type Finding, surety, verdict } from "./doctor";
 import "./doctor.css";
 import { witness } from "./words";
 
@@ -10,14 +11,27 @@ type State =
   | { readonly kind: "idle" }
   | { readonly kind: "busy" }
   | { readonly kind: "failed"; readonly why: string }
-  | { readonly kind: "done"; readonly examination: Examination };
+  | { readonly kind: "done"; readonly examination: Examination; readonly isShown: boolean };
+
+const LEFT_ALONE_MS = 2000;
 
 const CHECKED =
   "its clock, readings at max range, beams that see the robot, the sensor's mount, a delay between scans and poses, " +
   "drift, and things that move";
 
-/** The log doctor: what is wrong with a log, where, how surely, and what to do about it. */
-export function Doctor({ store, session }: { readonly store: Store; readonly session: string }) {
+interface DoctorProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly isGuest: boolean;
+}
+
+/**
+ * The log doctor: what is wrong with a log, where, how surely, and what to do about it.
+ *
+ * It looks by itself when nobody has done anything for a moment, and then says how much it found in as much room as it
+ * has: what it found is shown when somebody asks, so that nothing moves away from under a hand. A guest has to ask.
+ */
+export function Doctor({ store, session, isGuest }: DoctorProps) {
   const state = useSignal<State>({ kind: "idle" });
   useSignalEffect(() => {
     // Another trajectory is another patient.
@@ -27,34 +41,44 @@ export function Doctor({ store, session }: { readonly store: Store; readonly ses
       state.value = { kind: "idle" };
     }
   });
-  const look = async (): Promise<void> => {
+  useSignalEffect(() => {
+    const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
+    return isToDo ? whenLeftAlone(LEFT_ALONE_MS, () => void look(false)) : undefined;
+  });
+  const look = async (isShown: boolean): Promise<void> => {
     state.value = { kind: "busy" };
     try {
-      state.value = { kind: "done", examination: await examine(session) };
+      const examination = await examine(session);
+      const isOfNow = examination.trajectory === store.trajectory.peek()?.name;
+      state.value = isOfNow ? { kind: "done", examination, isShown } : { kind: "idle" };
     } catch (error) {
       const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
       state.value = { kind: "failed", why };
     }
   };
   const now = state.value;
+  const isTold = now.kind === "done" && now.isShown;
   return (
     <Panel title="Log doctor">
-      {now.kind !== "done" && (
-        <>
-          <p class="quiet">Looks for what spoils a map: {CHECKED}.</p>
-          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void look()}>
+      {!isTold && <p class="quiet">Looks for what spoils a map: {CHECKED}.</p>}
+      <div role="status">
+        {now.kind === "done" && !isTold && (
+          <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
+            {verdict(now.examination)}
+          </Button>
+        )}
+        {now.kind !== "done" && (
+          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void look(true)}>
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
-        </>
-      )}
-      <div role="status">
+        )}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
-        {now.kind === "done" && now.examination.findings.length === 0 && (
+        {isTold && now.examination.findings.length === 0 && (
           <p>
             Nothing found. Poses: {witness(now.examination.trajectory)}. Looked at: {CHECKED}.
           </p>
         )}
-        {now.kind === "done" && now.examination.findings.length > 0 && (
+        {isTold && now.examination.findings.length > 0 && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
               <Told key={finding.check} finding={finding} store={store} />

@@ -222,7 +222,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
           {chosen?.description && <p class="quiet">{sentence(chosen.description)}</p>}
         </Panel>
       )}
-      <Doctor store={store} session={session} />
+      <Doctor store={store} session={session} isGuest={isGuest} />
       <ParameterPanel
         table={hello.parameters.table}
         values={store.mapping.values}

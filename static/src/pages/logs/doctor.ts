@@ -33,3 +33,9 @@ export function surety(sure: number): string {
   if (sure >= 0.75) return "very likely";
   return sure >= 0.6 ? "likely" : "perhaps";
 }
+
+/** What an examination came to, in a few words. */
+export function verdict({ findings }: Examination): string {
+  if (findings.length === 0) return "Nothing wrong found";
+  return findings.length === 1 ? "1 finding: show it" : `${findings.length} findings: show them`;
+}
