@@ -29,7 +29,9 @@ export function Forgotten({ points, guess, told }: ForgottenProps) {
   const x = (scans: number): number => LEFT + (scans / most) * (right - LEFT);
   const y = (share: number): number => BOTTOM - share * (BOTTOM - TOP);
   const path = (share: (point: Point) => number): string =>
-    `M${x(0)} ${y(0)}${points.map((point) => `L${x(point.scans).toFixed(1)} ${y(share(point)).toFixed(1)}`).join("")}`;
+    points
+      .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.scans).toFixed(1)} ${y(share(point)).toFixed(1)}`)
+      .join("");
   return (
     <div class="table-chart" ref={box} style={{ height: `${HEIGHT}px` }}>
       <svg

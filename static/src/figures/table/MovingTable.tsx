@@ -9,7 +9,7 @@ import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
 import { stillness } from "../picture/pulse";
 import { Forgotten } from "./Forgotten";
-import { grown, type Point, passesToForget, placeOf, verdict } from "./model";
+import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
 import "./table.css";
 
 /** Scans that the map has to see the table before it goes. */
@@ -170,7 +170,8 @@ function Outcome({
           {passes !== null &&
             `Clamped at ${written(Number(values.log_odds_max), 1)}, a cell is free after ${passes} ${
               values.update === "per_scan" ? "scans" : "beams"
-            } have passed through it, however long it was seen; without the clamp as much has to be argued away as was ever argued for.`}
+            } have passed through it, however long it was seen. `}
+          {withoutClamp(clamped, free)}
         </p>
       )}
     </div>

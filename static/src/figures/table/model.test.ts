@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Forgetting, Frame, Values } from "../../protocol";
-import { grown, type Point, passesToForget, placeOf, verdict } from "./model";
+import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
 
 const scan = (range: (bearing: number) => number | null): Frame =>
   ({
@@ -58,6 +58,12 @@ test("the curve grows by a point for each scan and begins anew with a new count"
     [3, 0.5],
   ]);
   expect(grown(points, told(2, 0.2))).toHaveLength(1);
+});
+
+test("what the map without the clamp does is not always slower, and the words do not say so", () => {
+  expect(withoutClamp(12, 4)).toContain("quicker this time");
+  expect(withoutClamp(12, null)).toContain("has to be argued away");
+  expect(withoutClamp(12, 76)).toContain("has to be argued away");
 });
 
 test("how near the guess came", () => {

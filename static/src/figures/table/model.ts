@@ -56,6 +56,12 @@ export function passesToForget(values: Values): number | null {
   return isSum ? readingsUntil("miss", config.log_odds_max, FREE, config) : null;
 }
 
+/** Why the map without the clamp took as long as it did, or has not forgotten yet. */
+export const withoutClamp = (clamped: number, free: number | null): string =>
+  free !== null && free < clamped
+    ? "Without the clamp it was quicker this time: before the table came, that map had seen free floor there for so long that it hardly came to believe in the table."
+    : "Without the clamp as much has to be argued away as was ever argued for.";
+
 export interface Point {
   readonly scans: number;
   readonly withClamp: number;
