@@ -61,7 +61,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   return (
     <Panel title="Log doctor">
       {!isTold && <p class="quiet">Looks for what spoils a map: {CHECKED}.</p>}
-      <div role="status">
+      <div class="doctor-told" role="status">
         {now.kind === "done" && !isTold && (
           <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
             {verdict(now.examination)}
