@@ -24,8 +24,8 @@ export function CountingSection({ id, number, title }: { id: string; number: num
           </p>
           <p>
             <b>Per scan</b>, as table 9.1 of <cite>Probabilistic Robotics</cite> has it, a cell in view is updated once,
-            by the beam nearest in bearing. It costs a look at every cell in range, where the beams of the other way
-            only touch what they cross. The mapper offers both, and per beam is the default.
+            by the beam nearest in bearing. As printed it looks at every cell of the map for each scan; the mapper fills
+            a scan’s field from its border, with the same result. It offers both, and per beam is the default.
           </p>
         </>
       }
