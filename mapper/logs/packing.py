@@ -113,8 +113,14 @@ class ScanStack:
 
     def notes_on_time(self) -> list[str]:
         """Return a note on a clock that runs backwards, if it does."""
-        backwards = int(np.count_nonzero(np.diff(self.stamps) < 0.0))
-        return [f"The time runs backwards {backwards} times; the scans stay in the file's order."] if backwards else []
+        return note_on_time(self.stamps)
+
+
+def note_on_time(stamps: NDArray[np.float64] | NDArray[np.int64]) -> list[str]:
+    """Return a note on stamps (n,) that run backwards, if they do."""
+    back = int(np.count_nonzero(np.diff(stamps) < 0))
+    times = "once" if back == 1 else f"{back} times"
+    return [f"The time runs backwards {times}; the scans stay in the file's order."] if back else []
 
 
 def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:

@@ -19,6 +19,7 @@ from mapper.limits import Limits
 from mapper.logs.clocks import Clock
 from mapper.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.logs.names import printable
+from mapper.logs.packing import note_on_time
 from mapper.logs.pose_sources import STAMP_LIMIT_NS, PoseSource, trajectories_at
 from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, StampedPose, plain_type
 from mapper.logs.sensor_scans import SensorScans
@@ -184,9 +185,7 @@ class Recording:
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
-        backwards = int(np.count_nonzero(np.diff(stamps) < 0))
-        if backwards:
-            notes.append(f"The time runs backwards {backwards} times; the scans stay in the file's order.")
+        notes += note_on_time(stamps)
         chain = self._tf.ancestors(sensor.frame)
         base = self._tf.base_of(chain, self._children)
         mount, upside_down, more = self._mount(chain[: base + 1], stamps)

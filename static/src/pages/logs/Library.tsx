@@ -84,7 +84,8 @@ function UploadCard({ upload: one }: { upload: Upload }) {
         ) : (
           <>
             <p class="quiet number">
-              {bytes(one.sent)} of {bytes(one.bytes)}
+              {one.sent > 0 ? `${bytes(one.sent)} of ` : "waits, "}
+              {bytes(one.bytes)}
             </p>
             <div class="progress">
               <span style={{ transform: `scaleX(${part})` }} />

@@ -160,7 +160,11 @@ const BESIDE = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|Thumbs\.db|desktop\.ini)
 export const mayBeLogs = (files: readonly File[]): readonly File[] =>
   files.length > 1 ? files.filter((file) => !BESIDE.test(file.name)) : files;
 
-/** Send a file; after a cut, go on from where the server has it. */
+const AT_ONCE = 3; // files on their way; the server takes only so many of all visitors
+const waiting: (() => Promise<void>)[] = [];
+let sending = 0;
+
+/** Send a file when those before it are up; after a cut, go on from where the server has it. */
 export function upload(file: File): void {
   const key = nextKey++;
   uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
@@ -168,7 +172,18 @@ export function upload(file: File): void {
     patch(key, { error: "The file is empty." });
     return;
   }
-  void sendAll(key, newKey(), file);
+  waiting.push(() => sendAll(key, newKey(), file));
+  sendNext();
+}
+
+function sendNext(): void {
+  const next = sending < AT_ONCE ? waiting.shift() : undefined;
+  if (!next) return;
+  sending += 1;
+  void next().finally(() => {
+    sending -= 1;
+    sendNext();
+  });
 }
 
 async function sendAll(key: number, name: string, file: File): Promise<void> {
@@ -179,9 +194,9 @@ async function sendAll(key: number, name: string, file: File): Promise<void> {
       dismiss(key);
       break;
     }
-    const isCut = request.status === 0 || request.status === 409;
+    const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
     tries += 1;
-    if (!isCut || tries >= TRIES) {
+    if (!isPassing || tries >= TRIES) {
       patch(key, { error: messageOf(request) });
       break;
     }
