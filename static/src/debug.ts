@@ -17,7 +17,7 @@ interface CellInfo {
   readonly state: string;
 }
 
-export interface Hook {
+interface Hook {
   readonly connection: Connection;
   /** Cells of the map on show by state; what was never observed is not counted. */
   cells(): { readonly free: number; readonly undecided: number; readonly occupied: number };

@@ -31,7 +31,7 @@ import { type MapPicture, type OnBloom, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
 import { around, type Bounds, fitted, type Size, type View } from "./view";
 
-export interface Notice {
+interface Notice {
   readonly kind: "note" | "error";
   readonly code: string;
   readonly message: string;

@@ -10,6 +10,7 @@ import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
 import { openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
+import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
 
 /** What the address says: `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the usual one. */
@@ -101,14 +102,7 @@ function Page() {
       </div>
     );
   }
-  return (
-    <div class="viewer-message" role="status">
-      <p class="prose">Opening the log …</p>
-      <div class="progress waiting wide">
-        <span />
-      </div>
-    </div>
-  );
+  return <Opening />;
 }
 
 resume();

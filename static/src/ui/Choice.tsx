@@ -1,7 +1,7 @@
 import { useId } from "preact/hooks";
 import { Tooltip } from "./Tooltip";
 
-export interface Option {
+interface Option {
   readonly value: string;
   readonly label: string;
 }

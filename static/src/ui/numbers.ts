@@ -30,7 +30,7 @@ export function snap(value: number, range: Range): number {
 }
 
 /** Ranges that span a factor of 50 or more have a logarithmic track: 0.5 … 100 m needs room for both ends. */
-export function isLogarithmic(range: Range): boolean {
+function isLogarithmic(range: Range): boolean {
   return range.low > 0 && range.high / range.low >= 50;
 }
 

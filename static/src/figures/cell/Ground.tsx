@@ -8,7 +8,7 @@ import "./cell.css";
 
 export const FREE = logOdds(FREE_THRESHOLD);
 export const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
-export const AXIS_PX = 34;
+const AXIS_PX = 34;
 const EDGE_PX = 8;
 
 /** The vertical axis: room for the limits and for every value. */

@@ -11,7 +11,7 @@ import "./faults.css";
 const NO_FAULTS: Values = {};
 
 /** The faults that are on, of those that were switched on: a slider or an undo may have ended some. */
-export const wrongNow = (store: Store) =>
+const wrongNow = (store: Store) =>
   computed(() => active(store.wrong.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
 
 export function Faults({ store }: { readonly store: Store }) {

@@ -98,7 +98,7 @@ export function active(wrong: Wrong, values: Values, robot: Values | null): Wron
   return on.length === wrong.on.length ? wrong : { on, before: wrong.before };
 }
 
-export interface Turned {
+interface Turned {
   readonly wrong: Wrong;
   readonly values: Values;
   readonly robot: Values;

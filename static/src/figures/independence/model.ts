@@ -18,7 +18,7 @@ export interface Senses {
   readonly beamError: number;
 }
 
-export interface Joint {
+interface Joint {
   /** Probability of each map; bit i of its index says that cell i is occupied. */
   readonly maps: readonly number[];
   readonly marginals: readonly number[];
@@ -66,7 +66,7 @@ export function productOf(map: number, cells: readonly number[]): number {
   return cells.reduce((product, l, cell) => product * probability(isOccupied(map, cell) ? l : -l), 1);
 }
 
-export interface Ranked {
+interface Ranked {
   readonly map: number;
   readonly joint: number;
   readonly grid: number;

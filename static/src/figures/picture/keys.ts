@@ -45,7 +45,7 @@ export function velocity(down: Iterable<string>): readonly [linear: number, angu
 }
 
 /** Move the cell that is looked at, from the robot's where there is none. */
-export function moveCursor(store: Store, row: number, col: number, size: Size): void {
+function moveCursor(store: Store, row: number, col: number, size: Size): void {
   const map = store.map.peek();
   const pose = store.frame.peek()?.pose;
   if (!map || !pose) return;

@@ -13,7 +13,7 @@ import { beamModel, halfWindow, type ProfileParameters } from "./model";
 import type { HandleName, ProfileView } from "./view";
 
 /** What a handle of the figure does: the part of its properties that is not looks. */
-export interface Grip {
+interface Grip {
   readonly onStart: () => void;
   readonly onDrag: (dx: number, dy: number, fine: boolean) => void;
   readonly onEnd: () => void;

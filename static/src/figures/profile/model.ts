@@ -29,7 +29,7 @@ export interface ProfileParameters {
 }
 
 /** Evidence of a beam in three zones: `inverse_sensor_model − ℓ₀` before the window and in it, 0 beyond. */
-export interface BeamModel {
+interface BeamModel {
   readonly miss: number;
   readonly hit: number;
 }
@@ -90,7 +90,7 @@ export function taken(z: number, values: ProfileParameters): number {
 }
 
 /** The zone of a place at distance `s` along the beam of a reading. */
-export function zoneAt(s: number, reading: number, values: ProfileParameters): Zone {
+function zoneAt(s: number, reading: number, values: ProfileParameters): Zone {
   const z = taken(reading, values);
   if (Number.isNaN(z) || z <= 0 || s < 0) return "beyond";
   if (isNoReturn(z, values)) return values.no_return === "free" && s <= values.range_max ? "free" : "beyond";

@@ -12,7 +12,7 @@ export interface Fixes {
   readonly steep: boolean;
 }
 
-export interface LineStep {
+interface LineStep {
   readonly cell: Cell;
   /** ∇ when the algorithm stands in this cell and decides where to go next; null in the last cell. */
   readonly nabla: number | null;

@@ -37,12 +37,7 @@ interface ConeCell {
 const f32 = Math.fround;
 
 /** The cells whose centre lies in a cone, the right edge included. */
-export function cellsInCone(
-  geometry: LessonGeometry,
-  pose: Pose,
-  bearing: number,
-  opening: number,
-): readonly ConeCell[] {
+function cellsInCone(geometry: LessonGeometry, pose: Pose, bearing: number, opening: number): readonly ConeCell[] {
   const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
   const heading = pose[2] - geometry.origin[2] + bearing;
   const half = opening / 2;

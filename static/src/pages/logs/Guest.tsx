@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { beginShared, type Shared, shared } from "./links";
+import { Opening } from "./Opening";
 import { Viewer } from "./Viewer";
 
 interface Opened {
@@ -47,16 +48,7 @@ export function Guest({ token }: { token: string }) {
       </div>
     );
   }
-  if (!opened.value) {
-    return (
-      <div class="viewer-message" role="status">
-        <p class="prose">Opening the log …</p>
-        <div class="progress waiting wide">
-          <span />
-        </div>
-      </div>
-    );
-  }
+  if (!opened.value) return <Opening />;
   const { session, shared: what } = opened.value;
   return (
     <Viewer

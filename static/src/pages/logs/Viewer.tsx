@@ -191,6 +191,10 @@ function Remade({ store }: { store: Store }) {
   );
 }
 
+/** What can be taken away of the map, and of the run by whoever has the log. */
+const MAP_FILES = ["map.pgm", "map.yaml", "map.png"];
+const RUN_FILES = ["run.mcap", "trajectory.tum"];
+
 function Side({ store, session, isGuest }: { store: Store; session: string; isGuest: boolean }) {
   const hello = store.hello.value;
   const picked = useSignal<string | null>(null);
@@ -202,7 +206,6 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
   });
   if (!hello) return <aside class="viewer-side" />;
   const of = (name: string): string => `/api/sessions/${encodeURIComponent(session)}/${name}`;
-  const file = (kind: string): string => of(`map.${kind}`);
   const trajectories = hello.log?.trajectories ?? [];
   const trajectory = picked.value ?? store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
   const chosen = trajectories.find((one) => one.name === trajectory);
@@ -230,25 +233,11 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
       />
       <Panel title="Take it away">
         <div class="downloads">
-          <Button icon="download" href={file("pgm")} download>
-            pgm
-          </Button>
-          <Button icon="download" href={file("yaml")} download>
-            yaml
-          </Button>
-          <Button icon="download" href={file("png")} download>
-            png
-          </Button>
-          {!isGuest && (
-            <>
-              <Button icon="download" href={of("run.mcap")} download>
-                mcap
-              </Button>
-              <Button icon="download" href={of("trajectory.tum")} download>
-                tum
-              </Button>
-            </>
-          )}
+          {[...MAP_FILES, ...(isGuest ? [] : RUN_FILES)].map((name) => (
+            <Button key={name} icon="download" href={of(name)} download>
+              {name.split(".").at(-1)}
+            </Button>
+          ))}
         </div>
         <p class="quiet">
           pgm and yaml together open in map_server and Nav2; png is for people.

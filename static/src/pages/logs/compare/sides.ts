@@ -34,7 +34,7 @@ export function names(compared: Compared, trajectory: string, title: string): { 
   }
 }
 
-export interface Differing {
+interface Differing {
   readonly name: string;
   readonly label: string;
   readonly a: string;

@@ -1,0 +1,11 @@
+/** What stands in the place of a log's view until it has come. */
+export function Opening() {
+  return (
+    <div class="viewer-message" role="status">
+      <p class="prose">Opening the log …</p>
+      <div class="progress waiting wide">
+        <span />
+      </div>
+    </div>
+  );
+}
