@@ -1,0 +1,145 @@
+"""The lecture's figures of whole maps in real Chromium, by their handles, and what they then show."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.lecturing import numbers, open_section
+from tests.browser.looking import drag, until
+
+# --- no return -------------------------------------------------------------------------------------------------------
+
+
+def test_only_the_mistake_builds_walls_where_nothing_stands(page: Page, server: str) -> None:
+    section = open_section(page, server, "no-return")
+    ignored, freed, mistaken = (section.locator(".side-by-side p").nth(i) for i in range(3))
+    assert numbers(freed)[0] > numbers(ignored)[0] + 100
+    expect(ignored).not_to_contain_text("where nothing stands")
+    expect(freed).not_to_contain_text("where nothing stands")
+    expect(mistaken).to_contain_text("where nothing stands")
+    before = numbers(ignored)
+    robot = section.get_by_role("slider", name="Robot, map with no returns ignored")
+    drag(page, robot, 60, -20)
+    until("another map", lambda: numbers(ignored) != before)
+    text = robot.get_attribute("aria-valuetext")
+    page.keyboard.press("ArrowRight")
+    expect(robot).not_to_have_attribute("aria-valuetext", text or "")
+    reach = section.get_by_role("slider", name="Max range of the lidar")
+    reach.focus()
+    page.keyboard.press("End")
+    expect(section.get_by_role("slider", name="reach of the lidar")).to_have_text("9.0 m")
+
+
+# --- mount -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str) -> None:
+    section = open_section(page, server, "mount")
+    caption = section.locator("figcaption")
+    expect(caption).to_contain_text("lie where no wall is")
+    section.get_by_role("button", name="right", exact=True).click()
+    expect(caption).to_contain_text("all lie on walls")
+    drag(page, section.get_by_role("slider", name="Sensor: which way it looks"), 0, -40)
+    expect(caption).to_contain_text("lie where no wall is")
+    section.get_by_role("button", name="right", exact=True).click()
+    sensor = section.get_by_role("slider", name="Sensor: where it is on the robot")
+    sensor.focus()
+    for _ in range(6):
+        page.keyboard.press("ArrowUp")
+    expect(caption).to_contain_text("+0.30 m to the left")
+    expect(caption).to_contain_text("lie where no wall is")
+    section.get_by_role("button", name="right", exact=True).click()
+    section.get_by_role("switch", name="hangs upside down").press("Space")
+    expect(caption).to_contain_text("turned over")
+    expect(caption).to_contain_text("lie where no wall is")
+
+
+# --- forgetting ------------------------------------------------------------------------------------------------------
+
+
+def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page, server: str) -> None:
+    section = open_section(page, server, "forgetting")
+    say = section.get_by_role("slider", name="I say: with the clamp, forgotten after")
+    say.focus()
+    page.keyboard.press("Home")
+    for _ in range(9):
+        page.keyboard.press("ArrowRight")
+    section.get_by_role("button", name="Take the table away").click()
+    caption = section.locator("figcaption")
+    expect(caption).to_contain_text("You said 10")
+    # (3.5 − log 0.65/0.35) / 0.4 is 7.2, and (40 · 0.85 − …) / 0.4 is 83.5.
+    expect(caption).to_contain_text("With the clamp it was forgotten after 8")
+    expect(caption).to_contain_text("without it it was forgotten after 84. You were 2 over.")
+    section.get_by_role("button", name="Put it back").click()
+    expect(caption).to_contain_text("How many will the map need")
+
+
+def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
+    section = open_section(page, server, "forgetting")
+    section.get_by_role("button", name="Take the table away").click()
+    page.locator("#grid").scroll_into_view_if_needed()
+    caption = section.locator("figcaption")
+
+    def stands() -> bool:
+        before = caption.inner_text()
+        page.wait_for_timeout(600)  # of ten scans a second
+        return caption.inner_text() == before
+
+    until("the figure to stand", stands)
+    expect(caption).not_to_contain_text("without it it was forgotten")  # it has not come to its end
+
+
+def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    section = open_section(page, server, "forgetting")
+    section.get_by_role("button", name="Take the table away").click()
+    caption = section.locator("figcaption")
+    page.wait_for_timeout(400)
+    expect(caption).to_contain_text("0 scans since it went")
+    section.get_by_role("button", name="One scan on").click()
+    expect(caption).to_contain_text("1 scan since it went")
+    section.get_by_role("button", name="To the end").click()
+    expect(caption).to_contain_text("forgotten after 84")
+
+
+# --- per beam or per scan --------------------------------------------------------------------------------------------
+
+
+def test_near_the_sensor_a_scan_says_it_many_times(page: Page, server: str) -> None:
+    section = open_section(page, server, "counting")
+    per_beam, per_scan = (section.locator(".side-by-side p").nth(i) for i in range(2))
+    expect(per_beam).to_contain_text("ℓ = −2.00, p = 0.12, at the clamp")
+    expect(per_scan).to_contain_text("ℓ = −0.40, p = 0.40")
+    times = numbers(section.locator("figcaption b"))[0]
+    beams = section.get_by_role("slider", name="Beams of a scan", exact=True)
+    beams.focus()
+    page.keyboard.press("End")
+    assert numbers(section.locator("figcaption b"))[0] > 3 * times
+    expect(per_scan).to_contain_text("ℓ = −0.40, p = 0.40")
+    drag(page, section.get_by_role("slider", name="Cell to look at, map per scan"), 90, 0)
+    assert numbers(section.locator("figcaption b"))[0] < 3 * times
+
+
+# --- the file --------------------------------------------------------------------------------------------------------
+
+
+def test_thresholds_change_the_file_and_a_reader_can_spoil_it(page: Page, server: str) -> None:
+    section = open_section(page, server, "file")
+    words = section.locator("figure > p")
+    free, unknown, occupied, *read = numbers(words)
+    assert [free, unknown, occupied] == read
+    expect(section.locator("pre").first).to_contain_text("occupied_thresh: 0.65\nfree_thresh: 0.196")
+    drag(page, section.get_by_role("slider", name="Occupied above"), 120, 0)
+    assert numbers(words)[2] < occupied
+    handle = section.get_by_role("slider", name="Free below")
+    handle.focus()
+    for _ in range(8):
+        page.keyboard.press("ArrowLeft")
+    expect(handle).to_have_attribute("aria-valuenow", "0.17")
+    assert numbers(words)[0] < free
+    reader = section.get_by_role("slider", name="free_thresh that the reader uses")
+    reader.focus()
+    page.keyboard.press("ArrowRight")
+    expect(words).to_contain_text("All that was unknown is now free to drive on")
+    page.keyboard.press("ArrowLeft")
+    expect(words).not_to_contain_text("All that was unknown")
