@@ -32,7 +32,7 @@ CHECKS: tuple[Check, ...] = (
     Check(timing.check, _TURNED),
     Check(mounting.check_offset, _TURNED | {"timing.delay"}),
     Check(walls.check_drift, _TURNED | {"timing.delay", "mount.offset"}),
-    Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift"}),
+    Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}),
 )
 
 

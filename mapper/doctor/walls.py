@@ -1,4 +1,4 @@
-"""Walls that are double, because the poses drift, and walls that come and go, because things move."""
+"""Walls that are double, because poses drift or are missing, and walls that come and go, because things move."""
 
 from __future__ import annotations
 
@@ -46,6 +46,16 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
     local = float(np.median(near))
     if local <= 0.0 or far >= DRIFT * local:
         return []
+    if not np.ptp(seen.log.trajectory().poses, axis=0).any():
+        return [
+            Finding(
+                "poses.still",
+                f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
+                f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
+                "Record /tf and /tf_static, or the odometry, beside the scans; or have a SLAM program find the poses.",
+                float(np.clip(0.5 + 4.0 * (DRIFT - far / local), 0.5, 0.99)),
+            )
+        ]
     return [
         Finding(
             "walls.drift",

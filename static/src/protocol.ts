@@ -41,6 +41,8 @@ export interface LogInfo {
   readonly n_beams: number;
   /** The recorded time; 0 for a log without times. */
   readonly duration_s: number;
+  /** What was noticed while it was read, a sentence each. */
+  readonly notes: readonly string[];
 }
 
 export interface Hello {

@@ -149,6 +149,19 @@ def test_poses_that_are_late(clean: ScanLog, delay: float) -> None:
     assert f"about {abs(delay):.2f} s {'after' if delay > 0 else 'before'}" in found.sentence
 
 
+def test_a_robot_that_moved_without_poses(clean: ScanLog) -> None:
+    found = examine(with_poses(clean, np.zeros((N, 3))))
+    assert named(found) == {"poses.still"}
+    assert "odometry" in the(found, "poses.still").advice
+
+
+def test_a_robot_that_stood_still_is_not_blamed(clean: ScanLog) -> None:
+    rng = np.random.default_rng(4)
+    seen = np.repeat(clean.ranges[:1], N, axis=0) + rng.normal(0.0, 0.01, clean.ranges.shape).astype(np.float32)
+    poses = np.repeat(clean.trajectory().poses[:1], N, axis=0)
+    assert "poses.still" not in named(examine(with_poses(replace(clean, ranges=seen), poses)))
+
+
 def test_odometry_that_drifts(clean: ScanLog) -> None:
     poses = drifting_odometry(clean.trajectory().poses, np.random.default_rng(3))
     found = examine(with_poses(clean, poses))

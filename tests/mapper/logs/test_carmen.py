@@ -165,7 +165,7 @@ def test_wheel_odometry_survives_a_clock_that_jumps_back(tmp_path):
         "ODOM 3 0 0 0 0 0 22.0 host 0",
     )
     np.testing.assert_allclose(log.trajectory("wheel").poses[:, 0], [1.0, 2.5])
-    assert any("backwards 1 times" in note for note in log.notes)
+    assert any("backwards once" in note for note in log.notes)
 
 
 def test_wheel_odometry_of_a_file_sorted_by_kind_goes_by_the_stamps(tmp_path):

@@ -14,6 +14,7 @@ type State =
   | { readonly kind: "done"; readonly examination: Examination; readonly isShown: boolean };
 
 const LEFT_ALONE_MS = 2000;
+const FIRST_NOTES = 3; // of those on the log: seen without unfolding
 
 const CHECKED =
   "its clock, readings at max range, beams that see the robot, the sensor's mount, a delay between scans and poses, " +
@@ -60,6 +61,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   const isTold = now.kind === "done" && now.isShown;
   return (
     <Panel title="Log doctor">
+      <Notes notes={store.hello.value?.log?.notes ?? []} />
       {!isTold && <p class="quiet">Looks for what spoils a map: {CHECKED}.</p>}
       <div class="doctor-told" role="status">
         {now.kind === "done" && !isTold && (
@@ -87,6 +89,27 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
         )}
       </div>
     </Panel>
+  );
+}
+
+/** What was noted while the log was read. */
+function Notes({ notes }: { readonly notes: readonly string[] }) {
+  if (notes.length === 0) return null;
+  const rest = notes.slice(FIRST_NOTES);
+  return (
+    <div class="doctor-notes">
+      {notes.slice(0, FIRST_NOTES).map((note) => (
+        <p key={note}>{note}</p>
+      ))}
+      {rest.length > 0 && (
+        <details>
+          <summary>{rest.length} more</summary>
+          {rest.map((note) => (
+            <p key={note}>{note}</p>
+          ))}
+        </details>
+      )}
+    </div>
   );
 }
 
