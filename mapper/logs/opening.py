@@ -122,6 +122,9 @@ def _reader_for(file: Path) -> Reader:
     for magic, reader in BINARY:
         if head.startswith(magic):
             return reader
+    archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+    if archive is not None:  # the lines of a log may well stand in it
+        raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     words = _first_words(head)
     for format_words, reader in TEXT:
         if words & format_words:
@@ -157,9 +160,6 @@ def _not_a_log(head: bytes) -> ReadError:
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:
         return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
-    archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
-    if archive is not None:
-        return ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     if b"\0" in head:
         return ReadError("log.binary", "The file is binary data, not a text log.")
     comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())

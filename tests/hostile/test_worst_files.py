@@ -32,6 +32,11 @@ def flipped(data: bytes, at: int) -> bytes:
     return data[:at] + bytes([data[at] ^ 4]) + data[at + 1 :]
 
 
+def overwritten(data: bytes) -> bytes:
+    at = 2 * len(data) // 3
+    return data[:at] + b"\xff" * 40 + data[at + 40 :]
+
+
 def endless_view() -> bytes:
     connection = sqlite3.connect(":memory:")
     connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
@@ -69,6 +74,8 @@ WORST: dict[str, tuple[Callable[[], bytes], str]] = {
     "cut.log": (lambda: CARMEN[:-20], "no line end|in the middle of line"),
     "cut.log.gz": (lambda: gzip.compress(CARMEN)[:-8], "The gzip data ends early"),
     "cut.log.zst": (lambda: cut(zstandard.compress(CARMEN)), "log.truncated"),
+    "middle.log.gz": (lambda: overwritten(gzip.compress(CARMEN, mtime=0)), "The gzip data is damaged"),
+    "folder.tar": (lambda: bytes(257) + b"ustar" + bytes(762) + CARMEN, "log.archive"),
     "twice.gz.gz": (lambda: gzip.compress(gzip.compress(CARMEN)), "log.unknown_format"),
     "map.pgm": (lambda: images()["pgm"], "log.unknown_format"),
     "zeros": (lambda: bytes(1 << 20), "log.binary"),
