@@ -7,18 +7,14 @@ from collections.abc import Callable
 
 import pytest
 
-from server.library import Library, LogNotFoundError, LogReadOnlyError, Record
+from server.library import Library, LogNotFoundError, LogReadOnlyError
 from server.library.turns import Turns
 from tests.server.library import bad_readers
+from tests.server.library.kept import settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import PATIENCE_S, eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-async def settled(library: Library, owner: str, log_id: str) -> Record:
-    await eventually(lambda: library.get(owner, log_id).state not in ("queued", "reading"))
-    return library.get(owner, log_id)
 
 
 @pytest.mark.parametrize(

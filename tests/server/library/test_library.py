@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import gzip
 import os
 import signal
-import sqlite3
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
@@ -15,25 +13,14 @@ import numpy as np
 import pytest
 
 from mapper.errors import LimitError, MapperError, ReadError
-from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
+from server.library import Library, LogNotFoundError
 from server.settings import Settings
 from tests.server.library import bad_readers
+from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-def files(settings: Settings) -> list[str]:
-    """Every file below the data folder, by path, without the database."""
-    found = sorted(str(p.relative_to(settings.data_dir)) for p in settings.data_dir.rglob("*") if p.is_file())
-    return [name for name in found if not name.startswith("library/library.db")]
-
-
-async def settled(library: Library, owner: str, log_id: str) -> Record:
-    """The record once its job has ended."""
-    await eventually(lambda: library.get(owner, log_id).state not in ("queued", "reading"))
-    return library.get(owner, log_id)
 
 
 def address_space_limit(pid: int) -> str:
@@ -379,165 +366,3 @@ async def test_old_uploads_leave(make_library: Callable[..., Library], settings:
     second = make_library(keep_s=0.0)
     await second.start()
     assert files(settings) == []
-
-
-# -- the folder and the sample -------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def folder(settings: Settings) -> Path:
-    assert settings.logs_dir is not None
-    return settings.logs_dir
-
-
-async def in_folder(library: Library) -> dict[str, Record]:
-    """The folder's logs by name."""
-    return {record.name: record for record in await library.list("ann") if record.source == "folder"}
-
-
-async def surveyed(library: Library) -> dict[str, Record]:
-    """The folder's logs once all is known of them."""
-    for record in (await in_folder(library)).values():
-        await settled(library, "ann", record.id)
-    return await in_folder(library)
-
-
-async def test_the_folder_lists_its_logs_and_nothing_else(library: Library, settings: Settings, folder: Path) -> None:
-    (folder / "b.log").write_bytes(carmen(6))
-    (folder / "A.log.gz").write_bytes(gzip.compress(carmen(9)))
-    (folder / "no name for a log").write_bytes(b"# found in a drawer\n" + carmen(2))
-    (folder / ".hidden").write_bytes(carmen(1))
-    (folder / "sub").mkdir()
-    outside = settings.data_dir.parent / "secret.log"
-    outside.write_bytes(carmen(1))
-    (folder / "link.log").symlink_to(outside)
-    (folder / "loop").symlink_to(folder / "loop")
-    (folder / "twin.log").symlink_to(folder / "b.log")
-    os.mkfifo(folder / "pipe")
-    (folder / "README.log").write_text("# Logs\n\nThese are logs.\n")
-    (folder / "b.tum").write_text("976052857.1 0.1 0.2 0 0 0 0 1\n" * 50)
-    (folder / "map.pgm").write_bytes(b"P5\n2 2\n255\n\0\0\0\0")
-    (folder / "map.log.gz").write_bytes(gzip.compress(b"P5\n2 2\n255\n\0\0\0\0"))
-    (folder / "broken.log.gz").write_bytes(b"\x1f\x8b\x08" + bytes(range(40)))
-    (folder / "empty.log").write_bytes(b"")
-    assert list(await in_folder(library)) == ["A.log.gz", "b.log", "no name for a log", "twin.log"]
-
-
-async def test_what_the_folder_holds_is_found_out_by_itself(
-    make_library: Callable[..., Library], settings: Settings, folder: Path
-) -> None:
-    (folder / "a.log").write_bytes(carmen(6))
-    (folder / "b.log").write_bytes(carmen(2) + b"FLASER 3 1.0\n" + carmen(1))
-    (folder / "c.log.gz").write_bytes(gzip.compress(carmen(9)))
-    library = make_library()
-    await library.start()
-    at_once = await in_folder(library)
-    assert all(one.state in ("queued", "reading") and one.summary is None for one in at_once.values())
-    logs = await surveyed(library)
-    assert [(name, one.state, one.public()["scans"]) for name, one in logs.items()] == [
-        ("a.log", "ready", 6),
-        ("b.log", "failed", None),
-        ("c.log.gz", "ready", 9),
-    ]
-    assert logs["b.log"].error is not None
-    assert "Line 3" in logs["b.log"].error.message
-    assert logs["a.log"].public()["duration_s"] == 5.0
-    assert not [name for name in files(settings) if name.startswith("library/packs")], "nobody has opened any"
-
-    # A log that is dropped into the folder is there at the next look.
-    (folder / "d.log").write_bytes(carmen(4))
-    assert (await in_folder(library))["d.log"].state != "ready"
-    assert (await surveyed(library))["d.log"].public()["scans"] == 4
-    await library.close()
-
-    # What is known is known after a restart as well, while the files are the same.
-    (folder / "a.log").unlink()
-    (folder / "b.log").unlink()
-    (folder / "d.log").write_bytes(carmen(5))
-    second = make_library(own_reader=True)
-    await second.start()
-    known = await in_folder(second)
-    assert list(known) == ["c.log.gz", "d.log"]
-    assert known["c.log.gz"] == logs["c.log.gz"]
-    assert known["d.log"].state != "ready"
-    assert (await surveyed(second))["d.log"].public()["scans"] == 5
-
-
-async def test_a_log_of_the_folder_opens_for_everybody(library: Library, folder: Path) -> None:
-    (folder / "run.log").write_bytes(carmen(9))
-    record = (await in_folder(library))["run.log"]
-    # Before, while and after it is found out what it holds.
-    logs = await asyncio.gather(library.load("ann", record.id), library.load("bob", record.id))
-    assert [log.n_scans for log in logs] == [9, 9]
-    assert library.get("bob", record.id).state == "ready"
-    with pytest.raises(LogReadOnlyError):
-        await library.delete("ann", record.id)
-
-    # The id says which bytes: another file by the same name is another log.
-    (folder / "run.log").write_bytes(carmen(11))
-    changed = (await in_folder(library))["run.log"]
-    assert changed.id != record.id
-    await surveyed(library)
-    assert (await library.load("ann", changed.id)).n_scans == 11
-    with pytest.raises(LogNotFoundError):
-        library.get("ann", record.id)
-
-
-async def test_who_opens_a_log_does_not_wait_for_the_whole_folder(
-    make_library: Callable[..., Library], folder: Path
-) -> None:
-    for i in range(6):
-        (folder / f"{i}.log").write_bytes(carmen(3000 + i))
-    library = make_library()
-    await library.start()
-    last = (await in_folder(library))["5.log"]
-    assert (await library.load("ann", last.id)).n_scans == 3005
-    assert "queued" in [one.state for one in (await in_folder(library)).values()]
-
-
-async def test_a_log_of_the_folder_that_fails_says_why(library: Library, folder: Path) -> None:
-    (folder / "bad.log").write_bytes(b"PARAM robot_width 1 host 1\n")
-    record = (await in_folder(library))["bad.log"]
-    with pytest.raises(ReadError) as caught:
-        await library.load("ann", record.id)
-    assert caught.value.code == "log.no_scans"
-    assert str(folder) not in caught.value.message
-    assert library.get("ann", record.id).state == "failed"
-
-
-async def test_a_record_of_an_older_summary_finds_it_out_again(
-    make_library: Callable[..., Library], settings: Settings
-) -> None:
-    first = make_library()
-    await first.start()
-    record = await first.put("ann", "run.log", in_pieces(carmen(7)))
-    await settled(first, "ann", record.id)
-    await first.close()
-    with contextlib.closing(sqlite3.connect(settings.data_dir / "library" / "library.db")) as database, database:
-        database.execute("""UPDATE logs SET summary = replace(summary, '"scans"', '"n_of_scans"')""")
-    second = make_library()
-    await second.start()
-    assert second.get("ann", record.id).summary is None
-    await eventually(lambda: second.get("ann", record.id).public()["scans"] == 7)
-
-
-async def test_a_folder_that_is_gone_is_empty(library: Library, settings: Settings) -> None:
-    assert settings.logs_dir is not None
-    settings.logs_dir.rmdir()
-    assert [r.source for r in await library.list("ann")] == ["sample"]
-
-
-async def test_the_sample_is_always_there(library: Library) -> None:
-    record = next(r for r in await library.list("ann") if r.id == SAMPLE_ID)
-    assert (record.name, record.source, record.state) == ("A simulated office (sample)", "sample", "ready")
-    one, two = await asyncio.gather(library.load("ann", SAMPLE_ID), library.load("bob", SAMPLE_ID))
-    assert one is two
-    assert {"true", "odometry"} <= set(one.trajectories)
-    with pytest.raises(LogReadOnlyError):
-        await library.delete("ann", SAMPLE_ID)
-
-
-async def test_what_the_sample_holds_is_known_soon_after_a_look(library: Library) -> None:
-    await library.list("ann")
-    await eventually(lambda: library.get("ann", SAMPLE_ID).summary is not None)
-    assert library.get("ann", SAMPLE_ID).public()["scans"] == (await library.load("ann", SAMPLE_ID)).n_scans
