@@ -20,8 +20,8 @@ from mapper.integrate import CellBox
 from mapper.parameters import MappingConfig
 
 BUDGET_BYTES = 8 << 20  #: of all moments of one map
-SPACING = 1 << 25  #: cell updates between two moments: some hundredths of a second's work
-WORTH_KEEPING = 48  #: cell updates, at least, for each cell kept: keeping shall cost a small part of mapping
+SPACING = 1 << 24  #: cell updates between two moments: about a hundredth of a second's work
+WORTH_KEEPING = 32  #: cell updates, at least, for each cell kept: keeping shall cost a small part of mapping
 ZSTD_LEVEL = 1
 _OVERHEAD_BYTES = 100  # what Python needs to keep a few bytes
 
