@@ -7,12 +7,11 @@ it carries the picture of the second map that ``compare`` asks for, in its own e
 
     header  kind u8 (1 = tiles) · flags u8 (bit 0: the last frame of a complete picture) · reserved u16 · epoch u32
             · seq u32 · count u32
-    tile    tx i16 · ty i16 · revision u32 · nbytes u32 · nbytes of data               (count times)
+    tile    tx i16 · ty i16 · revision u32 · nbytes u32 · nbytes of zstd data          (count times)
 
-A tile is 64 × 64 int8, row 0 at the smallest y, packed as one block of LZ4 (the block format, without frame or size);
-(tx, ty) counts tiles from cell (0, 0) along columns and rows. A cell's value q is its log-odds over the range
-[log_odds_min, log_odds_max] that the ``geometry`` message states, spread over −127 … +127:
-``ℓ = log_odds_min + (q + 127) / 254 · (log_odds_max − log_odds_min)``; −128 is "never observed". Of the
+A tile is 64 × 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A cell's
+value q is its log-odds over the range [log_odds_min, log_odds_max] that the ``geometry`` message states, spread over
+−127 … +127: ``ℓ = log_odds_min + (q + 127) / 254 · (log_odds_max − log_odds_min)``; −128 is "never observed". Of the
 values that stand for the cell's own state (free, unknown, occupied) it is the nearest.
 ``epoch`` changes when the geometry does: tiles of an older epoch are void, and tiles that are not sent are unobserved.
 

@@ -1,12 +1,12 @@
 /** A map as it comes over the wire: the picture on show, and the one of a new epoch that replaces it when complete. */
 
 import { batch, type ReadonlySignal, signal } from "@preact/signals";
+import { decompress } from "fzstd";
 import { byteAt } from "./belief";
 import type { TilesFrame } from "./decodeTiles";
 import { Cells } from "./gl/cells";
 import { type Geometry, ProtocolError, TILE } from "./protocol";
 import type { Progress } from "./stream";
-import { unpack } from "./unpack";
 
 /** A map to be drawn: its cells, and where they lie. */
 export interface MapPicture {
@@ -58,9 +58,10 @@ export class ShownMap {
     const now = performance.now();
     const bloom = hear ? (row: number, col: number): void => hear(row, col, now) : undefined;
     for (const tile of frame.tiles) {
+      let values: Uint8Array;
       try {
-        unpack(tile.data, tileBuffer);
-        picture.cells.setTile(tile.tx, tile.ty, tileBuffer, undecided, bloom);
+        values = decompress(tile.data, tileBuffer);
+        picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
       } catch (error) {
         throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
       }

@@ -132,7 +132,7 @@ const geometry = (epoch: number): Geometry => ({
   log_odds_max: 3.5,
   tile: 64,
 });
-const packed = (() => {
+const zstd = (() => {
   const { hex } = vectors.frames[1] as { hex: string };
   const bytes = Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16));
   return (decodeTiles(bytes.buffer).tiles[0] as { data: Uint8Array }).data;
@@ -141,7 +141,7 @@ const tiles = (epoch: number, revision: number, complete: boolean): TilesFrame =
   epoch,
   seq: 1,
   complete,
-  tiles: [{ tx: 0, ty: 0, revision, data: packed }],
+  tiles: [{ tx: 0, ty: 0, revision, data: zstd }],
 });
 const frame: Frame = {
   type: "frame",
@@ -268,16 +268,13 @@ describe("the store", () => {
     store.receive(geometry(1));
     store.takeTiles(tiles(1, 1, true));
     expect(bloomed).toBe(0);
-    store.takeTiles({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: packed }] });
+    store.takeTiles({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: zstd }] });
     expect(bloomed).toBeGreaterThan(0);
   });
 
   test("a map that is made anew of the same readings does not bloom, and what is seen after it does", () => {
     const bloomed: number[] = [];
-    const more = (tx: number) => ({
-      ...tiles(1, 2 + tx, true),
-      tiles: [{ tx, ty: 0, revision: 2 + tx, data: packed }],
-    });
+    const more = (tx: number) => ({ ...tiles(1, 2 + tx, true), tiles: [{ tx, ty: 0, revision: 2 + tx, data: zstd }] });
     store.onBloom = () => void bloomed.push(1);
     store.receive(hello("a"));
     store.receive(geometry(1));

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import httpx
-import lz4.block
 import numpy as np
 import uvicorn
+import zstandard
 from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
@@ -167,7 +167,7 @@ class Watcher:
         for _ in range(count):
             tx, ty, revision, nbytes = struct.unpack_from("<hhII", data, at)
             at += 12
-            raw = lz4.block.decompress(data[at : at + nbytes], 64 * 64)
+            raw = zstandard.ZstdDecompressor().decompress(data[at : at + nbytes])
             at += nbytes
             tile = np.frombuffer(raw, dtype=np.int8).reshape(64, 64)
             if epoch == self.epoch:

@@ -6,9 +6,9 @@ import json
 import struct
 from typing import Any
 
-import lz4.block
 import numpy as np
 import pytest
+import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -100,7 +100,7 @@ class Browser:
         for _ in range(count):
             tx, ty, revision, nbytes = struct.unpack_from("<hhII", frame, at)
             at += 12
-            tile = np.frombuffer(lz4.block.decompress(frame[at : at + nbytes], 64 * 64), dtype=np.int8).reshape(64, 64)
+            tile = np.frombuffer(zstandard.decompress(frame[at : at + nbytes]), dtype=np.int8).reshape(64, 64)
             at += nbytes
             into = self.cells[64 * ty : 64 * ty + 64, 64 * tx : 64 * tx + 64]
             into[:] = tile[: into.shape[0], : into.shape[1]]
