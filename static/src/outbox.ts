@@ -1,15 +1,18 @@
 import type { Command, Value, Values } from "./protocol";
 
+/**
+ * Once the next frame is painted. The hand sees its own doing first: what the server then does, on the same machine
+ * perhaps, takes no time from that frame.
+ */
+const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
+
 /** Commands of which only the newest counts: at most one of each kind leaves per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
   readonly #send: (command: Command) => void;
   readonly #schedule: (task: () => void) => void;
 
-  constructor(
-    send: (command: Command) => void,
-    schedule: (task: () => void) => void = (task) => void requestAnimationFrame(task),
-  ) {
+  constructor(send: (command: Command) => void, schedule: (task: () => void) => void = afterFrame) {
     this.#send = send;
     this.#schedule = schedule;
   }

@@ -5,7 +5,7 @@ import { decompress } from "fzstd";
 import { byteAt } from "./belief";
 import type { TilesFrame } from "./decodeTiles";
 import { Cells } from "./gl/cells";
-import { type Geometry, ProtocolError, TILE } from "./protocol";
+import { type Geometry, ProtocolError } from "./protocol";
 import type { Progress } from "./stream";
 
 /** A map to be drawn: its cells, and where they lie. */
@@ -19,8 +19,6 @@ export type OnBloom = (row: number, col: number, now: number) => void;
 
 /** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
 const STALE_PICTURE_MS = 250;
-
-const tileBuffer = new Uint8Array(TILE * TILE);
 
 export class ShownMap {
   readonly #map = signal<MapPicture | null>(null);
@@ -60,7 +58,8 @@ export class ShownMap {
     for (const tile of frame.tiles) {
       let values: Uint8Array;
       try {
-        values = decompress(tile.data, tileBuffer);
+        // Into memory of its own: given some, fzstd makes a tiny array whose buffer costs a browser more than the tile.
+        values = decompress(tile.data);
         picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
       } catch (error) {
         throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
