@@ -104,18 +104,22 @@ def side_by_side() -> None:
             )
 
 
-def cost_against_size() -> None:
-    """Print what the same scans cost in maps of growing size: it should not matter."""
+def cost_against_size(rounds: int = 40) -> None:
+    """Print what the same scans cost in maps of growing size, which take turns: it should not matter."""
     log = hall(400, 360)
-    print("\n| side of the map | per beam | per scan |\n|---|---|---|")
-    for side in (50, 100, 250, 500, 1000):
+    sides, updates = (50, 100, 250, 500, 1000), ("per_beam", "per_scan")
+    passes = {}
+    for side, update in itertools.product(sides, updates):
+        config = MappingConfig(update=update, range_max=RANGE_MAX, resolution=0.1)
         cells = round(side / 0.1)
-        row = []
-        for update in ("per_beam", "per_scan"):
-            config = MappingConfig(update=update, range_max=RANGE_MAX, resolution=0.1)
-            grid = OccupancyGrid(GridGeometry(0.1, cells, cells, (20 - side / 2, 12 - side / 2, 0.0)))
-            row.append(f"{best_ms(partial(integrate_log, grid, log, config), 9):.1f} ms")
-        print(f"| {side} m | {' | '.join(row)} |")
+        grid = OccupancyGrid(GridGeometry(0.1, cells, cells, (20 - side / 2, 12 - side / 2, 0.0)))
+        passes[side, update] = partial(integrate_log, grid, log, config)
+    best = dict.fromkeys(passes, np.inf)
+    for _, (what, one) in itertools.product(range(rounds), passes.items()):
+        best[what] = min(best[what], best_ms(one, 1))
+    print("\n| side of the map | per beam | per scan |\n|---|---|---|")
+    for side in sides:
+        print(f"| {side} m | {' | '.join(f'{best[side, update]:.1f} ms' for update in updates)} |")
 
 
 def cost_of_asking_why(n_cells: int = 40) -> None:
