@@ -1,16 +1,16 @@
 """Occupancy grid mapping as the books print it: plain Python, one step after another.
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
-(occupancy grid mapping), table 9.2 (the inverse range sensor model); Bresenham, Algorithm for computer control of a
-digital plotter, IBM Systems Journal 4 (1965); Amanatides & Woo, A fast voxel traversal algorithm for ray tracing,
-Eurographics (1987). This is the readable statement of what :mod:`mapper.kernels` compute
-fast; the two agree to the last bit. ``sensor_pose`` is always ``T_map_laser``, metres and radians.
+(occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses stands in
+:mod:`mapper.traversal`. This is the readable statement of what :mod:`mapper.kernels` compute fast; the two agree to the
+last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is always ``T_map_laser``,
+metres and radians.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, sqrt
+from math import sqrt
 from typing import cast
 
 import numpy as np
@@ -18,60 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.geometry import transform_points
 from mapper.grid import OccupancyGrid, probability
-from mapper.kernels.lattice import cell_of
 from mapper.parameters import MappingConfig
 from mapper.scan import RangeScan
 from mapper.sensor_model import HitCounting, MoravecElfes
-
-Cell = tuple[int, int]
-Point = tuple[float, float]
-
-
-def bresenham(start: Cell, end: Cell) -> list[Cell]:
-    """Return the cells (row, col) of the line from ``start`` to ``end``, both included, in this order.
-
-    One step along the longer axis for each cell; ∇ says whether to step along the shorter one as well. Works in all
-    eight octants by stepping with the signs of the differences and by swapping the axes of a steep line.
-    """
-    (row, col), (d_row, d_col) = start, (end[0] - start[0], end[1] - start[1])
-    step_row, step_col = (1 if d_row >= 0 else -1), (1 if d_col >= 0 else -1)
-    steep = abs(d_row) > abs(d_col)
-    a, b = (abs(d_row), abs(d_col)) if steep else (abs(d_col), abs(d_row))
-
-    cells = [(row, col)]
-    nabla = 2 * b - a
-    for _ in range(a):
-        diagonal = nabla >= 0
-        if steep or diagonal:
-            row += step_row
-        if not steep or diagonal:
-            col += step_col
-        nabla += 2 * b - 2 * a if diagonal else 2 * b
-        cells.append((row, col))
-    return cells
-
-
-def amanatides_woo(start: Point, end: Point) -> list[Cell]:
-    """Return every cell (row, col) that the segment from ``start`` to ``end`` crosses, in this order.
-
-    The points are lattice coordinates (column, row), in cells. t counts along the segment from 0 to 1; the next border
-    is that of the column or of the row, whichever has the smaller t, and through an exact corner the row's comes first.
-    """
-    (u, v), (d_u, d_v) = start, (end[0] - start[0], end[1] - start[1])
-    (col, row), (end_col, end_row) = (int(cell_of(u)), int(cell_of(v))), (int(cell_of(end[0])), int(cell_of(end[1])))
-    step_row, step_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
-
-    cells = [(row, col)]
-    while (row, col) != (end_row, end_col):
-        border_row, border_col = (row + 1 if step_row > 0 else row), (col + 1 if step_col > 0 else col)
-        t_row = (border_row - v) / d_v if row != end_row else inf
-        t_col = (border_col - u) / d_u if col != end_col else inf
-        if t_col < t_row:
-            col += step_col
-        else:
-            row += step_row
-        cells.append((row, col))
-    return cells
+from mapper.traversal import Cell, Point, amanatides_woo, bresenham
 
 
 def bayes_filter(log_odds: np.float32, evidence: np.float32, config: MappingConfig) -> np.float32:

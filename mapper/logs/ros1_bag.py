@@ -25,7 +25,7 @@ from mapper.scan import ScanLog
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, CHUNK, CONNECTION = b"\x02", b"\x03", b"\x05", b"\x07"
+MESSAGE, CHUNK, CONNECTION = b"\x02", b"\x05", b"\x07"
 MAX_HEADER_BYTES = 1 << 20
 
 _U32 = struct.Struct("<I")

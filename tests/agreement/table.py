@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from mapper import textbook
+from mapper import textbook, traversal
 from mapper.geometry import transform_points
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
 from mapper.integrate import geometry_for, integrate_log
@@ -72,7 +72,7 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
 
 def line_by_textbook(case: LineCase) -> tuple[Any, ...]:
     drawn = np.zeros(case.shape, dtype=np.float32)
-    for row, col in textbook.bresenham(case.start, case.end):
+    for row, col in traversal.bresenham(case.start, case.end):
         if 0 <= row < case.shape[0] and 0 <= col < case.shape[1]:
             drawn[row, col] += 1
     rows, cols = np.nonzero(drawn)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mapper import textbook
+from mapper import textbook, traversal
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.scan import LaserScan
@@ -69,8 +69,8 @@ def lines() -> list[dict[str, Any]]:
     return [
         {
             "end": end,
-            "bresenham": textbook.bresenham((0, 0), cell),
-            "amanatides_woo": textbook.amanatides_woo((0.3, 0.6), end),
+            "bresenham": traversal.bresenham((0, 0), cell),
+            "amanatides_woo": traversal.amanatides_woo((0.3, 0.6), end),
         }
         for end, cell in zip(ends, cells, strict=True)
     ]

@@ -17,7 +17,7 @@ import zstandard
 from mapper.geometry import compose
 from mapper.grid import GridGeometry
 from mapper.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.textbook import bresenham
+from mapper.traversal import bresenham
 from server.stream.protocol import (
     HEADER,
     ProtocolError,
