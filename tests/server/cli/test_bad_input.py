@@ -1,0 +1,53 @@
+"""What is wrong with an option or a log is said in one sentence, with exit status 2."""
+
+from __future__ import annotations
+
+import pytest
+
+from mapper.parameters import MODELS
+
+BAD_OPTIONS = {
+    "resolution of 0": (["--resolution", "0"], "Resolution (resolution) must be between 0.01 and 1 m"),
+    "resolution of nan": (["--resolution", "nan"], "Resolution (resolution) must be a finite number"),
+    "unknown model": (["--model", "neural"], "must be one of " + ", ".join(MODELS) + ", not 'neural'"),
+    "hit below 0": (["--hit", "-1"], "Hit increment (log_odds_hit) must be between 0 and 3"),
+    "clamp upside down": (["--log-odds-min", "0", "--log-odds-max", "0"], "The lower clamp must lie below"),
+    "unknown trajectory": (["--trajectory", "slam"], "The log has no trajectory 'slam'; it has 'scan', 'wheel'."),
+    "prior of a word": (["--prior", "much"], "There is no file 'much'"),
+    "prior out of range": (["--prior", "9"], "Prior ℓ₀ (log_odds_prior) must be between -2 and 2"),
+    "mount of two numbers": (["--mount", "1,2"], "--mount needs three numbers, X,Y,YAW"),
+    "mount of words": (["--mount", "a,b,c"], "--mount needs three numbers"),
+    "mount out of range": (["--mount", "9,0,0"], "Mount forward (mount_x) must be between -2 and 2 m"),
+    "unknown mode": (["--mode", "colour"], "--mode must be trinary, scale or raw, not 'colour'."),
+}
+
+
+@pytest.mark.parametrize("case", BAD_OPTIONS)
+def test_a_bad_option_is_one_sentence_and_status_2(run, log, case):
+    options, words = BAD_OPTIONS[case]
+    status, out, err = run("map", log, *options)
+    assert (status, out) == (2, "")
+    assert words in err
+    assert err.startswith("gridbloom: ")
+    assert err.count("\n") == 1
+
+
+def test_a_word_that_is_no_number_and_an_unknown_option_are_refused(run, log):
+    for options in (["--resolution", "fine"], ["--colour", "red"], ["--clamp=maybe"]):
+        status, out, err = run("map", log, *options)
+        assert (status, out) == (2, "")
+        assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("command", ["info", "map"])
+def test_a_bad_log_is_one_sentence_with_its_path_and_status_2(run, tmp_path, command):
+    bad = tmp_path / "bad.log"
+    bad.write_text("FLASER 2 1.0\n")
+    status, out, err = run(command, bad, "--json")
+    assert (status, out) == (2, "")
+    assert err == (
+        f"gridbloom: {bad}: Line 1: this FLASER line ends early: it states 2 beams and needs 11 fields, but has 3.\n"
+    )
+    assert (
+        run(command, tmp_path / "gone.log").err == f"gridbloom: {tmp_path / 'gone.log'}: There is no file 'gone.log'.\n"
+    )

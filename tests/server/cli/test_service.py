@@ -1,0 +1,46 @@
+"""``serve``, and what the command imports to say what it can do."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from server.settings import Settings
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_serve_refuses_what_the_settings_refuse(run, tmp_path):
+    for options, words in ((["--port", "70000"], "port"), (["--logs-dir", tmp_path / "gone"], "is no folder")):
+        status, out, err = run("serve", *options)
+        assert (status, out) == (2, "")
+        assert words in err
+        assert "Traceback" not in err
+
+
+def test_serve_gives_its_options_to_the_service(run, tmp_path, monkeypatch):
+    given: list[Settings] = []
+    monkeypatch.setattr("server.serving.run", given.append)
+    monkeypatch.setenv("GRIDBLOOM_HOST", "::1")
+    assert run("serve", "--port", 0, "--data-dir", tmp_path / "data", "--logs-dir", tmp_path).status == 0
+    (settings,) = given
+    assert (settings.host, settings.port, settings.data_dir, settings.logs_dir) == (
+        "::1",
+        0,
+        tmp_path / "data",
+        tmp_path,
+    )
+
+
+def test_help_imports_neither_numba_nor_the_web_server():
+    program = (
+        "import sys; sys.argv = ['gridbloom', '--help']\n"
+        "from server.cli import main\n"
+        "try: main()\n"
+        "except SystemExit as ended: print(ended.code)\n"
+        "print([name for name in ('numba', 'fastapi', 'viser', 'PIL', 'scipy', 'pydantic') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("0\n[]\n")
+    assert "bench" in done.stdout
