@@ -118,6 +118,16 @@ def grid_for(
     """
     if prior is None:
         return OccupancyGrid(geometry_for(log, config, trajectory, limits), config.log_odds_prior)
+    check_resolution(prior, config)
+    if log.n_scans == 0:
+        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+    grid = prior.as_prior(config.log_odds_prior)
+    grid.grow_to_include(*sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
+    return grid
+
+
+def check_resolution(prior: OccupancyGrid, config: MappingConfig) -> None:
+    """Raise :class:`mapper.errors.ConfigError` for a prior map of another resolution than ``config.resolution``."""
     resolution = prior.geometry.resolution
     if abs(resolution - config.resolution) > 1e-6 * resolution:
         raise ConfigError(
@@ -125,11 +135,6 @@ def grid_for(
             f"The prior map has cells of {resolution:g} m and the map to be made of {config.resolution:g} m; "
             "they must be the same.",
         )
-    if log.n_scans == 0:
-        raise ConfigError("log.no_scans", "A log without scans covers no place.")
-    grid = prior.as_prior(config.log_odds_prior)
-    grid.grow_to_include(*sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
-    return grid
 
 
 def integrate_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> Change:

@@ -1,9 +1,9 @@
 """The ``gridbloom`` command.
 
-``serve`` runs the service and ``upload`` sends a log to one; ``info``, ``doctor``, ``map``, ``view``, ``compare`` and
-``bench map`` work on files. What is slow to import is imported where it is used, so that the command starts quickly.
-Bad input is one sentence on standard error and exit status 2. With ``--json`` standard output is one JSON object and
-nothing else.
+``serve`` runs the service and ``upload`` sends a log to one; ``info``, ``doctor``, ``map``, ``why``, ``view``,
+``merge``, ``compare`` and ``bench map`` work on files. What is slow to import is imported where it is used, so that
+the command starts quickly. Bad input is one sentence on standard error and exit status 2. With ``--json`` standard
+output is one JSON object and nothing else.
 """
 
 from __future__ import annotations
@@ -16,6 +16,12 @@ from server.cli import logs  # noqa: F401
 
 # isort: split
 from server.cli import maps  # noqa: F401
+
+# isort: split
+from server.cli import asking  # noqa: F401
+
+# isort: split
+from server.cli import merging  # noqa: F401
 
 # isort: split
 from server.cli import comparing  # noqa: F401

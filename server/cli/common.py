@@ -16,6 +16,7 @@ from mapper.errors import MapperError
 from mapper.parameters import BY_NAME, MappingConfig, Parameter
 
 if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
     from mapper.scan import ScanLog
 
 BAD_INPUT = 2  #: exit status
@@ -32,6 +33,25 @@ SHORT_NAMES = {
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or compressed.")]
 TopicName = Annotated[
     str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
+]
+TrajectoryName = Annotated[
+    str | None, typer.Option("--trajectory", metavar="NAME", help="Poses to map with. [the log's first]")
+]
+Mount = Annotated[
+    str | None,
+    typer.Option("--mount", metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad)."),
+]
+Prior = Annotated[
+    str | None,
+    typer.Option(
+        "--prior",
+        "--log-odds-prior",
+        metavar="NUMBER|MAP.yaml",
+        help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
+    ),
+]
+FirstScans = Annotated[
+    int | None, typer.Option("--scans", metavar="N", help="Map only the first N scans. [all that the log has]")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
@@ -64,8 +84,9 @@ def _option(row: Parameter) -> inspect.Parameter:
     initial = row.initial if row.kind != "flag" else ("on" if row.initial else "off")
     bounds = f"; {row.low:g} to {row.high:g}{unit}" if row.kind == "number" else ""
     sentence = f"{row.sentence} [{initial}{unit if row.kind == 'number' else ''}{bounds}]"
-    kind: Any = {"number": float | None, "choice": str | None, "flag": bool | None}[row.kind]
-    metavar = "|".join(row.choices) if row.kind == "choice" else None
+    # A number comes as it was typed, so that one that is none is refused in the table's own words.
+    kind: Any = bool | None if row.kind == "flag" else str | None
+    metavar = {"number": "NUMBER", "choice": "|".join(row.choices), "flag": None}[row.kind]
     annotation = Annotated[kind, typer.Option(*names, help=sentence, metavar=metavar, show_default=False)]
     return inspect.Parameter(row.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
@@ -84,16 +105,49 @@ def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Calla
     return widened
 
 
+def value_of(row: Parameter, text: str) -> object:
+    """Return a parameter's value that was typed; what is none stays as it is, for the table to refuse."""
+    if row.kind == "choice":
+        return text.replace("-", "_")
+    if row.kind == "flag":
+        return {"on": True, "true": True, "off": False, "false": False}.get(text.lower(), text)
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[str, Any]:
     """Return the parameters that were given, or end the command with what is wrong with them."""
-    given = {name: value for name, value in values.items() if value is not None}
-    for name, value in given.items():
-        if BY_NAME[name].kind == "choice":
-            given[name] = value.replace("-", "_")
+    typed = {name: value for name, value in values.items() if value is not None}
+    given = {name: value_of(BY_NAME[name], value) if isinstance(value, str) else value for name, value in typed.items()}
     if mount is not None:
-        given |= zip(MOUNT, _three_numbers(mount), strict=True)
+        given |= zip(MOUNT, _numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
     configured(given)
     return given
+
+
+def given_prior(text: str | None, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyGrid | None]:
+    """Return the parameters with a prior that is a number or a map file, and the map.
+
+    Where nobody has said another, the resolution is the map's.
+    """
+    if text is None:
+        return given, None
+    number = value_of(BY_NAME["log_odds_prior"], text)
+    if isinstance(number, float):
+        given = given | {"log_odds_prior": number}
+        configured(given)
+        return given, None
+    from mapper.integrate import check_resolution  # noqa: PLC0415 - start-up
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+
+    path = Path(text)
+    with refusing(path):
+        grid = load_map(path).grid
+        given = {"resolution": grid.geometry.resolution} | given
+        check_resolution(grid, configured(given))
+    return given, grid
 
 
 def configured(given: dict[str, Any]) -> MappingConfig:
@@ -104,12 +158,19 @@ def configured(given: dict[str, Any]) -> MappingConfig:
         fail(error.message)
 
 
-def _three_numbers(text: str) -> list[float]:
+def place(text: str) -> list[float]:
+    """Return the point X,Y that was given, or end the command with what is wrong with it."""
+    return _numbers("--at", "two numbers, X,Y in metres", 2, text)
+
+
+def _numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
     try:
-        x, y, yaw = (float(part) for part in text.split(","))
+        numbers = [float(part) for part in text.split(",")]
     except ValueError:
-        fail(f"--mount needs three numbers, X,Y,YAW in metres and radians, not {text!r:.40}.")
-    return [x, y, yaw]
+        numbers = []
+    if len(numbers) != count:
+        fail(f"{option} needs {wanted}, not {text!r:.40}.")
+    return numbers
 
 
 @contextmanager

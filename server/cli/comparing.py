@@ -13,12 +13,16 @@ from server.cli.common import (
     MOUNT,
     AsJson,
     LogPath,
+    Mount,
+    TopicName,
+    TrajectoryName,
     configured,
     fail,
     given_parameters,
     print_json,
     read_log,
     refusing,
+    value_of,
     with_parameter_options,
 )
 
@@ -32,10 +36,12 @@ def compare(
         typer.Option(metavar="NAME=VALUE", help="A parameter that the second map has another value of; repeatable."),
     ] = None,
     other_log: Annotated[Path | None, typer.Option(metavar="LOG", help="Make the second map of another log.")] = None,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
     other_trajectory: Annotated[
         str | None, typer.Option(metavar="NAME", help="Poses of the second map. [those of the first]")
     ] = None,
+    mount: Mount = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
@@ -43,16 +49,24 @@ def compare(
     from mapper.compare import STATES, difference  # noqa: PLC0415 - start-up
     from mapper.compare import compare as compare_maps  # noqa: PLC0415 - start-up
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
-    given = given_parameters(parameters)
+    given = given_parameters(parameters, mount)
     changed = _pairs(other or [])
+    configured(given | changed)
     sides = [
-        (log, trajectory, configured(given)),
-        (other_log or log, other_trajectory or (None if other_log else trajectory), configured(given | changed)),
+        (log, topic, trajectory, given),
+        (
+            other_log or log,
+            None if other_log else topic,
+            other_trajectory or (None if other_log else trajectory),
+            given | changed,
+        ),
     ]
     grids = []
-    for path, poses, config in sides:
-        scans = read_log(path)
+    for path, sensor, poses, wanted in sides:
+        scans = read_log(path, sensor)
+        config = configured(suited_parameters(scans.beam_width, wanted))
         with refusing(path):
             grid = grid_for(scans, config, poses)
             integrate_log(grid, scans, config, poses)
@@ -97,13 +111,5 @@ def _pairs(texts: list[str]) -> dict[str, Any]:
         row = BY_NAME.get(name.replace("-", "_"))
         if row is None or not equals:
             fail(f"--other needs NAME=VALUE with a parameter's name, not {text!r:.60}.")
-        if row.kind == "choice":
-            out[row.name] = value.replace("-", "_")
-        elif row.kind == "flag":
-            out[row.name] = {"on": True, "true": True, "off": False, "false": False}.get(value.lower(), value)
-        else:
-            try:
-                out[row.name] = float(value)
-            except ValueError:
-                out[row.name] = value
+        out[row.name] = value_of(row, value)
     return out

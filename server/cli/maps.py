@@ -9,40 +9,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mapper.parameters import BY_NAME, PARAMETERS
+from mapper.parameters import PARAMETERS
 from server.cli.app import app
 from server.cli.common import (
     MOUNT,
     AsJson,
+    FirstScans,
     LogPath,
+    Mount,
+    Prior,
     TopicName,
+    TrajectoryName,
     configured,
     fail,
     given_parameters,
+    given_prior,
     print_json,
     progress_bar,
     read_log,
     refusing,
     with_parameter_options,
 )
+from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 
 if TYPE_CHECKING:
     from mapper.grid import OccupancyGrid
     from mapper.scan import ScanLog
-
-
-def _prior(text: str, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyGrid | None]:
-    """Return the parameters with a prior that is a number or a map file, and the map."""
-    from mapper.maps import load_map  # noqa: PLC0415 - start-up
-
-    try:
-        number = float(text)
-    except ValueError:
-        path = Path(text)
-        with refusing(path):
-            grid = load_map(path).grid
-        return {"resolution": grid.geometry.resolution} | given, grid
-    return given | {"log_odds_prior": number}, None
 
 
 @app.command("map")
@@ -50,25 +42,16 @@ def _prior(text: str, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyG
 def map_log(
     log: LogPath,
     topic: TopicName = None,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
-    mount: Annotated[
-        str | None, typer.Option(metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad).")
-    ] = None,
-    prior: Annotated[
-        str | None,
-        typer.Option(
-            "--prior",
-            "--log-odds-prior",
-            metavar="NUMBER|MAP.yaml",
-            help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
-        ),
-    ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm and PREFIX.yaml.")] = None,
+    trajectory: TrajectoryName = None,
+    mount: Mount = None,
+    prior: Prior = None,
+    first_scans: FirstScans = None,
+    out: Annotated[Path | None, typer.Option(metavar="PREFIX", help=OUT_HELP)] = None,
     mcap: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the map, the poses and the scans for Foxglove and ROS 2.")
     ] = None,
     tum: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the trajectory in TUM format.")] = None,
-    mode: Annotated[str, typer.Option(metavar="trinary|scale|raw", help="Kind of map file.")] = "trinary",
+    mode: MapMode = "trinary",
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
@@ -76,12 +59,8 @@ def map_log(
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
     from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
-    given, prior_map = given_parameters(parameters, mount), None
-    if prior is not None:
-        given, prior_map = _prior(prior, given)
-        configured(given)
-    if mode not in ("trinary", "scale", "raw"):
-        fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
+    given, prior_map = given_prior(prior, given_parameters(parameters, mount))
+    check_mode(mode)
     scans = read_log(log, topic)
     config = configured(suited_parameters(scans.beam_width, given))
     with refusing(log):
@@ -91,16 +70,21 @@ def map_log(
         with progress_bar("Mapping") as bar:
             start = time.perf_counter()
             updated = integrate_log(
-                grid, scans, config, trajectory, progress=bar and (lambda done, total: bar(done / max(1, total)))
+                grid,
+                scans,
+                config,
+                trajectory,
+                stop=first_scans,
+                progress=bar and (lambda done, total: bar(done / max(1, total))),
             )
             seconds = time.perf_counter() - start
-    written = _save(grid, out, mode) if out is not None else []
+    written = save(grid, out, mode) if out is not None else []
     written += _export(scans, grid, trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
         "trajectory": trajectory or scans.default_trajectory,
-        "scans": scans.n_scans,
+        "scans": scans.n_scans if first_scans is None else first_scans,
         "beams": scans.n_beams,
         "cells_updated": updated,
         "seconds": round(seconds, 6),
@@ -108,7 +92,7 @@ def map_log(
         "rows": geometry.rows,
         "cols": geometry.cols,
         "origin": list(geometry.origin),
-        **_states(grid),
+        **states(grid),
         "files": [str(path) for path in written],
         "notes": list(scans.notes),
     }
@@ -131,14 +115,6 @@ def map_log(
         typer.echo(f"  note: {note}")
 
 
-def _save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller
-    from mapper.maps import save_map  # noqa: PLC0415 - start-up
-
-    with refusing(prefix):
-        yaml_path, image_path = save_map(grid, prefix, mode)
-    return [image_path, yaml_path]
-
-
 def _export(
     log: ScanLog, grid: OccupancyGrid, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
@@ -159,19 +135,6 @@ def _export(
         except OSError as error:
             fail(f"{path}: the file cannot be written: {error.strerror}.")
     return [path for path in (mcap, tum) if path is not None]
-
-
-def _states(grid: OccupancyGrid) -> dict[str, float]:
-    from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
-
-    found = map_metrics(grid)
-    return {
-        "occupied": found.occupied,
-        "free": found.free,
-        "unknown": found.unknown,
-        "entropy_bits": round(found.entropy_bits, 1),
-        "information_gain_bits": round(found.information_gain_bits, 1),
-    }
 
 
 @app.command()

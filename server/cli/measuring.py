@@ -10,6 +10,8 @@ from server.cli.app import bench_app
 from server.cli.common import (
     AsJson,
     LogPath,
+    TopicName,
+    TrajectoryName,
     configured,
     given_parameters,
     print_json,
@@ -28,16 +30,19 @@ def bench() -> None:
 @with_parameter_options("resolution", "range_max")
 def bench_map_command(
     log: LogPath,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to map with. [the log's first]")] = None,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
     repeats: Annotated[int, typer.Option(help="Times each kind of update is measured; the best counts.")] = 5,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Measure how long a log's map takes: the best of several runs, for each kind of update."""
     from mapper.bench import bench_map  # noqa: PLC0415 - start-up
+    from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
-    config = configured(given_parameters(parameters))
-    scans = read_log(log)
+    given = given_parameters(parameters)
+    scans = read_log(log, topic)
+    config = configured(suited_parameters(scans.beam_width, given))
     with refusing(log):
         measured = bench_map(scans, config, repeats, trajectory)
     facts = {

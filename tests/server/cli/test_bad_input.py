@@ -18,6 +18,8 @@ BAD_OPTIONS = {
     "mount of two numbers": (["--mount", "1,2"], "--mount needs three numbers, X,Y,YAW"),
     "mount of words": (["--mount", "a,b,c"], "--mount needs three numbers"),
     "mount out of range": (["--mount", "9,0,0"], "Mount forward (mount_x) must be between -2 and 2 m"),
+    "number of a word": (["--resolution", "fine"], "Resolution (resolution) must be a finite number, not 'fine'."),
+    "more scans than there are": (["--scans", "5"], "The log has no scans 0 to 5; it has 4."),
     "unknown mode": (["--mode", "colour"], "--mode must be trinary, scale or raw, not 'colour'."),
 }
 
@@ -32,8 +34,8 @@ def test_a_bad_option_is_one_sentence_and_status_2(run, log, case):
     assert err.count("\n") == 1
 
 
-def test_a_word_that_is_no_number_and_an_unknown_option_are_refused(run, log):
-    for options in (["--resolution", "fine"], ["--colour", "red"], ["--clamp=maybe"]):
+def test_an_unknown_option_and_a_value_for_a_switch_are_refused(run, log):
+    for options in (["--colour", "red"], ["--clamp=maybe"]):
         status, out, err = run("map", log, *options)
         assert (status, out) == (2, "")
         assert "Traceback" not in err

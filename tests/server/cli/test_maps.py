@@ -99,7 +99,10 @@ def test_mapping_goes_on_from_a_map_file(run, log, tmp_path):
     assert {name: again[name] for name in same} == {name: known[name] for name in same}
     status, out, err = run("map", log, "--prior", tmp_path / "known.yaml", "--resolution", 0.05)
     assert (status, out) == (2, "")
-    assert "must be the same" in err
+    assert err == (
+        f"gridbloom: {tmp_path / 'known.yaml'}: The prior map has cells of 0.1 m and the map to be made of 0.05 m; "
+        "they must be the same.\n"
+    )
     status, out, err = run("map", log, "--prior", tmp_path / "gone.yaml")
     assert (status, out) == (2, "")
     assert "There is no file 'gone.yaml'" in err
@@ -111,6 +114,10 @@ def test_a_ring_of_sonars_maps_from_its_folder(run, tmp_path):
     cones = state_counts(run, tmp_path)
     assert cones["free"] > 2 * state_counts(run, tmp_path, "--model", "fixed-increments")["free"]
     assert cones["cells_updated"] > state_counts(run, tmp_path, "--opening", 0.1)["cells_updated"]
+    # The other commands make the same map of it.
+    measured = json.loads(run("bench", "map", tmp_path, "--repeats", 1, "--json").out)
+    assert measured["cells"] == cones["cells_updated"]
+    assert json.loads(run("compare", tmp_path, "--json").out)["cells"] == cones["rows"] * cones["cols"]
 
 
 def test_the_mount_moves_the_map(run, log):

@@ -1,0 +1,46 @@
+"""The map files that commands write, and what they say of a map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from server.cli.common import fail, refusing
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+
+MODES = ("trinary", "scale", "raw")
+MapMode = Annotated[str, typer.Option("--mode", metavar="|".join(MODES), help="Kind of map file.")]
+OUT_HELP = "Write PREFIX.yaml and its image, PREFIX.pgm (in mode scale PREFIX.png)."
+
+
+def check_mode(mode: str) -> None:
+    """End the command where there is no such kind of map file."""
+    if mode not in MODES:
+        fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
+
+
+def save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller
+    """Write a map; return the paths of its image and its yaml."""
+    from mapper.maps import save_map  # noqa: PLC0415 - start-up
+
+    with refusing(prefix):
+        yaml_path, image_path = save_map(grid, prefix, mode)
+    return [image_path, yaml_path]
+
+
+def states(grid: OccupancyGrid) -> dict[str, float]:
+    """Return how many cells are in which state, and what is known of them in bits."""
+    from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
+
+    found = map_metrics(grid)
+    return {
+        "occupied": found.occupied,
+        "free": found.free,
+        "unknown": found.unknown,
+        "entropy_bits": round(found.entropy_bits, 1),
+        "information_gain_bits": round(found.information_gain_bits, 1),
+    }
