@@ -1,6 +1,7 @@
 import { type ReadonlySignal, type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect } from "preact/hooks";
+import { watchSight } from "../../ui/sight";
 
 /** Whether an element is on screen in a tab that is looked at. */
 export function useSeen(element: RefObject<Element | null>): ReadonlySignal<boolean> {
@@ -12,14 +13,13 @@ export function useSeen(element: RefObject<Element | null>): ReadonlySignal<bool
     const judge = (): void => {
       seen.value = onScreen && !document.hidden;
     };
-    const observer = new IntersectionObserver(([entry]) => {
-      onScreen = entry?.isIntersecting ?? false;
+    const unwatch = watchSight(target, ({ isIntersecting }) => {
+      onScreen = isIntersecting;
       judge();
     });
-    observer.observe(target);
     document.addEventListener("visibilitychange", judge);
     return () => {
-      observer.disconnect();
+      unwatch();
       document.removeEventListener("visibilitychange", judge);
     };
   }, [element, seen]);

@@ -1,6 +1,7 @@
 /** A canvas that is repainted when something asked for it, and only while it is seen. */
 
 import { sized } from "../../gl/surface";
+import { watchSight } from "../../ui/sight";
 import type { Size } from "../../view";
 
 /** Paints the canvas; says whether something still moves and the next animation frame should paint again. */
@@ -14,7 +15,7 @@ export class Picture {
   readonly #canvas: HTMLCanvasElement;
   readonly #paint: Paint;
   readonly #resized: ResizeObserver;
-  readonly #seen: IntersectionObserver;
+  readonly #unwatch: () => void;
   readonly #onSize: (size: Size) => void;
   #size: Size = { width: 0, height: 0 };
   #device: Size = { width: 0, height: 0 };
@@ -33,13 +34,12 @@ export class Picture {
     this.#onSize = onSize;
     this.#resized = new ResizeObserver(() => this.#resize());
     this.#resized.observe(frame);
-    this.#seen = new IntersectionObserver(([entry]) => {
-      this.#isSeen = entry?.isIntersecting ?? true;
+    this.#unwatch = watchSight(frame, ({ isIntersecting }) => {
+      this.#isSeen = isIntersecting;
       if (!this.#isSeen) return;
       this.#place();
       this.invalidate();
     });
-    this.#seen.observe(frame);
   }
 
   get size(): Size {
@@ -68,7 +68,7 @@ export class Picture {
 
   dispose(): void {
     this.#resized.disconnect();
-    this.#seen.disconnect();
+    this.#unwatch();
     cancelAnimationFrame(this.#scheduled);
     this.#scheduled = -1;
   }

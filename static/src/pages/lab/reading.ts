@@ -3,6 +3,7 @@ import type { RefObject } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { tellingReading } from "../../figures/profile/reading";
 import type { Store } from "../../state";
+import { watchSight } from "../../ui/sight";
 
 export type Reading = number | null | undefined;
 
@@ -20,13 +21,10 @@ export function useReading(store: Store, place: RefObject<HTMLElement | null>): 
   const reading = useMemo(() => signal<Reading>(undefined), []);
   useEffect(() => {
     const seen = signal(false);
-    const observer = new IntersectionObserver(
-      ([entry]) => {
-        seen.value = (entry?.intersectionRatio ?? 0) >= LEAST_SHARE;
-      },
-      { threshold: [0, LEAST_SHARE] },
-    );
-    if (place.current) observer.observe(place.current);
+    const look = ({ intersectionRatio }: IntersectionObserverEntry): void => {
+      seen.value = intersectionRatio >= LEAST_SHARE;
+    };
+    const unwatch = place.current && watchSight(place.current, look, { threshold: [0, LEAST_SHARE] });
     let timer: ReturnType<typeof setTimeout> | undefined;
     let readAt = Number.NEGATIVE_INFINITY;
     const read = (): void => {
@@ -42,7 +40,7 @@ export function useReading(store: Store, place: RefObject<HTMLElement | null>): 
     });
     return () => {
       stop();
-      observer.disconnect();
+      unwatch?.();
       clearTimeout(timer);
     };
   }, [store, place, reading]);

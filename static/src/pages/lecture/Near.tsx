@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { watchSight } from "../../ui/sight";
 import { printing } from "../../ui/theme";
 import type { Reserve } from "./lessons";
 
@@ -24,17 +25,17 @@ export function Near({ now, reserve, children }: NearProps) {
   useEffect(() => {
     const target = box.current;
     if (!target || near.peek()) return;
-    const observer = new IntersectionObserver(
-      ([entry]) => {
-        if (!entry?.isIntersecting) return;
-        before.current = entry.boundingClientRect;
+    const unwatch = watchSight(
+      target,
+      ({ isIntersecting, boundingClientRect }) => {
+        if (!isIntersecting) return;
+        before.current = boundingClientRect;
         near.value = true;
-        observer.disconnect();
+        unwatch();
       },
       { rootMargin: `${AHEAD} 0px` },
     );
-    observer.observe(target);
-    return () => observer.disconnect();
+    return unwatch;
   }, [near]);
   useLayoutEffect(() => {
     if (isHere) near.value = true;
