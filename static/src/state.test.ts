@@ -1,90 +1,11 @@
-import { effect } from "@preact/signals";
 import { beforeEach, describe, expect, test, vi } from "vitest";
 import { beamAt, beamToward, cellsOf } from "./beams";
 import { decodeTiles, type TilesFrame } from "./decodeTiles";
 import { velocity } from "./figures/picture/keys";
-import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import type { Command, Frame, Geometry, Hello } from "./protocol";
 import vectors from "./protocol.vectors.json";
 import { Store } from "./state";
-
-describe("optimistic values", () => {
-  let now = 0;
-  let due: { task: () => void; at: number }[] = [];
-  let values: Optimistic;
-  const pass = (ms: number): void => {
-    now += ms;
-    const ready = due.filter(({ at }) => at <= now);
-    due = due.filter(({ at }) => at > now);
-    for (const { task } of ready) task();
-  };
-
-  beforeEach(() => {
-    now = 0;
-    due = [];
-    values = new Optimistic(
-      () => now,
-      (task, ms) => due.push({ task, at: now + ms }),
-    );
-    values.hear({ hit: 1, miss: -1 });
-  });
-
-  test("what the hand sets shows at once, and an older echo does not take it back", () => {
-    pass(1000);
-    values.set("hit", 2);
-    expect(values.values.value).toEqual({ hit: 2, miss: -1 });
-    pass(50);
-    values.set("hit", 3);
-    values.hear({ hit: 2, miss: -1 });
-    expect(values.values.value.hit).toBe(3);
-    values.hear({ hit: 3, miss: -0.5 });
-    expect(values.values.value).toEqual({ hit: 3, miss: -0.5 });
-    expect(values.pending()).toEqual({});
-    values.hear({ hit: 1, miss: -0.5 }); // somebody else, later
-    expect(values.values.value.hit).toBe(1);
-  });
-
-  test("when the hand rests the server's word holds", () => {
-    values.set("hit", 9);
-    pass(10);
-    values.hear({ hit: 4, miss: -1 });
-    expect(values.values.value.hit).toBe(9);
-    pass(700);
-    expect(values.values.value.hit).toBe(4);
-  });
-
-  test("an echo of what holds already is no change", () => {
-    const seen: unknown[] = [];
-    effect(() => void seen.push(values.values.value));
-    values.set("hit", 2);
-    values.hear({ hit: 2, miss: -1 });
-    pass(700);
-    values.hear({ miss: -1, hit: 2 });
-    expect(seen).toEqual([
-      { hit: 1, miss: -1 },
-      { hit: 2, miss: -1 },
-    ]);
-    values.hear({ hit: 2 });
-    expect(seen.at(-1)).toEqual({ hit: 2 });
-  });
-
-  test("a refusal gives way at once", () => {
-    values.set("hit", 9);
-    values.refuse();
-    expect(values.values.value.hit).toBe(1);
-  });
-
-  test("while the server is away the hand's value stays, until there is an answer", () => {
-    pass(1);
-    values.set("hit", 9);
-    pass(5000);
-    expect(values.values.value.hit).toBe(9);
-    expect(values.pending()).toEqual({ hit: 9 });
-    values.hear({ hit: 1, miss: -1 });
-    expect(values.values.value.hit).toBe(1);
-  });
-});
 
 test("the outbox sends the newest of each kind, once per frame, with all values that were set", () => {
   const sent: Command[] = [];

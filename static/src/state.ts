@@ -127,7 +127,8 @@ export class Store extends Watched {
       }
     } else if (command.type === "teleport") this.sendSoon(command);
     else {
-      if (command.type === "faults") this.faults.value = { ...this.faults.peek(), ...command.values };
+      if (command.type === "faults")
+        for (const [name, value] of Object.entries(command.values)) this.robot.set(name, value);
       this.send(command);
     }
   }

@@ -52,6 +52,8 @@ export class Watched implements Receiver {
   readonly trajectory = signal<Trajectory | null>(null);
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
+  protected readonly robot: Optimistic;
+  readonly #hasRobot = signal(false);
 
   /** What of the frame changes seldom: whoever shows only that is not rendered anew 30 times a second. */
   readonly isReady = computed(() => this.frame.value !== null);
@@ -114,7 +116,7 @@ export class Watched implements Receiver {
   readonly bounds: ReadonlySignal<Bounds | null>;
 
   /** Which faults of the robot enter the map; null where there is no robot. */
-  readonly faults = signal<Values | null>(null);
+  readonly faults: ReadonlySignal<Values | null>;
   /** What the second map has otherwise; null where there is none. */
   readonly compared = signal<Compared | null>(null);
   /** The second map, while the page watches it. */
@@ -143,6 +145,8 @@ export class Watched implements Receiver {
     this.mapVersion = this.#shown.version;
     this.mapping = new Optimistic();
     this.sensor = new Optimistic();
+    this.robot = new Optimistic();
+    this.faults = computed(() => (this.#hasRobot.value ? this.robot.values.value : null));
     // One by one: of a parameter that does not turn the sensor nothing follows here, and no picture is painted for it.
     const mount = (name: string) => computed(() => Number(this.mapping.values.value[name] ?? 0));
     const [mountX, mountY, mountYaw] = [mount("mount_x"), mount("mount_y"), mount("mount_yaw")];
@@ -285,7 +289,8 @@ export class Watched implements Receiver {
       case "parameters":
         if (this.mapping.hear(message.values)) this.#shown.remake();
         if (message.sensor) this.sensor.hear(message.sensor);
-        this.faults.value = message.faults ?? null;
+        this.robot.hear(message.faults ?? {});
+        this.#hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
         return;
       case "forgetting":
@@ -310,8 +315,7 @@ export class Watched implements Receiver {
       case "error":
         // A question about a map that was replaced meanwhile: no fault of the person's, and asked again of the new one.
         if (message.code === "command.epoch") return;
-        this.mapping.refuse();
-        this.sensor.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":
@@ -340,13 +344,14 @@ export class Watched implements Receiver {
     const before = this.hello.peek();
     if (before && before.epoch_id !== hello.epoch_id) this.forget();
     this.hello.value = hello;
+    this.mapping.greet(hello.parameters.values);
+    if (hello.sensor) this.sensor.greet(hello.sensor.values);
     // What the hand set while the server was away still stands.
-    const pending = { parameters: this.mapping.pending(), sensor: this.sensor.pending() };
-    this.mapping.hear(hello.parameters.values);
-    if (hello.sensor) this.sensor.hear(hello.sensor.values);
-    for (const type of ["parameters", "sensor"] as const) {
-      for (const [name, value] of Object.entries(pending[type])) this.outbox.putValue(type, name, value);
+    for (const [type, set] of [["parameters", this.mapping] as const, ["sensor", this.sensor] as const]) {
+      for (const [name, value] of Object.entries(set.pending())) this.outbox.putValue(type, name, value);
     }
+    const faults = this.robot.pending();
+    if (Object.keys(faults).length > 0) this.send({ type: "faults", values: faults });
   }
 
   takeTiles(frame: TilesFrame): void {
