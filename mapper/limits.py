@@ -17,6 +17,7 @@ class Limits:
     max_lines: int = 5_000_000  #: lines of a text log: a day of odometry at 50 Hz
     max_chunk_bytes: int = 1 << 28  #: bytes of one record of a bag, and of what a compressed one expands to
     max_messages: int = 10_000_000  #: messages of a bag: IMU at 400 Hz for seven hours
+    max_archive_files: int = 10_000  #: files in a tar archive, or in a folder, that is one log
     max_topics: int = 2000  #: topics of a bag
     max_scans: int = 500_000
     max_beams: int = 20_000  #: beams of one scan

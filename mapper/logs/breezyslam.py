@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from mapper.errors import LimitError, ReadError
 from mapper.geometry import wrap_angle
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
+from mapper.logs.archive import Source
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
 from mapper.logs.unpacking import Progress
@@ -91,7 +91,7 @@ def wheel_poses(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def read_breezyslam(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
     """Return the BreezySLAM log at ``path``, plain or packed.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import BinaryIO
 
 from mapper.errors import LimitError
 from mapper.limits import Limits
+from mapper.logs.archive import Source
 from mapper.logs.unpacking import PIECE, Progress, Unpacked, opened
 
 
@@ -91,7 +91,7 @@ class ByteStream:
 
 
 @contextmanager
-def byte_stream(path: Path, limits: Limits, progress: Progress | None = None) -> Iterator[ByteStream]:
+def byte_stream(path: Source, limits: Limits, progress: Progress | None = None) -> Iterator[ByteStream]:
     """Open the log at ``path``. Reading raises :class:`ReadError` for damaged packed data, or a disk that fails."""
     with opened(path) as file:
         yield ByteStream(file, limits, progress)

@@ -24,7 +24,6 @@ from array import array
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +32,7 @@ from mapper.errors import ReadError
 from mapper.geometry import compose, inverse, wrap_angle
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
+from mapper.logs.archive import Source
 from mapper.logs.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack, note_on_largest_reading
@@ -368,7 +368,7 @@ def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Be
 
 
 def read_carmen(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
     """Return the CARMEN log at ``path``, plain or packed; ``topic`` is the word of the sensor's lines.
 

@@ -21,13 +21,13 @@ beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. L
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
+from mapper.logs.archive import Source
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
 from mapper.logs.unpacking import Progress
@@ -99,7 +99,7 @@ class _Reader:
 
 
 def read_csv_scans(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
     """Return the CSV log at ``path``, plain or packed.
 

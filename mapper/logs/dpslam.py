@@ -6,11 +6,10 @@ Source: the data files of the DP-SLAM project (Eliazar & Parr). The laser is a S
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from mapper.errors import ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
+from mapper.logs.archive import Source
 from mapper.logs.carmen import front_laser_beams
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
@@ -55,7 +54,7 @@ class _DpslamReader:
 
 
 def read_dpslam(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
     """Return the DP-SLAM log at ``path``, plain or packed; its stamps are zero.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
-from pathlib import Path
 
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
+from mapper.logs.archive import Source
 from mapper.logs.unpacking import Progress, Unpacked, opened
 
 BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8 text
@@ -23,7 +23,7 @@ class TextLines:
     nothing can be read.
     """
 
-    def __init__(self, path: Path, limits: Limits, progress: Progress | None = None) -> None:
+    def __init__(self, path: Source, limits: Limits, progress: Progress | None = None) -> None:
         self.path = path
         self.limits = limits
         self.progress = progress

@@ -14,7 +14,6 @@ import struct
 import zlib
 from collections.abc import Iterator
 from io import BytesIO
-from pathlib import Path
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
@@ -23,12 +22,13 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, DataEnd, Schema
 
 from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.limits import Limits
+from mapper.logs.archive import Source
 from mapper.logs.bytestream import ByteStream, byte_stream
+from mapper.logs.container import Container
 from mapper.logs.inflate import inflate
 from mapper.logs.recording import Recording
 from mapper.logs.unpacking import Progress, opened
-from mapper.scan import ScanLog
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
@@ -216,19 +216,17 @@ def _decoded(read, content: bytes):  # type: ignore[no-untyped-def]  # noqa: ANN
         raise _DamagedError from None
 
 
-def read_mcap(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
-) -> ScanLog:
-    """Return the MCAP file at ``path`` as the log of one of its range sensors; see :class:`Recording`.
+def take_mcap(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    """Hand what an MCAP file holds over to ``recording``; of one that is cut or damaged, what could be read.
 
-    A file that is cut or damaged gives what could be read, and notes that say what is missing. Raises
-    :class:`ReadError` where there is no scan, and :class:`LimitError`.
+    Raises :class:`ReadError` where nothing could be, and :class:`LimitError`.
     """
-    recording = Recording(limits)
-    with byte_stream(path, limits, progress) as stream:
+    with byte_stream(file, limits, progress) as stream:
         mcap = _Mcap(stream, recording, limits)
-        with opened(path) as file:
-            mcap.look_ahead(file)
+        with opened(file) as raw:
+            mcap.look_ahead(raw)
         mcap.read()
         recording.notes += stream.notes
-    return recording.log(path.name, "MCAP", topic)
+
+
+MCAP = Container("MCAP", take_mcap)

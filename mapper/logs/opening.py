@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import islice
 from pathlib import Path
 
 from mapper.errors import MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.logs.archive import BLOCK, Member, Source, is_tar, members
+from mapper.logs.container import Container
 from mapper.logs.inflate import ZSTD_MAGIC
 from mapper.logs.lines import BOM
 from mapper.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
@@ -38,16 +43,17 @@ ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"PK\x03\x04", "a zip archive"),
     (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
     (0, b"Rar!", "a rar archive"),
-    (257, b"ustar", "a tar archive"),
+    (257, b"ustar", "a packed tar archive"),
 )
 
-Reader = Callable[[Path, Limits, Progress | None, str | None], ScanLog]
+Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
+Reading = Callable[[Limits, Progress | None, str | None], ScanLog]  #: of files that are known already
 
 #: First bytes of the binary formats.
-BINARY: tuple[tuple[bytes, Reader], ...] = (
-    (ros1_bag.MAGIC, ros1_bag.read_ros1_bag),
-    (mcap_file.MAGIC, mcap_file.read_mcap),
-    (ros2_db3.MAGIC, ros2_db3.read_ros2_db3),
+BINARY: tuple[tuple[bytes, Container], ...] = (
+    (ros1_bag.MAGIC, ros1_bag.ROS1_BAG),
+    (mcap_file.MAGIC, mcap_file.MCAP),
+    (ros2_db3.MAGIC, ros2_db3.ROS2_DB3),
 )
 
 #: First words of the lines of the text formats.
@@ -63,8 +69,7 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (sonar.is_sonar, sonar.read_sonar),
 )
 
-#: How the files end in the folder that a ROS 2 bag is.
-ROS2_FILES = (".db3", ".mcap", ".db3.zstd", ".mcap.zstd")
+METADATA = "metadata.yaml"  #: what rosbag2 puts beside the files that a recording was split into
 
 KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
@@ -75,7 +80,7 @@ def is_log(path: str | os.PathLike[str]) -> bool:
     False for a file that cannot be opened. A log may begin well and still be one that :func:`open_log` refuses.
     """
     try:
-        _reader_for(_file_of(Path(path)))
+        _reading(Path(path), DEFAULT_LIMITS)
     except MapperError:
         return False
     return True
@@ -90,38 +95,107 @@ def open_log(
 ) -> ScanLog:
     """Return the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
 
-    Of a folder the sonar ring in it is read, or the one file of the ROS 2 bag that it is.
+    Of a folder, or a tar archive of one, the log in it is read: the one file that is a log, the files that ROS 2 split
+    a recording into, a ring of sonars' two.
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
     is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
-    file = _file_of(Path(path))
-    return _reader_for(file)(file, limits, progress, topic)
+    return _reading(Path(path), limits)(limits, progress, topic)
 
 
-def _file_of(path: Path) -> Path:
-    """Return the recording in a folder, or ``path`` itself; raise :class:`ReadError` where there are several."""
-    if not path.is_dir():
-        return path
+def _reading(path: Path, limits: Limits) -> Reading:
+    """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
+    if path.is_dir():
+        return _reading_together(_files_in(path, limits), "folder", path.name)
+    if _is_tar(path):
+        files, notes = members(path, limits)
+        if notes and not files:
+            raise ReadError("log.archive", "The tar archive is damaged, or ends, before the first file in it.")
+        return _noting(notes, _reading_together(files, "archive", path.name))
+    return partial(_reader(_kind_of(path)), path)
+
+
+def _is_tar(path: Path) -> bool:
+    with opened(path) as file:
+        return is_tar(file.read(BLOCK))
+
+
+def _files_in(folder: Path, limits: Limits) -> list[Source]:
+    """Return a folder's own files, without hidden ones."""
     try:
-        files = sorted(one for one in path.iterdir() if one.name.endswith(ROS2_FILES))
-    except OSError:
-        return path
-    if len(files) > 1:
-        names = ", ".join(repr(one.name)[:80] for one in files[:6])
-        raise ReadError("log.folder", f"The folder holds {len(files)} recordings; open one of them: {names}.")
-    return files[0] if files else path
+        inside = sorted(islice(folder.iterdir(), limits.max_archive_files))
+    except OSError as error:
+        raise ReadError("log.unreadable", f"The folder cannot be read: {error.strerror}.") from error
+    return [one for one in inside if one.is_file() and not one.name.startswith(".")]
 
 
-def _reader_for(file: Path) -> Reader:
-    """Return the reader of the format that the file begins in; raise :class:`ReadError` where it begins in none."""
-    if sonar.is_sonar_folder(file):
-        return sonar.read_sonar
+def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading:
+    """Return what reads the one log that these files are."""
+    by_place = {(_folder_of(file), file.name): file for file in files}
+    for (folder, last), readings in by_place.items():
+        if last == sonar.READINGS and (folder, sonar.POSES) in by_place:
+            return partial(sonar.read_sonar, readings, poses=by_place[folder, sonar.POSES])
+    kinds: dict[Source, Container | Reader] = {}
+    for file in files:
+        try:
+            kinds[file] = _kind_of(file)
+        except MapperError:
+            if len(files) == 1:
+                raise
+    if not kinds:
+        raise ReadError("log.folder", f"The {where} holds no log of a known kind ({KNOWN}).")
+    logs, kind = list(kinds), next(iter(kinds.values()))
+    if len(logs) == 1:
+        return partial(_reader(kind), logs[0])
+    why = _apart(logs, set(kinds.values()), by_place)
+    if why is None and isinstance(kind, Container):
+        return partial(kind.read_split, logs, name)
+    names = ", ".join(repr(name)[:80] for name in sorted(one.name for one in logs)[:6])
+    raise ReadError("log.folder", f"The {where} holds {len(logs)} recordings, {why}; open one of them: {names}.")
+
+
+def _apart(
+    logs: Sequence[Source], kinds: Collection[Container | Reader], places: Collection[tuple[str, str]]
+) -> str | None:
+    """Return why logs are not the parts of one recording; None where they are."""
+    folders = {_folder_of(log) for log in logs}
+    if len(folders) > 1:
+        return "in different folders"
+    if len(kinds) > 1:
+        return "of different kinds"
+    if not all(isinstance(kind, Container) for kind in kinds):
+        return "each a log by itself"
+    if (*folders, METADATA) not in places:
+        return f"and no {METADATA} that would make them parts of one"
+    return None
+
+
+def _folder_of(file: Source) -> str:
+    return file.folder if isinstance(file, Member) else str(file.parent)
+
+
+def _noting(notes: Sequence[str], reading: Reading) -> Reading:
+    """Return ``reading`` with more notes on the log that it returns."""
+
+    def noted(limits: Limits, progress: Progress | None, topic: str | None) -> ScanLog:
+        log = reading(limits, progress, topic)
+        return replace(log, notes=(*notes, *log.notes))
+
+    return noted if notes else reading
+
+
+def _reader(kind: Container | Reader) -> Reader:
+    return kind.read if isinstance(kind, Container) else kind
+
+
+def _kind_of(file: Source) -> Container | Reader:
+    """Return the format that the file begins in; raise :class:`ReadError` where it begins in none."""
     head, broken = _head(file)
-    for magic, reader in BINARY:
+    for magic, container in BINARY:
         if head.startswith(magic):
-            return reader
+            return container
     archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
     if archive is not None:  # the lines of a log may well stand in it
         raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
@@ -138,7 +212,7 @@ def _reader_for(file: Path) -> Reader:
     raise _not_a_log(head)
 
 
-def _head(file: Path) -> tuple[bytes, str | None]:
+def _head(file: Source) -> tuple[bytes, str | None]:
     """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
     head = b""
     with opened(file) as stream:

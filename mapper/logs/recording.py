@@ -51,7 +51,8 @@ class Recording:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.notes: list[str] = []
-        self._channels: dict[int, _Channel] = {}
+        self._channels: dict[int, _Channel] = {}  #: of the file that is read
+        self._streams: dict[tuple[str, str, bool, bool], _Channel] = {}  #: of all files: topic, type, cdr, readable
         self._sensors: dict[str, SensorScans] = {}
         self._poses: dict[str, tuple[str, Timeline, Clock]] = {}  #: topic → type, poses, their clock
         self._children: set[str] = set()
@@ -71,20 +72,25 @@ class Recording:
 
         Messages of a type that no map is made of, or that are not ``readable``, are only counted.
         """
-        if len(self._channels) >= self.limits.max_topics and key not in self._channels:
-            raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
         name, kind = printable(topic[:200]), printable(plain_type(kind)[:200])
-        known = self._channels.get(key)
-        if known is not None and (known.topic, known.kind, known.cdr) == (name, kind, cdr):
-            return
-        take = None
-        if readable and kind in SENSORS:
-            take = self._take_scan
-        elif readable and kind in POSES:
-            take = self._take_pose
-        elif readable and kind in TRANSFORMS:
-            take = self._take_transforms
-        self._channels[key] = _Channel(name, kind, cdr, take)
+        stream = (name, kind, cdr, readable)
+        is_known = key in self._channels and stream in self._streams
+        if max(len(self._channels), len(self._streams)) >= self.limits.max_topics and not is_known:
+            raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
+        if stream not in self._streams:
+            take = None
+            if readable and kind in SENSORS:
+                take = self._take_scan
+            elif readable and kind in POSES:
+                take = self._take_pose
+            elif readable and kind in TRANSFORMS:
+                take = self._take_transforms
+            self._streams[stream] = _Channel(name, kind, cdr, take)
+        self._channels[key] = self._streams[stream]
+
+    def next_file(self) -> None:
+        """Go on with another file of the same recording, in which streams have keys of their own."""
+        self._channels.clear()
 
     def wants(self, key: int) -> bool:
         """Return whether anything is made of this stream's messages."""
@@ -171,7 +177,7 @@ class Recording:
         Raises :class:`ReadError` where there are no scans, or none on that topic.
         """
         bad = [
-            f"{channel.bad} of {channel.count} on {channel.topic}" for channel in self._channels.values() if channel.bad
+            f"{channel.bad} of {channel.count} on {channel.topic}" for channel in self._streams.values() if channel.bad
         ]
         sensor = self._sensor(topic, bad)
         notes = list(self.notes)
@@ -216,13 +222,13 @@ class Recording:
             held = "it holds no messages"
             if bad:
                 held = f"messages that could not be decoded: {_listed(bad)}"
-            elif self._channels:
-                held = f"it has {_listed(sorted({channel.kind for channel in self._channels.values()}))}"
+            elif self._streams:
+                held = f"it has {_listed(sorted({channel.kind for channel in self._streams.values()}))}"
             damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in self.notes[:1])
             raise ReadError(
                 "log.no_scans",
                 "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan or Range): "
-                f"{held}{damage}.{_advice(channel.kind for channel in self._channels.values())}",
+                f"{held}{damage}.{_advice(channel.kind for channel in self._streams.values())}",
             )
         if topic is None:
             return max(self._sensors.values(), key=lambda sensor: (sensor.kind != "sensor_msgs/Range", sensor.n_scans))
@@ -266,7 +272,7 @@ class Recording:
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]
         counts: dict[tuple[str, str], int] = {}
-        for channel in self._channels.values():
+        for channel in self._streams.values():
             if channel.topic not in self._sensors:
                 key = (channel.topic, channel.kind)
                 counts[key] = counts.get(key, 0) + channel.count

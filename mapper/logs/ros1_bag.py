@@ -13,15 +13,15 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from pathlib import Path
 
 from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.limits import Limits
+from mapper.logs.archive import Source
 from mapper.logs.bytestream import ByteStream, byte_stream
+from mapper.logs.container import Container
 from mapper.logs.inflate import inflate
 from mapper.logs.recording import Recording
 from mapper.logs.unpacking import Progress
-from mapper.scan import ScanLog
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"#ROSBAG V2.0\n"
@@ -191,16 +191,14 @@ class _Bag:
             self.recording.notes.append(sentence)
 
 
-def read_ros1_bag(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
-) -> ScanLog:
-    """Return the bag at ``path`` as the log of one of its range sensors; see :class:`Recording`.
+def take_ros1_bag(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    """Hand what a bag holds over to ``recording``; of one that is cut or damaged, what could be read.
 
-    A bag that is cut or damaged gives what could be read, and notes that say what is missing. Raises
-    :class:`ReadError` where there is no scan, and :class:`LimitError`.
+    Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.
     """
-    recording = Recording(limits)
-    with byte_stream(path, limits, progress) as stream:
+    with byte_stream(file, limits, progress) as stream:
         _Bag(stream, recording, limits).read()
         recording.notes += stream.notes
-    return recording.log(path.name, "ROS 1 bag", topic)
+
+
+ROS1_BAG = Container("ROS 1 bag", take_ros1_bag)

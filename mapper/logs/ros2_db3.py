@@ -16,27 +16,25 @@ from pathlib import Path
 from urllib.parse import quote
 
 from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS, Limits
+from mapper.limits import Limits
+from mapper.logs.archive import Source
 from mapper.logs.bytestream import byte_stream
+from mapper.logs.container import Container
 from mapper.logs.names import printable
 from mapper.logs.recording import Recording
-from mapper.logs.unpacking import Progress
-from mapper.scan import ScanLog
+from mapper.logs.unpacking import Progress, opened
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
 
 
-def read_ros2_db3(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
-) -> ScanLog:
-    """Return the ROS 2 bag at ``path`` as the log of one of its range sensors; see :class:`Recording`.
+def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
 
-    A database that is damaged gives the messages before the damage, and a note. Raises :class:`ReadError` where there
-    is no scan, and :class:`LimitError`.
+    Raises :class:`ReadError` where there are none, and :class:`LimitError`.
     """
-    recording = Recording(limits)
-    connection, notes, is_journaled = _opened(path, limits)
+    before = recording.n_scans
+    connection, notes, is_journaled = _opened(file, limits)
     try:
         recording.notes += notes
         if is_journaled:
@@ -46,7 +44,7 @@ def read_ros2_db3(
             )
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
-        if not recording.n_scans:
+        if recording.n_scans == before:
             raise _unreadable(error) from error
         recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): what stands before is there.")
     except ReadError as error:
@@ -59,17 +57,19 @@ def read_ros2_db3(
         ) from error
     finally:
         connection.close()
-    return recording.log(path.name, "ROS 2 bag (SQLite)", topic)
 
 
-def _opened(path: Path, limits: Limits) -> tuple[sqlite3.Connection, list[str], bool]:
+ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
+
+
+def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str], bool]:
     """Return the database, what is missing of it, and whether it keeps a write-ahead log."""
-    with path.open("rb") as file:
+    with opened(path) as file:
         head = file.read(100)
-        size = os.fstat(file.fileno()).st_size
+        size = file.seek(0, os.SEEK_END)
     notes = []
     try:
-        if head.startswith(MAGIC) and not _is_cut(head, size):
+        if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
             # immutable: neither locks nor a journal beside it, which a hostile file could come with
             connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
         else:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
+from mapper.logs.archive import Source
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
@@ -38,11 +39,6 @@ _LINE = re.compile(rb"\s*[0-9]+(?:[ \t]+[0-9]+){4,64}\s*\Z")
 def is_sonar(head: bytes) -> bool:
     """Return whether the first line of a text is one of ``measurement.txt``: whole numbers, five or more."""
     return _LINE.match(head.split(b"\n", 1)[0]) is not None
-
-
-def is_sonar_folder(path: Path) -> bool:
-    """Return whether ``path`` is a folder with both files in it."""
-    return (path / READINGS).is_file() and (path / POSES).is_file()
 
 
 class _Rows:
@@ -76,7 +72,7 @@ class _Rows:
         return np.frombuffer(self._values).reshape(self.n, -1)
 
 
-def _rows(path: Path, columns: int | None, limits: Limits, progress: Progress | None) -> tuple[_Rows, list[str]]:
+def _rows(path: Source, columns: int | None, limits: Limits, progress: Progress | None) -> tuple[_Rows, list[str]]:
     found, notes = _Rows(path.name, columns, limits), list[str]()
     take_lines(TextLines(path, limits, progress), found.take, lambda: found.n, notes)
     if not found.n:
@@ -85,18 +81,27 @@ def _rows(path: Path, columns: int | None, limits: Limits, progress: Progress | 
 
 
 def read_sonar(
-    path: Path, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+    readings: Source,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+    topic: str | None = None,
+    *,
+    poses: Source | None = None,
 ) -> ScanLog:
-    """Return the log of the sonar ring in the folder ``path``, or of which ``path`` is the ``measurement.txt``.
+    """Return the log of a sonar ring; its ``poses`` lie beside the ``readings`` where no other file is named.
 
     Raises :class:`ReadError`, naming the file and the line, also where the poses are missing, and :class:`LimitError`.
     """
     if topic is not None:
         raise ReadError("log.topic", f"A sonar log has one ring of sonars, and no topic {topic!r:.80}.")
-    readings = path / READINGS if path.is_dir() else path
-    poses = readings.with_name(POSES)
-    if not poses.is_file():
-        raise ReadError("log.poses", f"The poses are missing: beside {readings.name} there is no {POSES}.")
+    if poses is None and isinstance(readings, Path) and readings.with_name(POSES).is_file():
+        poses = readings.with_name(POSES)
+    if poses is None:
+        raise ReadError(
+            "log.poses",
+            f"The poses are missing: beside {readings.name} there is no {POSES}; a ring of sonars is both files "
+            "together, or the folder or tar archive that they are in.",
+        )
     measured, notes = _rows(readings, None, limits, progress)
     stated, more = _rows(poses, 4, limits, None)
     stamps, ranges = np.split(measured.rows(), [1], axis=1)
@@ -126,7 +131,7 @@ def read_sonar(
         trajectories={"exact": Trajectory(pose, f"the poses in {POSES}, which are said to be exact")},
         bearings=bearings,
         beam_width=BEAM_WIDTH,
-        name=path.name,
+        name=readings.name,
         format="sonar ring",
         notes=(*notes, *more, f"The files do not state where the sonars point: {assumed} assumed, cones of 20°."),
         limits=limits,

@@ -9,12 +9,12 @@ import contextlib
 import os
 import zlib
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import IO, BinaryIO, cast
 
 import zstandard
 
 from mapper.errors import ReadError
+from mapper.logs.archive import Source
 from mapper.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
 
 GZIP_MAGIC = b"\x1f\x8b"
@@ -23,7 +23,7 @@ PIECE = 1 << 18  #: bytes read, and bytes decompressed, at a time
 Progress = Callable[[float], None]  #: called now and then with the share of the file that has been read, 0 … 1
 
 
-def opened(path: Path) -> BinaryIO:
+def opened(path: Source) -> BinaryIO:
     """Open a file for reading. Raises :class:`ReadError` if it is missing or may not be read."""
     try:
         return path.open("rb")
@@ -77,9 +77,10 @@ class Unpacked:
             self.broken = "is damaged"
 
     def _raw(self) -> Iterator[bytes]:
-        size = max(1, os.fstat(self._file.fileno()).st_size)
         done = 0
         try:
+            size = max(1, self._file.seek(0, os.SEEK_END))
+            self._file.seek(0)
             while piece := self._file.read(PIECE):
                 done += len(piece)
                 yield piece

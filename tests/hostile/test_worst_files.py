@@ -13,6 +13,7 @@ import pytest
 import zstandard
 
 from tests.hostile import bombs
+from tests.hostile.archives import tarred
 from tests.hostile.corpus import TEXTS, bag_record, bag_with_chunk, images, mcap_with_chunk, recording
 from tests.hostile.test_crash import files, served
 from tests.mapper.logs import recorded
@@ -76,6 +77,8 @@ WORST: dict[str, tuple[Callable[[], bytes], str]] = {
     "cut.log.zst": (lambda: cut(zstandard.compress(CARMEN)), "log.truncated"),
     "middle.log.gz": (lambda: overwritten(gzip.compress(CARMEN, mtime=0)), "The gzip data is damaged"),
     "folder.tar": (lambda: bytes(257) + b"ustar" + bytes(762) + CARMEN, "log.archive"),
+    "way.tar": (lambda: tarred({"../../way.log": CARMEN, "/etc/passwd": b"root"}), "RLASER"),
+    "cut.tar": (lambda: cut(tarred({"a.log": CARMEN})), "The archive ends early"),
     "twice.gz.gz": (lambda: gzip.compress(gzip.compress(CARMEN)), "log.unknown_format"),
     "map.pgm": (lambda: images()["pgm"], "log.unknown_format"),
     "zeros": (lambda: bytes(1 << 20), "log.binary"),
