@@ -10,8 +10,11 @@ import hashlib
 import json
 import os
 import secrets
+import tarfile
+import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -20,6 +23,7 @@ import httpx
 
 from mapper.errors import MapperError, ReadError
 from mapper.files import whole_file
+from mapper.logs import log_files
 
 PIECE = 1 << 18
 TRIES = 6  #: in a row without a byte more
@@ -38,10 +42,36 @@ def upload(
 ) -> tuple[dict[str, Any], str]:
     """Send ``file`` to the service at ``url`` and wait until it was read; return its record and a link to its map.
 
+    Of a folder the log in it is sent; where that is several files, as a tar archive of them.
     ``url`` may hold the service's token, as the address does that it prints. ``visitors`` is the file that remembers
     who this is. After a cut the upload goes on from where the service has it, ``pause_s`` seconds later and twice that
     after each further try. Raises :class:`ReadError` for a file that cannot be read and :class:`UploadError`.
     """
+    with _as_one_file(file) as one:
+        return _upload(one, file.resolve().name, url, visitors, progress, pause_s)
+
+
+@contextmanager
+def _as_one_file(path: Path) -> Iterator[Path]:
+    """Yield a file with the log at ``path``. The same files give the same archive, so that it is known again."""
+    logs = log_files(path) if path.is_dir() else [path]
+    if len(logs) == 1:
+        yield logs[0]
+        return
+    with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
+        with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+            for log in logs:
+                info = tarfile.TarInfo(log.name[-100:])  # the end has the number that tells its place
+                with log.open("rb") as file:
+                    info.size = os.fstat(file.fileno()).st_size
+                    archive.addfile(info, file)
+        packed.flush()
+        yield Path(packed.name)
+
+
+def _upload(
+    file: Path, name: str, url: str, visitors: Path, progress: Progress | None, pause_s: float
+) -> tuple[dict[str, Any], str]:
     parts = urlsplit(url if "//" in url else f"http://{url}")
     base = f"{parts.scheme}://{parts.netloc}"
     token = parse_qs(parts.query).get("token", [""])[0]
@@ -50,7 +80,7 @@ def upload(
     try:
         cookies = {"gridbloom_visitor": _visitor(visitors, base)}
         with httpx.Client(base_url=base, headers=headers, cookies=cookies, timeout=TIMEOUT_S) as client:
-            record = _sent(client, file, size, digest, progress, pause_s)
+            record = _sent(client, file, name, size, digest, progress, pause_s)
             while record["state"] in ("queued", "reading"):
                 time.sleep(READ_EVERY_S)
                 record = _answered(client.get(f"/api/logs/{record['id']}"))
@@ -76,7 +106,7 @@ def _measured(file: Path) -> tuple[int, str]:
 
 
 def _sent(
-    client: httpx.Client, file: Path, size: int, digest: str, progress: Progress | None, pause_s: float
+    client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
     """Send the file, as often as it takes; return the record of the log."""
     key = digest[:40]
@@ -88,7 +118,7 @@ def _sent(
             before = max(before, offset)
             answer = client.put(
                 "/api/logs",
-                params={"name": file.name, "upload": key, "sha256": digest},
+                params={"name": name, "upload": key, "sha256": digest},
                 content=_pieces(file, offset, size, progress),
                 headers={"Content-Range": f"bytes {offset}-{size - 1}/{size}", "Content-Length": str(size - offset)},
             )

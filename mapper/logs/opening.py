@@ -105,6 +105,17 @@ def open_log(
     return _reading(Path(path), limits)(limits, progress, topic)
 
 
+def log_files(folder: Path) -> list[Path]:
+    """Return the files that are the log in a folder, with what tells that they belong together.
+
+    Raises :class:`ReadError` where there is none, or several.
+    """
+    files = _files_in(folder, DEFAULT_LIMITS)
+    logs, _ = _one_log(files, "folder")
+    beside = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
+    return [file for file in [*beside, *logs] if isinstance(file, Path)]
+
+
 def _reading(path: Path, limits: Limits) -> Reading:
     """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
     if path.is_dir():
@@ -133,10 +144,20 @@ def _files_in(folder: Path, limits: Limits) -> list[Source]:
 
 def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading:
     """Return what reads the one log that these files are."""
+    logs, kind = _one_log(files, where)
+    if len(logs) == 1:
+        return partial(_reader(kind), logs[0])
+    if isinstance(kind, Container):
+        return partial(kind.read_split, logs, name)
+    return partial(sonar.read_sonar, logs[0], poses=logs[1])
+
+
+def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Container | Reader]:
+    """Return which of the files are the one log among them, and of which kind; raise :class:`ReadError` for none."""
     by_place = {(_folder_of(file), file.name): file for file in files}
     for (folder, last), readings in by_place.items():
         if last == sonar.READINGS and (folder, sonar.POSES) in by_place:
-            return partial(sonar.read_sonar, readings, poses=by_place[folder, sonar.POSES])
+            return [readings, by_place[folder, sonar.POSES]], sonar.read_sonar
     kinds: dict[Source, Container | Reader] = {}
     for file in files:
         try:
@@ -146,14 +167,12 @@ def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading
                 raise
     if not kinds:
         raise ReadError("log.folder", f"The {where} holds no log of a known kind ({KNOWN}).")
-    logs, kind = list(kinds), next(iter(kinds.values()))
-    if len(logs) == 1:
-        return partial(_reader(kind), logs[0])
-    why = _apart(logs, set(kinds.values()), by_place)
-    if why is None and isinstance(kind, Container):
-        return partial(kind.read_split, logs, name)
-    names = ", ".join(repr(name)[:80] for name in sorted(one.name for one in logs)[:6])
-    raise ReadError("log.folder", f"The {where} holds {len(logs)} recordings, {why}; open one of them: {names}.")
+    logs = list(kinds)
+    why = _apart(logs, set(kinds.values()), by_place) if len(logs) > 1 else None
+    if why is not None:
+        names = ", ".join(repr(name)[:80] for name in sorted(one.name for one in logs)[:6])
+        raise ReadError("log.folder", f"The {where} holds {len(logs)} recordings, {why}; open one of them: {names}.")
+    return logs, kinds[logs[0]]
 
 
 def _apart(
@@ -236,6 +255,12 @@ def _not_a_log(head: bytes) -> ReadError:
         return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
     if b"\0" in head:
         return ReadError("log.binary", "The file is binary data, not a text log.")
+    if sonar.is_sonar_poses(head):
+        return ReadError(
+            "log.poses",
+            f"The file is poses without readings, four whole numbers a line: a ring of sonars is {sonar.READINGS} and "
+            f"{sonar.POSES} together, or the folder or tar archive that they are in.",
+        )
     comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())
     if comments:
         return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")

@@ -34,11 +34,17 @@ BEAM_WIDTH = math.radians(20.0)
 EIGHT = np.radians([-90.0, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90.0])
 LEAST, MOST = 4, 64  #: sonars
 _LINE = re.compile(rb"\s*[0-9]+(?:[ \t]+[0-9]+){4,64}\s*\Z")
+_POSE = re.compile(rb"\s*[0-9]+(?:[ \t]+-?[0-9]+){3}\s*\Z")
 
 
 def is_sonar(head: bytes) -> bool:
     """Return whether the first line of a text is one of ``measurement.txt``: whole numbers, five or more."""
     return _LINE.match(head.split(b"\n", 1)[0]) is not None
+
+
+def is_sonar_poses(head: bytes) -> bool:
+    """Return whether the first line of a text is one of ``poses.txt``: four whole numbers."""
+    return _POSE.match(head.split(b"\n", 1)[0]) is not None
 
 
 class _Rows:

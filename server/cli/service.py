@@ -48,7 +48,7 @@ def serve(
 
 @app.command()
 def upload(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot's log.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot's log, or its folder.")],
     url: Annotated[str, typer.Argument(metavar="URL", help="The service's address, as it prints it.")],
     as_json: AsJson = False,
 ) -> None:

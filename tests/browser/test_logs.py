@@ -14,6 +14,8 @@ from PIL import Image
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import SECONDS, drag, frame, map_bytes, map_digest, painted, settled_digest, until
+from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
+from tests.mapper.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 
@@ -179,3 +181,31 @@ def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: st
     # Nothing else stopped working: the sample opens beside it.
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
+
+
+def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: Path) -> None:
+    """A recording that ROS 2 split, as it lies on the disk; and a ring of sonars' two files, chosen together."""
+    folder, _ = split(tmp_path, "mcap", 3)
+    page.goto(f"{server}/logs.html")
+    box = page.locator(".dropzone").bounding_box()
+    assert box is not None
+    place = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    hand = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        data = {"items": [], "files": [str(folder)], "dragOperationsMask": 1}
+        hand.send("Input.dispatchDragEvent", {"type": kind, **place, "data": data})
+    card = page.locator(".log-card", has=page.get_by_role("heading", name="run", exact=True))
+    expect(card).to_contain_text("24 scans")
+    expect(card).to_contain_text("3 files")
+    page.locator("input[type=file]").set_input_files(
+        [
+            {"name": "poses.txt", "mimeType": "text/plain", "buffer": SONAR_POSES.encode()},
+            {"name": "measurement.txt", "mimeType": "text/plain", "buffer": SONAR_READINGS.encode()},
+        ]
+    )
+    ring = page.locator(".log-card", has=page.get_by_role("heading", name="sonars", exact=True))
+    expect(ring).to_contain_text("5 scans")
+    for one in (card, ring):
+        one.get_by_role("button", name="Delete").click()
+        page.get_by_role("dialog").get_by_role("button", name="Delete").click()
+        expect(one).to_have_count(0)

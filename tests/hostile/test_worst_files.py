@@ -78,7 +78,7 @@ WORST: dict[str, tuple[Callable[[], bytes], str]] = {
     "middle.log.gz": (lambda: overwritten(gzip.compress(CARMEN, mtime=0)), "The gzip data is damaged"),
     "folder.tar": (lambda: bytes(257) + b"ustar" + bytes(762) + CARMEN, "log.archive"),
     "way.tar": (lambda: tarred({"../../way.log": CARMEN, "/etc/passwd": b"root"}), "RLASER"),
-    "cut.tar": (lambda: cut(tarred({"a.log": CARMEN})), "The archive ends early"),
+    "cut.tar": (lambda: cut(tarred({"a.log": CARMEN}), 0.2), "The archive ends early"),
     "twice.gz.gz": (lambda: gzip.compress(gzip.compress(CARMEN)), "log.unknown_format"),
     "map.pgm": (lambda: images()["pgm"], "log.unknown_format"),
     "zeros": (lambda: bytes(1 << 20), "log.binary"),

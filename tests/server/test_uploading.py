@@ -12,8 +12,10 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 
 from mapper.errors import ReadError
+from mapper.logs import open_log
 from server.cli import main
 from server.uploading import TRIES, UploadError, upload
+from tests.mapper.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 from tests.server.service import Service
@@ -54,6 +56,20 @@ def test_a_log_is_sent_read_and_to_be_seen(service: Service, log: Path, tmp_path
     assert stat.S_IMODE(visitors.stat().st_mode) == 0o600
     again, _ = upload(log, f"http://127.0.0.1:{service.port}/logs.html", visitors)
     assert again["id"] == record["id"], "the same file is stored once"
+
+
+def test_a_folder_with_a_log_in_several_files_is_one_log_there(service: Service, tmp_path: Path) -> None:
+    folder, whole = split(tmp_path, "mcap", 3)
+    url, visitors = f"127.0.0.1:{service.port}", tmp_path / "visitors.json"
+    record, _ = upload(folder, url, visitors)
+    assert (record["name"], record["scans"]) == ("run", open_log(whole).n_scans)
+    assert record["notes"] == ["3 files are read as one recording."]
+    (folder / "run_0.mcap").touch()
+    assert upload(folder, url, visitors)[0]["id"] == record["id"], "the same files are stored once"
+    assert upload(whole.parent, url, visitors)[0]["name"] == "whole"
+    (folder / "metadata.yaml").unlink()
+    with pytest.raises(ReadError, match="holds 3 recordings"):
+        upload(folder, url, visitors)
 
 
 @pytest.mark.parametrize("tenth", range(1, 11))

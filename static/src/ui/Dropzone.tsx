@@ -1,22 +1,19 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
-import { droppedFiles } from "./dropped";
+import { droppedFiles, type Folder } from "./dropped";
 import { Icon } from "./Icon";
 
 interface DropzoneProps {
-  readonly onFiles: (files: readonly File[]) => void;
+  readonly onFolders: (folders: readonly Folder[]) => void;
   readonly button: string;
   readonly children: ComponentChildren;
 }
 
 /** Takes files by drop, those of dropped folders too, or by picker. */
-export function Dropzone({ onFiles, button, children }: DropzoneProps) {
+export function Dropzone({ onFolders, button, children }: DropzoneProps) {
   const depth = useSignal(0);
   const input = useRef<HTMLInputElement>(null);
-  const take = (files: readonly File[]): void => {
-    if (files.length > 0) onFiles(files);
-  };
   return (
     <section
       class={`dropzone${depth.value > 0 ? " over" : ""}`}
@@ -32,7 +29,7 @@ export function Dropzone({ onFiles, button, children }: DropzoneProps) {
       onDrop={(event) => {
         event.preventDefault();
         depth.value = 0;
-        if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(take);
+        if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(onFolders);
       }}
     >
       <Icon name="upload" />
@@ -44,7 +41,7 @@ export function Dropzone({ onFiles, button, children }: DropzoneProps) {
         multiple
         aria-label={button}
         onChange={(event) => {
-          take([...(event.currentTarget.files ?? [])]);
+          onFolders([{ name: "", files: [...(event.currentTarget.files ?? [])] }]);
           event.currentTarget.value = "";
         }}
       />

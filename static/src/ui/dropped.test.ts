@@ -24,7 +24,8 @@ const folder = (name: string, entries: readonly FileSystemEntry[]): FileSystemEn
     },
   }) as unknown as FileSystemEntry;
 
-const names = async (entries: readonly FileSystemEntry[]) => (await filesIn(entries)).map((one) => one.name);
+const names = async (entries: readonly FileSystemEntry[]) =>
+  (await filesIn(entries)).map((one) => [one.name, ...one.files.map((file) => file.name)]);
 
 describe("what is dropped", () => {
   it("has the files of its folders, by name, with numbers as numbers", async () => {
@@ -35,12 +36,9 @@ describe("what is dropped", () => {
       folder("old", [file("a")]),
     ]);
     expect(await names([file("first"), run, file("last")])).toEqual([
-      "first",
-      "metadata.yaml",
-      "a",
-      "run_2.db3",
-      "run_10.db3",
-      "last",
+      ["", "first", "last"],
+      ["run", "metadata.yaml", "run_2.db3", "run_10.db3"],
+      ["old", "a"],
     ]);
   });
 
@@ -50,11 +48,11 @@ describe("what is dropped", () => {
       isDirectory: false,
       file: (_: unknown, fail: (why: Error) => void) => fail(new Error()),
     };
-    expect(await names([broken as unknown as FileSystemEntry, file("a")])).toEqual(["a"]);
+    expect(await names([broken as unknown as FileSystemEntry, file("a")])).toEqual([["", "a"]]);
     const many = folder(
       "many",
       Array.from({ length: 2000 }, (_, i) => file(String(i))),
     );
-    expect((await names([many])).length).toBe(500);
+    expect((await filesIn([many]))[0]?.files.length).toBe(500);
   });
 });

@@ -3,27 +3,43 @@
 /** Files of a folder that are looked at: more is a mistake, and would stop the page. */
 const MOST = 500;
 
+/** Files that lie together: in a folder that was dropped, or, without a name, chosen by themselves. */
+export interface Folder {
+  readonly name: string;
+  readonly files: readonly File[];
+}
+
 /** All files of a drop, folder by folder. To be called while the drop is handled: later the browser takes them away. */
-export function droppedFiles(transfer: DataTransfer): Promise<readonly File[]> {
+export function droppedFiles(transfer: DataTransfer): Promise<readonly Folder[]> {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
   const plain = [...transfer.files];
-  if (!entries.some((entry) => entry?.isDirectory)) return Promise.resolve(plain);
+  if (!entries.some((entry) => entry?.isDirectory)) return Promise.resolve([{ name: "", files: plain }]);
   return filesIn(entries.filter((entry) => entry !== null));
 }
 
 /** All files of these entries and of the folders among them, up to {@link MOST}; what cannot be read is left out. */
-export async function filesIn(entries: readonly FileSystemEntry[]): Promise<readonly File[]> {
-  const found: File[] = [];
-  const waiting = [...entries].reverse();
-  for (let entry = waiting.pop(); entry && found.length < MOST; entry = waiting.pop()) {
+export async function filesIn(entries: readonly FileSystemEntry[]): Promise<readonly Folder[]> {
+  let found = 0;
+  const loose: File[] = [];
+  const folders: Folder[] = [{ name: "", files: loose }];
+  const waiting = entries.map((entry) => ({ entry, beside: loose })).reverse();
+  for (let next = waiting.pop(); next && found < MOST; next = waiting.pop()) {
+    const { entry, beside } = next;
     try {
-      if (entry.isDirectory) waiting.push(...(await children(entry as FileSystemDirectoryEntry)).reverse());
-      else found.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
+      if (entry.isDirectory) {
+        const files: File[] = [];
+        folders.push({ name: entry.name, files });
+        const inside = await children(entry as FileSystemDirectoryEntry);
+        waiting.push(...inside.map((one) => ({ entry: one, beside: files })).reverse());
+      } else {
+        beside.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
+        found++;
+      }
     } catch {
       // gone meanwhile, or not to be read
     }
   }
-  return found;
+  return folders.filter((folder) => folder.files.length > 0);
 }
 
 /** What is in a folder, by name. The browser gives it in parts, the last of which is empty. */

@@ -97,4 +97,6 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path: Path, readings: str, po
 
 def test_poses_alone_are_no_log(tmp_path: Path) -> None:
     assert not is_log(folder(tmp_path) / "poses.txt")
+    with pytest.raises(MapperError, match=r"poses without readings, .* measurement\.txt and poses\.txt together"):
+        open_log(tmp_path / "poses.txt")
     assert is_log(folder(tmp_path) / "measurement.txt")

@@ -1,8 +1,10 @@
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
+import type { Folder } from "../../ui/dropped";
 import { bytes } from "../../ui/numbers";
 import { upload, uploads } from "../logs/library";
+import { logsIn } from "../logs/together";
 import { Section } from "./Section";
 
 /** Sends files to the server and, when all are up, goes to the page that lists them. */
@@ -10,16 +12,16 @@ function YourLog() {
   const sending = uploads.value;
   const failed = sending.some((one) => one.error !== null);
   const begun = useRef(false);
-  const take = (files: readonly File[]): void => {
+  const take = (folders: readonly Folder[]): void => {
     begun.current = true;
-    for (const file of files) upload(file);
+    for (const log of folders.flatMap(logsIn)) upload(log);
   };
   useEffect(() => {
     if (begun.current && sending.length === 0) location.assign("/logs.html");
   }, [sending]);
   return (
     <figure class="your-log" aria-label="A log of your own">
-      <Dropzone onFiles={take} button="Choose files">
+      <Dropzone onFolders={take} button="Choose files">
         <p>
           <b>Drop a log here.</b> Its map fills in on the logs page.
         </p>

@@ -4,7 +4,8 @@ import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
 import { bytes } from "../../ui/numbers";
 import { LogCard } from "./LogCard";
-import { dismiss, type LogRecord, listError, logs, mayBeLogs, type Upload, upload, uploads, watch } from "./library";
+import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
+import { logsIn } from "./together";
 
 /** Every log there is, and the place to drop one's own. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
@@ -22,12 +23,13 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           every reading of the log, while the slider moves.
         </p>
       </div>
-      <Dropzone button="Choose a log" onFiles={(files) => mayBeLogs(files).forEach(upload)}>
+      <Dropzone button="Choose a log" onFolders={(folders) => folders.flatMap(logsIn).forEach(upload)}>
         <p>
           <strong>Drop your own log here, a file or a whole ROS 2 folder</strong>
         </p>
         <p class="quiet">
-          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM or CSV, plain or compressed. Only this browser will see it.
+          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. A recording in
+          several files: drop its folder. Only this browser will see it.
         </p>
       </Dropzone>
       {uploads.value.map((one) => (

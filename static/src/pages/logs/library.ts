@@ -153,13 +153,6 @@ async function offsetOf(name: string): Promise<number | null> {
   }
 }
 
-/** What lies beside recordings and is none: ROS 2's description of a bag, SQLite's journals, what file managers leave. */
-const BESIDE = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|Thumbs\.db|desktop\.ini)$/i;
-
-/** Of files that were chosen together, as the folder that a ROS 2 bag is, those that may be logs; a single one is. */
-export const mayBeLogs = (files: readonly File[]): readonly File[] =>
-  files.length > 1 ? files.filter((file) => !BESIDE.test(file.name)) : files;
-
 const AT_ONCE = 3; // files on their way; the server takes only so many of all visitors
 const waiting: (() => Promise<void>)[] = [];
 let sending = 0;

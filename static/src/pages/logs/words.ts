@@ -99,7 +99,8 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
     "Copy the file again from where it was recorded; this copy is damaged.",
   ],
-  [/\.poses$/, "A ring of sonars is two files, which gridbloom map reads from their folder on the command line."],
+  [/\.poses$/, "A ring of sonars is two files: choose measurement.txt and poses.txt together, or drop their folder."],
+  [/\.archive$/, "What was unpacked can be dropped here as a whole folder."],
   [/\.no_scans$/, "A map needs the range readings. Is there another file of the same run?"],
   [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
   [
