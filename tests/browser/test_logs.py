@@ -197,12 +197,9 @@ def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: 
     card = page.locator(".log-card", has=page.get_by_role("heading", name="run", exact=True))
     expect(card).to_contain_text("24 scans")
     expect(card).to_contain_text("3 files")
-    page.locator("input[type=file]").set_input_files(
-        [
-            {"name": "poses.txt", "mimeType": "text/plain", "buffer": SONAR_POSES.encode()},
-            {"name": "measurement.txt", "mimeType": "text/plain", "buffer": SONAR_READINGS.encode()},
-        ]
-    )
+    (tmp_path / "measurement.txt").write_text(SONAR_READINGS)
+    (tmp_path / "poses.txt").write_text(SONAR_POSES)
+    page.locator("input[type=file]").set_input_files([tmp_path / "poses.txt", tmp_path / "measurement.txt"])
     ring = page.locator(".log-card", has=page.get_by_role("heading", name="sonars", exact=True))
     expect(ring).to_contain_text("5 scans")
     for one in (card, ring):

@@ -130,13 +130,13 @@ def test_what_is_no_log_at_all(tmp_path, data, code, words):
 def test_a_file_that_is_not_there_and_one_that_is_a_folder(tmp_path):
     with pytest.raises(ReadError, match=r"There is no file 'gone\.log'") as missing:
         open_log(tmp_path / "gone.log")
-    with pytest.raises(ReadError, match="cannot be read") as folder:
+    with pytest.raises(ReadError, match="The folder holds no log of a known kind") as folder:
         open_log(tmp_path)
     with pytest.raises(ReadError) as nul:
         open_log("a\0b")
     assert (missing.value.code, folder.value.code, nul.value.code) == (
         "log.missing",
-        "log.unreadable",
+        "log.folder",
         "log.unreadable",
     )
 
