@@ -14,7 +14,7 @@ def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
     """Return each cell's entropy H(p) = −p log₂ p − (1 − p) log₂ (1 − p), bits, for log-odds of any shape.
 
     With q = the less likely state's probability and ℓ its distance from even odds, H = (ln(1 + e^−|ℓ|) + q |ℓ|) / ln 2,
-    which neither overflows nor takes the logarithm of 0. Source: Probabilistic Robotics, section 17.4.2.
+    which neither overflows nor takes the logarithm of 0. Source: Probabilistic Robotics, section 17.4.
     """
     distance = np.abs(np.asarray(log_odds, dtype=np.float64))
     small = np.exp(-distance)
@@ -26,7 +26,7 @@ def information_gain(grid: OccupancyGrid) -> NDArray[np.float64]:
     """Return what the map has learned of each cell (rows, cols), bits: the entropy of its prior less that of now.
 
     Negative where it is less sure than it was at first, as a cell is whose prior map was contradicted. Source:
-    Probabilistic Robotics, section 17.4.2.
+    Probabilistic Robotics, section 17.4.
     """
     return np.where(grid.observed, entropy(grid.prior()) - entropy(grid.log_odds), 0.0)
 

@@ -151,7 +151,7 @@ class SmoothRamp:
     Evidence rises from ``log_odds_miss`` at s = z − 2σ to ``log_odds_hit`` at s = z and falls to 0 at s = z + 2σ, both
     along the cubic 3t² − 2t³, so that neither the value nor the slope jumps. The cell that holds the endpoint gets the
     full ``log_odds_hit``. The shape is that of Elfes, Using occupancy grids for mobile robot perception and navigation,
-    Computer 1989, figure 2 (a profile computed from a Gaussian sensor), with a cubic in place of the integral.
+    Computer 1989 (a profile computed from a Gaussian sensor), with a cubic in place of the integral.
     """
 
     log_odds_miss: float = -0.4
@@ -235,8 +235,7 @@ class MoravecElfes:
     With ω = ``opening`` radians and ε = r/2 = half of ``window`` metres, for |θ| ≤ ω/2:
     empty (s, θ) = (1 − (s/(z − ε))²) · (1 − (2θ/ω)²) for s < z − ε, and
     occupied (s, θ) = (1 − ((s − z)/ε)²) · (1 − (2θ/ω)²) for |s − z| ≤ ε. They are combined by rules of their own, no
-    Bayes filter: see :func:`mapper.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, section 3, with
-    R_min = 0.
+    Bayes filter: see :func:`mapper.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, with R_min = 0.
     """
 
     window: float = 0.2

@@ -253,7 +253,7 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
     First what is empty, for all readings: Emp ← Emp + E − Emp·E. Then what is occupied, reading by reading: O is
     cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
     obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both.
-    Source: Moravec & Elfes 1985, section 4.
+    Source: Moravec & Elfes 1985.
     """
     model = cast("MoravecElfes", config.beam_model())
     occupied, empty = tallies_of(grid, config)

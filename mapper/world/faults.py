@@ -71,8 +71,9 @@ def swallowed(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_pose: A
     """Return which beams (n,) a polished wall swallows, given their true ``ranges`` (n,), without noise, and bearings.
 
     ``angles`` (n,) are radians in the laser frame, ``sensor_pose`` (3,) is ``T_map_laser``. A beam that returns from
-    anything else, or from nothing, is not swallowed. Source of the effect: Probabilistic Robotics, section 6.2
-    (specular reflection, which sonars know from every smooth wall and lidars from glass and polish).
+    anything else, or from nothing, is not swallowed. Source of the effect: Probabilistic Robotics, section 6.3
+    (failures of a range finder: specular reflection, which sonars know from every smooth wall and lidars from glass and
+    polish).
     """
     faces = polished_faces(world)
     distance = np.asarray(ranges, dtype=np.float64)

@@ -28,7 +28,7 @@ def ranges_in_cones(
 
     ``pose`` (x, y, yaw) is ``T_map_sensor``; ``bearings`` (n,) of the cones' axes and ``beam_width`` are radians; the
     rays are those of :func:`rays_of_cone`. What a sonar hears is the nearest of what sends its sound back. Source: the
-    wide beam of a time of flight sonar, Moravec & Elfes 1985, section 2.
+    wide beam of a time of flight sonar, Moravec & Elfes 1985.
     """
     x, y, yaw = pose
     rays = rays_of_cone(beam_width)

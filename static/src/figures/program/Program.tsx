@@ -179,6 +179,7 @@ function Text({ here }: { here: Step }) {
             <code
               key={line.offset}
               class={isLit(line) ? "lit" : ""}
+              style={{ "--indent": `${line.text.search(/\S|$/)}ch` }}
               {...(isLit(line) ? { ref: lit, "aria-current": "step" as const } : {})}
             >
               {coloured(line.text)}

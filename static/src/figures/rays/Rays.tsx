@@ -246,7 +246,7 @@ function Words({ line, at, from, to, crossed }: WordsProps) {
   const { nabla } = step ?? { nabla: null };
   return (
     <>
-      Octant {octant(from, to)}: a = {written(line.a, 0)}, b = {written(line.b, 0)}
+      Octant {octant(from, to)}: <i>a</i> = {written(line.a, 0)}, <i>b</i> = {written(line.b, 0)}
       {line.steep && ", axes swapped"}.{" "}
       {nabla === null ? (
         arrived ? (
@@ -262,11 +262,11 @@ function Words({ line, at, from, to, crossed }: WordsProps) {
           Cell {at + 1} of {line.steps.length}: ∇ = <b>{written(nabla, 0)}</b>{" "}
           {nabla >= 0 ? (
             <>
-              ≥ 0, so <b class="noun-hit">diagonal</b>, then ∇ + 2b − 2a ={" "}
+              ≥ 0, so <b class="noun-hit">diagonal</b>, then ∇ + 2<i>b</i> − 2<i>a</i> ={" "}
             </>
           ) : (
             <>
-              &lt; 0, so <b class="noun-miss">straight</b>, then ∇ + 2b ={" "}
+              &lt; 0, so <b class="noun-miss">straight</b>, then ∇ + 2<i>b</i> ={" "}
             </>
           )}
           {written(nabla + (nabla >= 0 ? 2 * line.b - 2 * line.a : 2 * line.b), 0)}.

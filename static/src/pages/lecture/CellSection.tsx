@@ -236,7 +236,7 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       }
       sources={[
         ["probabilistic-robotics", "section 4.2 and table 4.2"],
-        ["octomap", "section 3.2 for the clamp, section 5.1 for the increments"],
+        ["octomap", "section 5.1 for the increments; the clamp is from there too"],
       ]}
       after={
         <>

@@ -19,8 +19,8 @@ export function CountingSection({ id, number, title }: { id: string; number: num
           <p>
             Near the sensor all beams run through the same few cells. <b>Per beam</b>, each of them adds its evidence,
             and one scan makes those cells as sure as the clamp allows; the dashed curve is how many beams a cell’s
-            width covers, beams × cell / 2πs at distance s. But a scan is one look from one pose: its beams share every
-            error of that pose, and counting them apart counts the same thing many times.
+            width covers, beams × cell / 2π<i>s</i> at distance <i>s</i>. But a scan is one look from one pose: its
+            beams share every error of that pose, and counting them apart counts the same thing many times.
           </p>
           <p>
             <b>Per scan</b>, as table 9.1 of <cite>Probabilistic Robotics</cite> has it, a cell in view is updated once,

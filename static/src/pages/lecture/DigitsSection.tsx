@@ -22,14 +22,15 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         <p>
           The mapper keeps ℓ in 32 bits for another reason too: an addition is cheaper than the products and the
           division that normalises them, and a map is millions of these. With the clamp of section 2 none of the three
-          would ever get this far: at +3.5 even p has digits to spare. Without it p gives up first, the odds next, and
-          the sum goes on.
+          would ever get this far: at +3.5 even <i>p</i> has digits to spare. Without it <i>p</i> gives up first, the
+          odds next, and the sum goes on.
         </p>
       }
     >
       <p>
-        Odds and log-odds hold the same belief, and so does p itself. Why prefer the logarithm? Because a robot looks at
-        a wall for a long time, and a machine’s number has few digits: 24 bits of them in the 32 that a cell gets.
+        Odds and log-odds hold the same belief, and so does <i>p</i> itself. Why prefer the logarithm? Because a robot
+        looks at a wall for a long time, and a machine’s number has few digits: 24 bits of them in the 32 that a cell
+        gets.
       </p>
       <p>
         Here a cell is hit{" "}

@@ -18,7 +18,7 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
       title={title}
       figure={<Forgetting seen={seen} clamp={clamp} />}
       sources={[
-        ["octomap", "section 3.2: the clamp keeps a map able to change"],
+        ["octomap", "where the clamp keeps a map able to change"],
         ["probabilistic-robotics", "section 4.2: a state that never changes"],
       ]}
       after={

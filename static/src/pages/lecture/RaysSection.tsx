@@ -13,9 +13,9 @@ export function RaysSection({ id, number, title }: { id: string; number: number;
         <>
           <p>
             Drag the <b class="noun-beam">beam’s end</b> all the way round the <b class="noun-robot">sensor</b>. As it
-            is mostly printed, the line works in one octant only: right and up, not steeper than 45°. Bresenham drew it
-            there too, and gave a table of moves for the other seven. Two fixes do the same: <b>fix 1</b> steps with the
-            signs of the differences, <b>fix 2</b> swaps the axes of a steep line. Switch one off, and drag again:
+            is mostly printed, the line works in one octant only: right and up, not steeper than 45°. Bresenham began
+            there too, and then gave the other seven moves of their own. Two fixes do the same: <b>fix 1</b> steps with
+            the signs of the differences, <b>fix 2</b> swaps the axes of a steep line. Switch one off, and drag again:
             outside its octants the line ends where no beam ended.
           </p>
           <p>
@@ -28,10 +28,10 @@ export function RaysSection({ id, number, title }: { id: string; number: number;
     >
       <p>
         A reading speaks of the cells <em>along its beam</em>. Which are they? Bresenham’s answer needs only whole
-        numbers and additions. The line runs over a cells along its longer axis and over b along the other. It takes one
-        step along the longer axis for each cell, and a number ∇, 2b − a at first, keeps the score of how far the true
-        line has climbed: while ∇ is negative the next step goes <b class="noun-miss">straight</b>, otherwise it is{" "}
-        <b class="noun-hit">diagonal</b>.
+        numbers and additions. The line runs over <i>a</i> cells along its longer axis and over <i>b</i> along the
+        other. It takes one step along the longer axis for each cell, and a number ∇, 2<i>b</i> − <i>a</i> at first,
+        keeps the score of how far the true line has climbed: while ∇ is negative the next step goes{" "}
+        <b class="noun-miss">straight</b>, otherwise it is <b class="noun-hit">diagonal</b>.
       </p>
     </Section>
   );
