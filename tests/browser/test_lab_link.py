@@ -72,6 +72,30 @@ def test_the_address_opens_what_was_there_after_the_session_has_ended(lab: Page,
     assert settled_digest(other) == kept
 
 
+def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Page, visitor: BrowserContext) -> None:
+    lab.get_by_text("What goes wrong").click()
+    lab.get_by_role("switch", name="Laser mounted askew").click()
+    lab.get_by_role("switch", name="Right beside wrong").click()
+    lab.evaluate(
+        "() => { const s = gridbloom.connection.store; const [x, y] = s.frame.peek().pose;"
+        " s.pinned.value = [x + 0.5, y]; s.ask([x + 0.5, y]); }"
+    )
+    lab.get_by_role("button", name="Touch before").click()
+    seen = "() => { const s = gridbloom.connection.store; return s.compared.peek() && s.why.peek() && s.touch.peek()"
+    seen += " && [s.compared.peek().values, s.pinned.peek(), s.why.peek(), s.touch.peek()]; }"
+    settled_digest(lab)
+    shown = until("the second map and the answer", lambda: lab.evaluate(seen))
+
+    def tells() -> bool:
+        link = told(lab.evaluate("() => location.href"))
+        return bool(link.get("right")) and (link.get("why") or {}).get("touch") == shown[3]["n"]
+
+    until("the address to follow", tells)
+    other = opened(visitor, lab.evaluate("() => location.href").replace("session=", "gone="))
+    expect(other.locator(".plate")).to_have_count(3)
+    assert until("the same", lambda: other.evaluate(seen)) == shown
+
+
 def test_share_copies_a_link_to_a_world_of_its_own(lab: Page, visitor: BrowserContext, server: str) -> None:
     lab.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=server)
     lab.get_by_role("button", name="Share").click()

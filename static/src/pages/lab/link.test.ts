@@ -5,6 +5,9 @@ const SHOWN: Shown = {
   story: { world: "büro", seed: 123, steps: 700, journal: [[12, { type: "teleport", x: 1.25, y: -3 }]] },
   wrong: { on: ["no_clamp"], before: { clamp: true } },
   view: { x: 1.5, y: 2, scale: 0.01 },
+  pinned: [1.25, 3],
+  why: { at: [1.25, 3], touch: 7 },
+  right: { clamp: true, mount_yaw: 0 },
 };
 
 test("what is packed comes out again, in letters that an address may hold", async () => {
@@ -13,6 +16,11 @@ test("what is packed comes out again, in letters that an address may hold", asyn
   expect(await unpacked(letters)).toEqual(SHOWN);
   expect(await carried(await fragmentOf(SHOWN))).toEqual(SHOWN);
   expect(await carried("")).toBeNull();
+});
+
+test("a link from before cells and second maps were told opens as it did", async () => {
+  const { pinned, why, right, ...before } = SHOWN;
+  expect(await unpacked(await packed(before as Shown))).toEqual({ ...before, pinned: null, why: null, right: null });
 });
 
 test("a long story stays short", async () => {
@@ -27,4 +35,6 @@ test("a link that lost a piece opens nothing, and one with a strange view shows 
   expect(await unpacked(await packed({ ...SHOWN, story: { world: "x" } } as unknown as Shown))).toBeNull();
   const odd = await unpacked(await packed({ ...SHOWN, view: { x: 1, y: 2, scale: -1 } }));
   expect(odd?.view).toBeNull();
+  const strange = { ...SHOWN, pinned: [1, "2"], why: { at: [1, 2, 3] }, right: { clamp: {} } } as unknown as Shown;
+  expect(await unpacked(await packed(strange))).toMatchObject({ pinned: null, why: null, right: null });
 });

@@ -1,6 +1,10 @@
-/** A link that opens what is on show: the world's story and the view, packed into the part of an address after `#`. */
+/**
+ * A link that opens what is on show, packed into the part of an address after `#`: the world's story, the view, the cell
+ * that is looked at and why it is asked about, and the map made right beside the wrong one.
+ */
 
 import { NOTHING_WRONG, type Wrong } from "../../figures/faults/wrong";
+import type { Point, Value, Values } from "../../protocol";
 import type { Store } from "../../state";
 import type { View } from "../../view";
 
@@ -12,6 +16,12 @@ export interface Shown {
   readonly wrong: Wrong;
   /** Where a person has moved the view; null while it shows everything. */
   readonly view: View | null;
+  /** The place whose cell a person has pinned. */
+  readonly pinned: Point | null;
+  /** The place whose cell is explained, and the touch that is looked at; null for the newest. */
+  readonly why: { readonly at: Point; readonly touch: number | null } | null;
+  /** What the map has otherwise that is made right of the same readings; null while none is beside it. */
+  readonly right: Values | null;
 }
 
 async function through(bytes: Uint8Array, transform: GenericTransformStream): Promise<Uint8Array> {
@@ -29,15 +39,30 @@ export async function packed(shown: Shown): Promise<string> {
 
 const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
 
+const isPoint = (value: unknown): value is Point =>
+  Array.isArray(value) && value.length === 2 && value.every((part) => isNumber(part));
+
+const isValue = (value: unknown): value is Value => typeof value !== "object" && value !== undefined;
+
+const isValues = (values: unknown): values is Values =>
+  typeof values === "object" && values !== null && Object.values(values).every(isValue);
+
 /** Unpack; null for what was never packed, or lost a piece on its way. */
 export async function unpacked(letters: string): Promise<Shown | null> {
   try {
     const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
     const text = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
-    const { story, wrong, view } = JSON.parse(text) as Partial<Shown>;
+    const { story, wrong, view, pinned, why, right } = JSON.parse(text) as Partial<Shown>;
     if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
     const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
-    return { story, wrong: Array.isArray(wrong?.on) ? wrong : NOTHING_WRONG, view: seen };
+    return {
+      story,
+      wrong: Array.isArray(wrong?.on) ? wrong : NOTHING_WRONG,
+      view: seen,
+      pinned: isPoint(pinned) ? pinned : null,
+      why: isPoint(why?.at) ? { at: why.at, touch: isNumber(why.touch) ? why.touch : null } : null,
+      right: isValues(right) ? right : null,
+    };
   } catch {
     return null;
   }
@@ -48,7 +73,17 @@ export async function shownNow(id: string, store: Store): Promise<Shown> {
   const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
   if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
   const story = (await answer.json()) as Story;
-  return { story, wrong: store.wrong.peek(), view: store.viewHeld.peek() ? store.view.peek() : null };
+  const at = store.asked.peek();
+  const compared = store.compared.peek();
+  return {
+    story,
+    wrong: store.wrong.peek(),
+    view: store.viewHeld.peek() ? store.view.peek() : null,
+    pinned: store.pinned.peek(),
+    why: at && { at, touch: store.touched.peek() },
+    // The second map of the moving table began with it and cannot be told.
+    right: compared && !compared.with_faults ? compared.values : null,
+  };
 }
 
 /** The part after `#` of an address. */

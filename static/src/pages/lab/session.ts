@@ -53,10 +53,22 @@ export async function openSession(): Promise<Opened> {
   return { id, notice, shown: null };
 }
 
-/** Show what the link showed. */
+/** Show what the link showed; what the server has to be asked for, when it is there. */
 export function restore(store: Store, shown: Shown): void {
   store.wrong.value = shown.wrong;
   if (shown.view) store.look(shown.view);
+  store.pinned.value = shown.pinned;
+  if (shown.why) {
+    store.ask(shown.why.at);
+    store.touched.value = shown.why.touch;
+  }
+  const { right } = shown;
+  if (!right) return;
+  const stop = effect(() => {
+    if (!store.isReady.value) return;
+    store.send({ type: "compare", values: right });
+    queueMicrotask(() => stop());
+  });
 }
 
 /** Let the address follow what a person does; the result stops it. */
@@ -75,6 +87,7 @@ export function keepAddress(id: string, store: Store): () => void {
     void store.history.version.value;
     void store.viewHeld.value;
     if (store.viewHeld.value) void store.view.value;
+    void [store.pinned.value, store.asked.value, store.touched.value, store.compared.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);
