@@ -7,6 +7,8 @@ visits are exact up to 2²⁴ in each cell.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,17 +32,17 @@ def begin(grid: OccupancyGrid, config: MappingConfig) -> None:
             raise _mixed(config)
         grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
         if config.model == "moravec_elfes":
-            _begin_certainties(grid.tallies, grid.prior())
-            sure = 2.0 * float(probability(grid.log_odds_prior)) - 1.0
-            grid.tally_prior = (max(sure, 0.0), max(-sure, 0.0))
+            grid.tallies[:] = _certainties_of(grid.prior())
+            speaks, against = _certainties_of(np.full(1, grid.log_odds_prior, dtype=np.float32))[:, 0].tolist()
+            grid.tally_prior = (speaks, against)
     elif not tallied and grid.tallies is not None:
         raise _mixed(config)
 
 
-def _begin_certainties(certainties: NDArray[np.float32], prior: NDArray[np.float32]) -> None:
-    """Let certainties (2, rows, cols) say what the log-odds ``prior`` (rows, cols) does."""
+def _certainties_of(prior: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the certainties (2, ...) that say what log-odds of a prior (...) do."""
     value = 2.0 * probability(prior) - 1.0
-    certainties[0], certainties[1] = np.maximum(value, 0.0), np.maximum(-value, 0.0)
+    return np.stack([np.maximum(value, 0.0), np.maximum(-value, 0.0)]).astype(np.float32)
 
 
 def forget(grid: OccupancyGrid, config: MappingConfig, part: tuple[slice, slice]) -> None:
@@ -51,7 +53,7 @@ def forget(grid: OccupancyGrid, config: MappingConfig, part: tuple[slice, slice]
     if grid.tallies is not None:
         grid.tallies[:, *part] = 0.0
         if config.model == "moravec_elfes":
-            _begin_certainties(grid.tallies[:, *part], prior)
+            grid.tallies[:, *part] = _certainties_of(prior)
 
 
 def _mixed(config: MappingConfig) -> ConfigError:
@@ -59,13 +61,23 @@ def _mixed(config: MappingConfig) -> ConfigError:
 
 
 def show(grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64]) -> None:
-    """Compute the log-odds of the observed cells in a box (row0, row1, col0, col1) from their tallies, clamped."""
+    """Compute the log-odds of the cells in a box (row0, row1, col0, col1) from their tallies, clamped.
+
+    A cell whose tallies are what they were at first keeps its prior as it is, also one that a prior map states beyond
+    the clamp: no reading has said anything of it.
+    """
     if grid.tallies is None or box[1] <= box[0]:
         return
     part = np.s_[box[0] : box[1], box[2] : box[3]]
-    prior = grid.log_odds_prior if grid.prior_map is None else grid.prior(part)
     speaks, against = grid.tallies[(0, *part)], grid.tallies[(1, *part)]
-    grid.log_odds[part] = np.where(grid.observed[part], shown(config, speaks, against, prior), grid.log_odds[part])
+    log_odds_prior: float | NDArray[np.float32] = grid.log_odds_prior
+    at_first: Sequence[float] | NDArray[np.float32] = grid.tally_prior
+    if grid.prior_map is not None:
+        log_odds_prior = grid.prior(part)
+        if config.model == "moravec_elfes":
+            at_first = _certainties_of(log_odds_prior)
+    changed = (speaks != at_first[0]) | (against != at_first[1])
+    grid.log_odds[part] = np.where(changed, shown(config, speaks, against, log_odds_prior), grid.log_odds[part])
 
 
 def shown(

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.geometry import transform_points
-from mapper.grid import OccupancyGrid, probability
+from mapper.grid import OccupancyGrid, log_odds, probability
 from mapper.parameters import MappingConfig
 from mapper.scan import RangeScan
 from mapper.sensor_model import HitCounting, MoravecElfes
@@ -222,8 +222,8 @@ def inverse_range_sensor_model(
 def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Count for each cell how often a beam ended in it and how often one passed it. Return the number of updates.
 
-    Which cells those are is decided as by fixed increments; ``grid.tallies`` holds the hits and the misses, and
-    ``grid.log_odds`` their closed-form posterior, clamped.
+    Which cells those are is decided as by fixed increments; ``grid.tallies`` holds the hits n and the misses m, and
+    ``grid.log_odds`` those of their posterior mean (n + w·p₀) / (n + m + w), clamped. p₀ is the cell's own prior.
     """
     model = cast("HitCounting", config.beam_model())
     hits, misses = tallies_of(grid, config)
@@ -242,8 +242,9 @@ def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arr
                     (hits if kind > 0 else misses)[cell] += 1
     visited = hits + misses > before
     grid.observed |= visited
-    posterior = np.clip(model.log_odds(hits, misses), *config.clamp_limits)
-    grid.log_odds[visited] = posterior[visited].astype(np.float32)
+    w = model.prior_weight
+    p = (hits.astype(np.float64) + w * probability(grid.prior())) / (hits.astype(np.float64) + misses + w)
+    grid.log_odds[visited] = np.clip(log_odds(p[visited]), *config.clamp_limits).astype(np.float32)
     return int((hits + misses - before).sum())
 
 
@@ -252,11 +253,13 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
 
     First what is empty, for all readings: Emp ← Emp + E − Emp·E. Then what is occupied, reading by reading: O is
     cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
-    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both.
+    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both, clamped,
+    in each cell where one of them has changed.
     Source: Moravec & Elfes 1985.
     """
     model = cast("MoravecElfes", config.beam_model())
-    occupied, empty = tallies_of(grid, config)
+    occupied, empty = certainties = tallies_of(grid, config)
+    known = certainties.copy()
     z_max = min(scan.range_max, config.range_max)
     cones = [
         (z, *cells_in_cone(grid, sensor_pose, bearing, config.opening))
@@ -289,7 +292,8 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
         updates += len(rows)
     with np.errstate(divide="ignore"):
         shown = np.clip(model.log_odds(empty, occupied), *config.clamp_limits).astype(np.float32)
-    grid.log_odds[grid.observed] = shown[grid.observed]
+    changed = (certainties != known).any(axis=0)
+    grid.log_odds[changed] = shown[changed]
     return updates
 
 
@@ -314,14 +318,14 @@ def provenance(
 ) -> list[tuple[int, int, float, np.float32]]:
     """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
     touches = []
-    log_odds = np.float32(config.log_odds_prior)
+    value = grid.prior()[cell]
     for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
         z_max = min(scan.range_max, config.range_max)
         for k, (z, bearing) in enumerate(zip(readings(scan, config), scan.angles, strict=True)):
             evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
             if cell in evidence:
-                log_odds = bayes_filter(log_odds, np.float32(evidence[cell]), config)
-                touches.append((t, k, evidence[cell], log_odds))
+                value = bayes_filter(value, np.float32(evidence[cell]), config)
+                touches.append((t, k, evidence[cell], value))
     return touches
 
 

@@ -18,14 +18,15 @@ QUARTERS = [k * np.pi / 4 for k in range(-4, 5)]
 
 @dataclass(frozen=True)
 class MappingCase:
-    """A log of a few scans, and the grid and the parameters to map it with."""
+    """A log of a few scans, the grid and the parameters to map it with, and perhaps a map that is known before."""
 
     geometry: GridGeometry
     log: ScanLog
     config: MappingConfig
+    prior_map: np.ndarray | None
 
     def grid(self) -> OccupancyGrid:
-        return OccupancyGrid(self.geometry, self.config.log_odds_prior)
+        return OccupancyGrid(self.geometry, self.config.log_odds_prior, self.prior_map)
 
     def sensor_poses(self) -> np.ndarray:
         return compose(self.log.sensor_poses(), np.array(self.config.mount))
@@ -95,6 +96,15 @@ def configs(draw: st.DrawFn, update: str, models: tuple[str, ...]) -> MappingCon
     return config.with_values({name: draw(values) for name, values in mounted.items()})
 
 
+def some_log_odds(seed: int, shape: tuple[int, int]) -> np.ndarray:
+    """Log-odds of which 3 in 10 are NaN: nothing is known there."""
+    random = np.random.default_rng(seed)
+    return np.where(random.random(shape) < 0.3, np.nan, random.normal(0, 1, shape)).astype(np.float32)
+
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
 @st.composite
 def mapping_cases(draw: st.DrawFn, update: str, models: tuple[str, ...] = STEPS) -> MappingCase:
     geometry = draw(geometries())
@@ -126,7 +136,8 @@ def mapping_cases(draw: st.DrawFn, update: str, models: tuple[str, ...] = STEPS)
         upside_down=draw(st.booleans()),
         bearings=None if uneven is None else np.array(uneven),
     )
-    return MappingCase(geometry, log, config)
+    known = draw(st.none() | SEEDS)
+    return MappingCase(geometry, log, config, None if known is None else some_log_odds(known, geometry.shape))
 
 
 @dataclass(frozen=True)
@@ -146,6 +157,26 @@ def lines() -> st.SearchStrategy[LineCase]:
 
 
 @dataclass(frozen=True)
+class RayCase:
+    """A segment between two points (column, row), in cells, and a grid that may hold all, part or nothing of it."""
+
+    shape: tuple[int, int]
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+@st.composite
+def rays(draw: st.DrawFn) -> RayCase:
+    # Halves of a cell, and as often whole cells from one end to the other: segments go through corners, along borders.
+    shape = (draw(st.integers(1, 8)), draw(st.integers(1, 8)))
+    halves = st.integers(-4, 20).map(lambda n: n / 2)
+    start = (draw(halves | st.floats(-2, 10)), draw(halves | st.floats(-2, 10)))
+    if draw(st.booleans()):
+        return RayCase(shape, start, (draw(halves | st.floats(-2, 10)), draw(halves | st.floats(-2, 10))))
+    return RayCase(shape, start, (start[0] + draw(st.integers(-7, 7)), start[1] + draw(st.integers(-7, 7))))
+
+
+@dataclass(frozen=True)
 class PictureCase:
     """Log-odds, a box of them to quantise and the range to quantise over."""
 
@@ -159,7 +190,7 @@ class PictureCase:
 @st.composite
 def pictures(draw: st.DrawFn) -> PictureCase:
     rows, cols = draw(st.integers(1, 20)), draw(st.integers(1, 20))
-    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    random = np.random.default_rng(draw(SEEDS))
     bound = st.integers(-3, 23)
     return PictureCase(
         random.uniform(-4, 5, (rows, cols)).astype(np.float32),
@@ -168,3 +199,54 @@ def pictures(draw: st.DrawFn) -> PictureCase:
         draw(some(-2.0, low=-10, high=-0.1)),
         draw(some(3.5, low=0.1, high=10)),
     )
+
+
+@dataclass(frozen=True)
+class TwoMaps:
+    """Two grids on one lattice; cell (0, 0) of the second lies at ``offset`` (rows, columns) in the first."""
+
+    a: OccupancyGrid
+    b: OccupancyGrid
+    offset: tuple[int, int]
+
+
+@st.composite
+def two_maps(draw: st.DrawFn) -> TwoMaps:
+    a = draw(geometries())
+    offset = (draw(st.integers(-30, 30)), draw(st.integers(-30, 30)))
+    corner = a.cell_to_world((offset[0] - 0.5, offset[1] - 0.5))
+    sides = (draw(st.integers(1, 30)), draw(st.integers(1, 30)))
+    b = GridGeometry(a.resolution, *sides, (float(corner[0]), float(corner[1]), a.origin[2]))
+    number = draw(some(0.0, low=-2, high=2))
+    # One map of the whole neighbourhood is what both went on from: rows and columns count from (-30, -30) of a.
+    known = some_log_odds(draw(SEEDS), (120, 120)) if draw(st.booleans()) else None
+    grids = []
+    for geometry, (row, col) in ((a, (30, 30)), (b, (30 + offset[0], 30 + offset[1]))):
+        part = None if known is None else known[row : row + geometry.rows, col : col + geometry.cols]
+        grid = OccupancyGrid(geometry, number, part)
+        seen = some_log_odds(draw(SEEDS), geometry.shape)
+        grid.log_odds = np.where(np.isnan(seen), grid.log_odds, grid.log_odds + seen).astype(np.float32)
+        grid.observed |= ~np.isnan(seen)
+        grids.append(grid)
+    return TwoMaps(grids[0], grids[1], offset)
+
+
+@dataclass(frozen=True)
+class StatesCase:
+    """A map, and the probabilities above and below which a cell is occupied and free."""
+
+    grid: OccupancyGrid
+    occupied: float
+    free: float
+
+
+@st.composite
+def states(draw: st.DrawFn) -> StatesCase:
+    shape = (draw(st.integers(1, 20)), draw(st.integers(1, 20)))
+    known = some_log_odds(draw(SEEDS), shape) if draw(st.booleans()) else None
+    grid = OccupancyGrid(GridGeometry(0.1, *shape), draw(some(0.0, low=-2, high=2)), known)
+    seen = some_log_odds(draw(SEEDS), shape) * draw(st.sampled_from([1.0, 0.0, 5.0, 100.0]))
+    grid.log_odds = np.where(np.isnan(seen), grid.log_odds, seen).astype(np.float32)
+    grid.observed |= ~np.isnan(seen)
+    free, occupied = sorted((draw(some(0.25, 0.5, 0.0, low=0, high=1)), draw(some(0.65, 0.5, 1.0, low=0, high=1))))
+    return StatesCase(grid, occupied, free)

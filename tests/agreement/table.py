@@ -5,8 +5,9 @@ A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,29 @@ from mapper import textbook, traversal
 from mapper.geometry import transform_points
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
 from mapper.integrate import geometry_for, integrate_log
+from mapper.kernels.crossings import draw_rays
 from mapper.kernels.lines import draw_lines
+from mapper.kernels.provenance import touches_of_rays
 from mapper.kernels.quantise import quantise
+from mapper.merge import merged
+from mapper.metrics import entropy, information_gain
 from mapper.provenance import provenance
-from tests.agreement.inputs import LineCase, MappingCase, PictureCase, lines, mapping_cases, pictures
+from mapper.scan import RangeScan
+from tests.agreement.inputs import (
+    STEPS,
+    LineCase,
+    MappingCase,
+    PictureCase,
+    RayCase,
+    StatesCase,
+    TwoMaps,
+    lines,
+    mapping_cases,
+    pictures,
+    rays,
+    states,
+    two_maps,
+)
 
 
 @dataclass(frozen=True)
@@ -48,7 +68,7 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 def tallies_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = integrate_log(grid, case.log, case.config)
-    return grid.tallies, grid.observed, count
+    return grid.tallies, grid.p_occ.astype(np.float32), grid.observed, count
 
 
 def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
@@ -56,7 +76,7 @@ def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
-    return grid.tallies, grid.observed, count
+    return grid.tallies, grid.p_occ.astype(np.float32), grid.observed, count
 
 
 def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
@@ -77,6 +97,29 @@ def line_by_textbook(case: LineCase) -> tuple[Any, ...]:
             drawn[row, col] += 1
     rows, cols = np.nonzero(drawn)
     return drawn, drawn > 0, np.array([rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]) if len(rows) else None
+
+
+def ray_by_kernel(case: RayCase) -> tuple[Any, ...]:
+    drawn, observed = np.zeros(case.shape, dtype=np.float32), np.zeros(case.shape, dtype=np.bool_)
+    touched = np.zeros(case.shape, dtype=np.int64)
+    rows, cols = case.shape
+    ray = np.array([[*case.start, *case.end, *case.end, np.inf, 0.0]])
+    one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
+    flat, box = (drawn.reshape(-1), observed.reshape(-1)), np.array([rows, 0, cols, 0])
+    draw_rays(*flat, cols, ray, 1.0, False, (1.0, 0.0), (one, nothing, low, high), 0, rows, box, True)
+    for row, col in np.ndindex(case.shape):
+        touched[row, col] = touches_of_rays(ray, 1.0, row, col, np.empty((1, 2), dtype=np.int64))
+    return drawn, observed, touched, box if drawn.any() else None
+
+
+def ray_by_textbook(case: RayCase) -> tuple[Any, ...]:
+    drawn = np.zeros(case.shape, dtype=np.float32)
+    for row, col in traversal.amanatides_woo(case.start, case.end):
+        if 0 <= row < case.shape[0] and 0 <= col < case.shape[1]:
+            drawn[row, col] += 1
+    rows, cols = np.nonzero(drawn)
+    box = np.array([rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]) if len(rows) else None
+    return drawn, drawn > 0, (drawn > 0).astype(np.int64), box
 
 
 def bounds_by_kernel(case: MappingCase) -> tuple[Any, ...]:
@@ -148,18 +191,134 @@ def cells_to_ask(case: MappingCase) -> list[tuple[int, int]]:
 
 
 def provenance_by_kernel(case: MappingCase) -> tuple[Any, ...]:
-    found = [provenance(case.geometry, case.log, case.config, cell) for cell in cells_to_ask(case)]
+    prior = case.grid().prior()
+    found = [
+        provenance(case.geometry, case.log, case.config, cell, prior=float(prior[cell])) for cell in cells_to_ask(case)
+    ]
     names = [list(zip(p.scans.tolist(), p.beams.tolist(), strict=True)) for p in found]
     values = [np.stack([p.increments, p.log_odds]) for p in found]
     return (names, *values)
 
 
-def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
-    scans, poses = case.scans(), case.sensor_poses()
-    found = [textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)]
+Touch = tuple[int, int, float, np.float32]  # scan, beam, what it added, the log-odds after it
+
+
+def told(found: list[list[Touch]]) -> tuple[Any, ...]:
     names = [[(t, k) for t, k, _, _ in touches] for touches in found]
     values = [np.array([[e for *_, e, _ in touches], [v for *_, v in touches]], np.float32) for touches in found]
     return (names, *values)
+
+
+def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    scans, poses = case.scans(), case.sensor_poses()
+    return told([textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)])
+
+
+def alone(scan: RangeScan, beam: int) -> RangeScan:
+    """The scan as if all its other beams had measured nothing."""
+    ranges = np.full_like(scan.ranges, np.nan)
+    ranges[beam] = scan.ranges[beam]
+    return replace(scan, ranges=ranges)
+
+
+def provenance_of_scans_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    """Each scan updates a cell once; it is named by the first beam that ended there, else by the one that sees it."""
+    grid, config = case.grid(), case.config
+    found: dict[tuple[int, int], list[Touch]] = {cell: [] for cell in cells_to_ask(case)}
+    values = {cell: grid.prior()[cell] for cell in found}
+    for t, (scan, pose) in enumerate(zip(case.scans(), case.sensor_poses(), strict=True)):
+        if not found:
+            break
+        whole = textbook.inverse_range_sensor_model(grid, scan, pose, config)
+        single = [
+            textbook.inverse_range_sensor_model(grid, alone(scan, k), pose, config) for k in range(len(scan.ranges))
+        ]
+        z_max = min(scan.range_max, config.range_max)
+        readings = textbook.readings(scan, config)
+        ends = [
+            textbook.cell_at(grid, pose, bearing, z) if scan.range_min <= z <= z_max else None
+            for z, bearing in zip(readings, scan.angles, strict=True)
+        ]
+        for cell, touches in found.items():
+            if np.isnan(whole[cell]):
+                continue
+            ended = [k for k, end in enumerate(ends) if end == cell and config.model != "sonar_cone"]
+            beam = [*ended, *(k for k, evidence in enumerate(single) if not np.isnan(evidence[cell]))][0]
+            values[cell] = textbook.bayes_filter(values[cell], np.float32(whole[cell]), config)
+            touches.append((t, beam, whole[cell], values[cell]))
+    return told(list(found.values()))
+
+
+def provenance_of_counts_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    """A map in which only one beam after the other is counted, and each cell watched."""
+    grid = case.grid()
+    found: dict[tuple[int, int], list[Touch]] = {cell: [] for cell in cells_to_ask(case)}
+    for t, (scan, pose) in enumerate(zip(case.scans(), case.sensor_poses(), strict=True)):
+        for k in range(len(scan.ranges)):
+            counts, before = textbook.tallies_of(grid, case.config).copy(), grid.log_odds.copy()
+            textbook.count_hits_and_misses(grid, alone(scan, k), pose, case.config)
+            counted = (textbook.tallies_of(grid, case.config) != counts).any(axis=0)
+            for cell, touches in found.items():
+                if counted[cell]:
+                    touches.append((t, k, grid.log_odds[cell] - before[cell], grid.log_odds[cell]))
+    return told(list(found.values()))
+
+
+def merged_by_core(case: TwoMaps) -> tuple[Any, ...]:
+    whole = merged(case.a, case.b)
+    known = np.zeros(whole.geometry.shape, np.float32) if whole.prior_map is None else whole.prior_map
+    return whole.log_odds, whole.observed, known, whole.geometry.shape
+
+
+def merged_by_textbook(case: TwoMaps) -> tuple[Any, ...]:
+    """Cell by cell: the odds of both, divided by those of the prior."""
+    evidence: dict[tuple[int, int], float] = {}
+    prior: dict[tuple[int, int], float] = {}
+    observed = set()
+    for grid, (row, col) in ((case.a, (0, 0)), (case.b, case.offset)):
+        for r, c in np.ndindex(grid.geometry.shape):
+            cell = (row + r, col + c)
+            known = np.nan if grid.prior_map is None else float(grid.prior_map[r, c])
+            prior[cell] = 0.0 if grid.prior_map is None else known
+            started = grid.log_odds_prior if np.isnan(known) else known
+            evidence[cell] = evidence.get(cell, started) + float(grid.log_odds[r, c]) - started
+            if grid.observed[r, c]:
+                observed.add(cell)
+    rows, cols = zip(*evidence, strict=True)
+    top, left = min(rows), min(cols)
+    shape = (max(rows) - top + 1, max(cols) - left + 1)
+    nowhere = 0.0 if case.a.prior_map is None else np.nan
+    values, before = np.full(shape, case.a.log_odds_prior), np.full(shape, nowhere)
+    seen = np.zeros(shape, dtype=np.bool_)
+    for (r, c), value in evidence.items():
+        at = (r - top, c - left)
+        values[at], before[at], seen[at] = value, prior[r, c], (r, c) in observed
+    return values.astype(np.float32), seen, before.astype(np.float32), shape
+
+
+def states_by_core(case: StatesCase) -> tuple[Any, ...]:
+    bits = (entropy(case.grid.log_odds), information_gain(case.grid))
+    return (case.grid.classify(case.occupied, case.free), *(values.astype(np.float32) for values in bits))
+
+
+def states_by_textbook(case: StatesCase) -> tuple[Any, ...]:
+    """By probabilities, as the definitions have it."""
+
+    def bits(log_odds: float) -> float:
+        odds = math.exp(-abs(log_odds))
+        p, q = 1 / (1 + odds), odds / (1 + odds)
+        return -p * math.log2(p) - (q * math.log2(q) if q > 0 else 0)
+
+    prior = case.grid.prior()
+    state = np.full(prior.shape, -1, dtype=np.int8)
+    left, gained = np.empty(prior.shape, dtype=np.float32), np.zeros(prior.shape, dtype=np.float32)
+    for cell in np.ndindex(prior.shape):
+        left[cell] = bits(float(case.grid.log_odds[cell]))
+        if case.grid.observed[cell]:
+            gained[cell] = bits(float(prior[cell])) - bits(float(case.grid.log_odds[cell]))
+            p = 1 / (1 + math.exp(-float(case.grid.log_odds[cell])))
+            state[cell] = 100 if p > case.occupied else 0 if p < case.free else -1
+    return state, left, gained
 
 
 RAMP, CONE, COUNTING, CERTAINTIES = (("smooth_ramp",), ("sonar_cone",), ("hit_counting",), ("moravec_elfes",))
@@ -167,19 +326,35 @@ ROUNDING = 1e-6  # exponentials, angles and powers differ in their last bit from
 
 TABLE = (
     Row("bresenham", line_by_kernel, line_by_textbook, lines()),
+    Row("exact traversal", ray_by_kernel, ray_by_textbook, rays()),
     Row("per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam")),
     Row("per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan")),
     Row("smooth ramp per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
     Row("smooth ramp per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", RAMP), ROUNDING),
     Row("sonar cone per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
     Row("sonar cone per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", CONE), ROUNDING),
-    Row("hits and misses per beam", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", COUNTING)),
-    Row("hits and misses per scan", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_scan", COUNTING)),
-    Row("hit counting", map_by_kernel, map_by_textbook, mapping_cases("per_beam", COUNTING), ROUNDING),
+    Row("hit counting per beam", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", COUNTING), ROUNDING),
+    Row("hit counting per scan", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_scan", COUNTING), ROUNDING),
     Row("Moravec and Elfes", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", CERTAINTIES), ROUNDING),
     Row("provenance", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam")),
     Row("provenance of ramps", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
     Row("provenance of cones", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
+    Row(
+        "provenance per scan",
+        provenance_by_kernel,
+        provenance_of_scans_by_textbook,
+        mapping_cases("per_scan", (*STEPS, *RAMP, *CONE)),
+        ROUNDING,
+    ),
+    Row(
+        "provenance of hits and misses",
+        provenance_by_kernel,
+        provenance_of_counts_by_textbook,
+        mapping_cases("per_beam", COUNTING),
+        ROUNDING,
+    ),
+    Row("merging", merged_by_core, merged_by_textbook, two_maps(), ROUNDING),
+    Row("states and information", states_by_core, states_by_textbook, states(), ROUNDING),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
 )

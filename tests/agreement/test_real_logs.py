@@ -11,6 +11,8 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import geometry_for, integrate_log
 from mapper.logs import open_log
 from mapper.parameters import MappingConfig
+from mapper.provenance import provenance
+from mapper.replay import Replay
 from mapper.scan import ScanLog, Trajectory
 
 LOGS = ["intel-corrected.log.gz", "aces-corrected.log.gz", "fhw-corrected.log.gz"]
@@ -72,6 +74,31 @@ def test_the_other_models(log: ScanLog, model: str, update: str) -> None:
         np.testing.assert_allclose(ours.log_odds, theirs.log_odds, atol=1e-6 if model != "moravec_elfes" else 1e-5)
         if ours.tallies is not None and theirs.tallies is not None:
             np.testing.assert_allclose(ours.tallies, theirs.tallies, atol=1e-6)
+
+
+@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+def test_provenance(log: ScanLog, update: str) -> None:
+    config = MappingConfig(update=update, window=0.2, no_return="free")
+    replay = Replay(log, config)
+    replay.advance_to(log.n_scans)
+    grid, random = replay.grid, np.random.default_rng(3)
+    for row, col in random.choice(np.argwhere(grid.observed), 20):
+        told = replay.provenance(int(row), int(col))
+        assert told.after == grid.log_odds[row, col]
+        assert len(told.scans) > 0
+    few = thinned(log, 3)
+    poses, geometry = few.sensor_poses(), geometry_for(few, config)
+    empty = OccupancyGrid(geometry)
+    for z in (0.0, 1.0):  # where the sensor stands, and 1 m ahead of it
+        cell = textbook.cell_at(empty, poses[1], 0.0, z)
+        ours = provenance(geometry, few, config, cell)
+        if update == "per_beam":
+            scans = [few.scan(t) for t in range(few.n_scans)]
+            theirs = textbook.provenance(empty, scans, poses, cell, config)
+            assert list(zip(ours.scans.tolist(), ours.beams.tolist(), strict=True)) == [(t, k) for t, k, *_ in theirs]
+            np.testing.assert_array_equal(ours.log_odds, np.array([value for *_, value in theirs], np.float32))
+        else:
+            assert (np.diff(ours.scans) > 0).all()
 
 
 def hits_minus_misses(log: ScanLog, geometry: GridGeometry, range_max: float) -> np.ndarray:
