@@ -15,10 +15,10 @@ _TOLERANCE = 1e-3  # of a cell: how far two lattices may lie apart and still be 
 def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     """Return the map that holds the evidence of both: ℓ = ℓ_a + ℓ_b − ℓ₀ where both have cells.
 
-    Evidence from different scans is independent given the map, so its log-odds add (Thrun, Burgard & Fox,
-    Probabilistic Robotics, section 9.4); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial maps of a
-    log, merged, equal the map made in one go when the clamp is off, but for the rounding of float32 additions in
-    another order. With the clamp they may not: a cell that one part held at its limit has forgotten what it was told
+    Evidence from different scans is taken to be independent given the map, so its log-odds add (Thrun, Burgard & Fox,
+    Probabilistic Robotics, sections 4.2 and 9.2); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial
+    maps of a log, merged, equal the map made in one go when the clamp is off, but for the rounding of float32 additions
+    in another order. With the clamp they may not: a cell that one part held at its limit has forgotten what it was told
     beyond it, and the sum may lie outside the limits, where no single map would go.
 
     The result covers both grids; its lattice is that of ``a``; a prior map that only one of them went on from is taken

@@ -40,7 +40,7 @@ def test_sequence_of_readings_is_the_bayes_filter(hits: list[bool], p_free: floa
     p = p_prior
     for hit in hits:
         integrate_scan(grid, HIT if hit else MISS, HERE, config)
-        # Bayes with the inverse model: p(z|m) ∝ p(m|z) / p(m), Probabilistic Robotics (9.11).
+        # Bayes with the inverse model: p(z|m) ∝ p(m|z) / p(m), Probabilistic Robotics, section 4.2.
         p_given_z = config.p_occ if hit else config.p_free
         occupied, free = p * p_given_z / p_prior, (1 - p) * (1 - p_given_z) / (1 - p_prior)
         p = occupied / (occupied + free)
@@ -87,15 +87,3 @@ def test_without_the_clamp_evidence_only_adds() -> None:
         integrate_scan(grid, HIT, HERE, config)
     assert grid.log_odds[CELL] == pytest.approx(85.0, rel=1e-5)
     assert grid.log_odds[0, 1] == pytest.approx(-40.0, rel=1e-5)
-
-
-@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
-def test_window_is_free_before_occupied_within_and_silent_beyond(update: str) -> None:
-    config = MappingConfig(update=update, window=2.0, resolution=1.0, log_odds_hit=1.0, log_odds_miss=-1.0)
-    grid = grid_of(config)
-    integrate_scan(grid, reading(5.0), HERE, config)
-    # Centres lie at s = 0 … 9 from the sensor; z − r/2 = 4 and z + r/2 = 6.
-    expected = [-1, -1, -1, -1, 1, 1, 1, 0, 0, 0]
-    if update == "per_scan":
-        expected[0] = 0  # the sensor stands on the centre of its own cell: that has no bearing
-    assert grid.log_odds[0].tolist() == expected
