@@ -57,9 +57,9 @@ export function ParameterPanel({ table, values, set, open = [] }: PanelProps) {
   );
 }
 
-function changedNote(group: Group, values: Values): string {
+function changedNote(group: Group, values: Values): string | null {
   const changed = group.rows.filter((row) => (values[row.name] ?? row.initial) !== row.initial).length;
-  return changed === 0 ? "" : `${changed} changed`;
+  return changed === 0 ? null : `${changed} changed`;
 }
 
 interface ControlProps {

@@ -62,7 +62,7 @@ export function Slider(props: SliderProps) {
           disabled={disabled}
           onChange={commitField}
         />
-        <span class="slider-unit">{unit}</span>
+        <span class="slider-unit">{unit || null}</span>
       </span>
       <input
         id={`${id}-range`}

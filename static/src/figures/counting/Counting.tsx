@@ -80,7 +80,7 @@ export function Counting({ beams, scans }: CountingProps) {
                 {seen ? (
                   <>
                     Under the cross: ℓ = <b>{written(l, 2)}</b>, p = {written(probability(l), 2)}
-                    {l <= CONFIG.log_odds_min || l >= CONFIG.log_odds_max ? ", at the clamp" : ""}
+                    {(l <= CONFIG.log_odds_min || l >= CONFIG.log_odds_max) && ", at the clamp"}
                   </>
                 ) : (
                   "Under the cross: not observed"
@@ -110,7 +110,7 @@ export function Counting({ beams, scans }: CountingProps) {
       <figcaption class="quiet number">
         The cell under the cross, {written(distanceOf(cell), 2)} m away, was told the same thing{" "}
         <b>
-          {touched} time{touched === 1 ? "" : "s"}
+          {touched} {touched === 1 ? "time" : "times"}
         </b>{" "}
         by one scan.
       </figcaption>

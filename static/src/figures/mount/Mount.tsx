@@ -79,7 +79,7 @@ export function Mount() {
       </div>
       <figcaption class="quiet number" aria-live="polite">
         Off by {signed(now.x)} m forward, {signed(now.y)} m to the left, {degrees(now.yaw)}
-        {now.upsideDown ? ", turned over" : ""}: of {walls} occupied cells,{" "}
+        {now.upsideDown && ", turned over"}: of {walls} occupied cells,{" "}
         <b class={wrong > 0 ? "noun-hit" : ""}>{wrong === 0 ? "all lie on walls" : `${wrong} lie where no wall is`}</b>.
       </figcaption>
     </figure>

@@ -81,7 +81,7 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
       <p class="quiet number" aria-live="polite">
         <b class="noun-miss">{cellsOf(grid.value, "free").length}</b> cells free,{" "}
         <b class="noun-hit">{cellsOf(grid.value, "occupied").length}</b> occupied
-        {wrong > 0 ? `, ${wrong} of them where nothing stands` : ""}
+        {wrong > 0 && `, ${wrong} of them where nothing stands`}
       </p>
     </div>
   );

@@ -53,8 +53,7 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
         <g key={tick} class="tick">
           <line x1={x(tick)} x2={x(tick)} y1={beam.bottom} y2={beam.bottom + 4} />
           <text x={x(tick)} y={beam.bottom + 16} text-anchor="middle">
-            {written(tick, tick % 1 === 0 ? 0 : 1)}
-            {tick === 0 ? " m" : ""}
+            {`${written(tick, tick % 1 === 0 ? 0 : 1)}${tick === 0 ? " m" : ""}`}
           </text>
         </g>
       ))}

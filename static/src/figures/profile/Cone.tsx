@@ -119,8 +119,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       {!noReturn && <path class="cone-arc" d={arc(z)} />}
       {ticks(0, view.reach.value, narrow ? 4 : 8).map((tick) => (
         <text key={tick} class="tick" x={x(tick)} y={box.bottom + 36} text-anchor="middle">
-          {written(tick, tick % 1 === 0 ? 0 : 1)}
-          {tick === 0 ? " m" : ""}
+          {`${written(tick, tick % 1 === 0 ? 0 : 1)}${tick === 0 ? " m" : ""}`}
         </text>
       ))}
       <text class="label-miss" x={box.left + 12} y={box.top + 16}>

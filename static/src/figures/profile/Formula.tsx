@@ -157,12 +157,12 @@ export function InWords({ view }: { view: ProfileView }) {
         The echo came from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, from anywhere on the arc: every
         cell on it gets{" "}
         <b class="noun-hit">
-          {values.cone_profile === "gaussian" ? "at most " : ""}
+          {values.cone_profile === "gaussian" && "at most "}
           {signed(model.hit)}
         </b>
         , as if there were an obstacle in each. Every cell closer gets{" "}
         <b class="noun-miss">
-          {values.cone_profile === "gaussian" ? "at most " : ""}
+          {values.cone_profile === "gaussian" && "at most "}
           {signed(model.miss)}
         </b>
         . Only other readings can say where on the arc it is.

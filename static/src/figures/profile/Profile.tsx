@@ -106,7 +106,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           </Button>
         )}
         <output class="profile-readout" aria-live="off">
-          {hovered === null || cone ? "" : cellText(hovered, view)}
+          {hovered === null || cone ? null : cellText(hovered, view)}
         </output>
       </div>
       <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>

@@ -78,7 +78,7 @@ function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
       </span>{" "}
       <span class={now.isHit ? "noun-hit" : "noun-miss"}>
         {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}
-        {written(Math.abs(now.evidence), 2)} = {clamped ? `${signed(sum)}, clamped to ` : ""}
+        {written(Math.abs(now.evidence), 2)} = {clamped && `${signed(sum)}, clamped to `}
         <b>{signed(after)}</b>.
       </span>
     </>

@@ -54,8 +54,7 @@ export function Forgotten({ points, guess, told }: ForgottenProps) {
         </text>
         {ticks(0, most, width / TICK_PX).map((tick) => (
           <text key={tick} class="tick" x={x(tick)} y={HEIGHT - 6} text-anchor={tick === 0 ? "start" : "middle"}>
-            {tick}
-            {tick === 0 ? " scans" : ""}
+            {`${tick}${tick === 0 ? " scans" : ""}`}
           </text>
         ))}
         <line class="guess" x1={x(guess)} x2={x(guess)} y1={TOP - 6} y2={BOTTOM} />

@@ -54,7 +54,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   ];
   return (
     <div class="viewer-compare">
-      <Panel title="Compare" note={compared ? "" : "two maps in one picture: this one, B, beside another, A"}>
+      <Panel title="Compare" note={!compared && "two maps in one picture: this one, B, beside another, A"}>
         <div class="compare">
           <div class="compare-choose">
             <Choice
