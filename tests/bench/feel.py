@@ -17,7 +17,8 @@ from tests.bench.stopwatch import Laps, dragged, floor, laps, moved, p95
 from tests.browser.looking import await_map, centre, frame, settled_digest, until
 from tests.browser.running import free_port, running_chromium, running_server
 
-TIMES = 40  # of each hand movement
+MOVED = 120  # of each handle, one move after the other
+TIMES = 40  # of each other hand movement
 MOVES = 200  # of each drag
 OPENED = 8  # of the page
 RUNNING_S = 4.0
@@ -66,7 +67,7 @@ def paused(browser: Browser, server: str) -> Page:
 def nothing(browser: Browser, hand: Hand) -> tuple[Laps, Laps]:
     """Return the laps of a page with nothing in it, move by move and dragged."""
     page = new_page(browser)
-    took = floor(page, hand, TIMES, MOVES)
+    took = floor(page, hand, MOVED, MOVES)
     page.context.close()
     return took
 
@@ -78,7 +79,7 @@ def handle(browser: Browser, server: str, hand: Hand) -> tuple[Laps, Laps]:
     """
     page = paused(browser, server)
     grip = page.locator("figure.profile").get_by_role("slider", name="Hit increment", exact=True)
-    single = moved(page, grip.locator(".knob"), TIMES, dy=-24.0)
+    single = moved(page, grip.locator(".knob"), MOVED, dy=-24.0)
     page.get_by_role("button", name="Play").click()
     until("the robot to go", lambda: frame(page)["playing"])
     drag = dragged(page, grip.locator(".knob"), hand, MOVES, dy=-60.0)
@@ -117,7 +118,7 @@ def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, 
         grip = page.locator(figure).get_by_role("slider", name=label, exact=True)
         grip.scroll_into_view_if_needed()
         held = grip.locator(part)
-        single = moved(page, held, TIMES, dx=dx, dy=dy)
+        single = moved(page, held, MOVED, dx=dx, dy=dy)
         took[name] = single, dragged(page, held, hand, MOVES, dx=2.5 * dx, dy=2.5 * dy)
     page.context.close()
     return took
