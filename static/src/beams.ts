@@ -1,8 +1,6 @@
 /** Which beam of the newest scan is meant, and where it goes. */
 
-import { bresenham } from "./bresenham";
-import { type Cell, cellAt } from "./lattice";
-import type { Frame, Geometry, Point, Pose } from "./protocol";
+import type { Frame, Point, Pose } from "./protocol";
 
 export interface Beam {
   readonly index: number;
@@ -67,15 +65,4 @@ export const turnedOver = (frame: Frame): Frame => ({
 export function along(from: Pose, bearing: number, distance: number): Point {
   const angle = from[2] + bearing;
   return [from[0] + distance * Math.cos(angle), from[1] + distance * Math.sin(angle)];
-}
-
-/** The cells that a beam crosses, from the sensor's to the reading's or, without return, up to `range_max`. */
-export function cellsOf(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number): Cell[] {
-  const [x, y] = along(from, beam.bearing, Math.min(beam.range ?? rangeMax, rangeMax));
-  const cells: Cell[] = [];
-  bresenham(cellAt(geometry, from[0], from[1]), cellAt(geometry, x, y), (row, col) => {
-    cells.push({ row, col });
-    return cells.length < 4096;
-  });
-  return cells;
 }

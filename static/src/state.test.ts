@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, test, vi } from "vitest";
-import { beamAt, beamToward, cellsOf } from "./beams";
+import { beamAt, beamToward } from "./beams";
 import { decodeTiles, type TilesFrame } from "./decodeTiles";
 import { velocity } from "./figures/picture/keys";
 import { Outbox } from "./outbox";
@@ -251,15 +251,6 @@ describe("beams", () => {
     const clockwise = { ...frame, angle_min: 0.1, angle_increment: -0.1, ranges: [1, 2, 3] };
     expect(beamToward(clockwise, from, [1, -0.1])?.index).toBe(2);
     expect(beamAt(frame, 17)).toBeNull();
-  });
-
-  test("a beam's cells end in the reading's, or at the max range where nothing came back", () => {
-    const from = [0.025, 0.025, 0] as const;
-    const cells = cellsOf(geometry(1), from, { index: 0, bearing: 0, range: 0.5 }, 10);
-    expect(cells[0]).toEqual({ row: 0, col: 0 });
-    expect(cells.at(-1)).toEqual({ row: 0, col: 10 });
-    expect(cells.length).toBe(11);
-    expect(cellsOf(geometry(1), from, { index: 0, bearing: 0, range: null }, 1).at(-1)).toEqual({ row: 0, col: 20 });
   });
 });
 

@@ -79,6 +79,15 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     expect(note).to_contain_text("cell 2 of")
     lab.get_by_role("button", name="One cell back").click()
     expect(note).to_contain_text("cell 1 of")
+    # From near by a cell is large, and afterwards everything is seen again.
+    cell_px = "() => { const s = gridbloom.connection.store;"
+    cell_px += " return Math.round(s.map.peek().geometry.resolution / s.view.peek().scale); }"
+    far = lab.evaluate(cell_px)
+    near = lab.get_by_role("button", name="From near by")
+    near.click()
+    until("large cells", lambda: lab.evaluate(cell_px) == 16)
+    near.click()
+    until("the whole again", lambda: lab.evaluate(cell_px) == far)
     by(lab, "beam")
     lab.get_by_role("button", name="One beam on").click()
     until("the end of the first beam", lambda: (w := walk(lab)) and w["now"]["place"] == w["now"]["of"] - 1)

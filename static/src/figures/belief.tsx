@@ -2,12 +2,11 @@
 
 import { signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { cellsOf } from "../beams";
 import { centreOf } from "../lattice";
 import type { Point } from "../protocol";
 import type { Store } from "../state";
 import type { Comparison } from "./compare/comparison";
-import { paintBeamCells } from "./picture/beamCells";
+import { crossed, paintBeamCells } from "./picture/beamCells";
 import { type Brush, paintBeam, paintBeams, paintCell, paintCrosshair, paintPath, paintRobot } from "./picture/brush";
 import { inks } from "./picture/inks";
 import { LinkedPicture } from "./picture/LinkedPicture";
@@ -124,7 +123,8 @@ function paintScan(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, n
     paintBeams(brush, from, frame, frame.range_max, 0.5 * strength, 1.5);
     const beam = store.inspectedBeam.peek();
     if (beam && map && store.probe.peek()) {
-      paintBeamCells(brush, map.geometry, cellsOf(map.geometry, from, beam, frame.range_max), beam, frame.range_max);
+      const cells = crossed(map.geometry, from, beam, frame.range_max, store.mapping.values.peek());
+      paintBeamCells(brush, map.geometry, cells);
       paintBeam(brush, from, beam, frame.range_max);
     }
     paintRobot(brush, frame.pose, store.carried.peek() !== null);

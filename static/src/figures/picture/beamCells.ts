@@ -1,27 +1,62 @@
-import type { Beam } from "../../beams";
-import { type Cell, fromLattice } from "../../lattice";
-import type { Geometry } from "../../protocol";
+import { along, type Beam } from "../../beams";
+import { type Cell, cellAt, centreOf, fromLattice } from "../../lattice";
+import type { Geometry, Pose, Values } from "../../protocol";
 import { toScreen } from "../../view";
+import { cellsAlong } from "../lesson/textbook";
+import { halfWindow, INITIAL, increment, isNoReturn, type ProfileParameters, taken } from "../profile/model";
 import type { Brush } from "./brush";
 
 /** Cells narrower than this are not outlined one by one. */
 const LEAST_PX = 3;
 
-/** The cells that a beam crosses, in the colours of the evidence they get: the last holds the reading. */
-export function paintBeamCells(
-  { ctx, view, size, inks }: Brush,
-  geometry: Geometry,
-  cells: readonly Cell[],
-  beam: Beam,
-  rangeMax: number,
-): void {
+/** A cell on a beam: what the beam says of it, occupied, free or (a return that was ignored) nothing. */
+export interface Crossed {
+  readonly cell: Cell;
+  readonly says: "hit" | "miss" | "prior";
+}
+
+/**
+ * The cells of which a beam speaks and what it says, as `evidence_along_beam` of mapper/textbook.py has it; along a
+ * cone's axis as along a thin beam. `rangeMax` is the greatest range of the sensor and the map; `values` are the map's.
+ */
+export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number, values: Values): Crossed[] {
+  const parameters: ProfileParameters = {
+    ...INITIAL,
+    ...(values as Partial<ProfileParameters>),
+    resolution: geometry.resolution,
+    range_max: rangeMax,
+  };
+  const traversal = values.traversal === "amanatides_woo" ? values.traversal : "bresenham";
+  const z = taken(beam.range ?? Number.POSITIVE_INFINITY, parameters);
+  if (isNoReturn(z, parameters)) {
+    const says = parameters.no_return === "free" ? "miss" : "prior";
+    return cellsAlong(geometry, from, beam.bearing, rangeMax, { traversal }).map((cell) => ({ cell, says }));
+  }
+  const half = halfWindow(z, parameters);
+  const end = cellAt(geometry, ...along(from, beam.bearing, z));
+  const found: Crossed[] = [];
+  let isEndFound = false;
+  for (const cell of cellsAlong(geometry, from, beam.bearing, z + half, { traversal })) {
+    const [x, y] = centreOf(geometry, cell);
+    const s = Math.hypot(x - from[0], y - from[1]);
+    const isEnd = cell.row === end.row && cell.col === end.col;
+    if (isEnd) found.push({ cell, says: "hit" });
+    else if (half === 0 || s < z - half) found.push({ cell, says: "miss" });
+    else if (s <= z + half) found.push({ cell, says: increment(s, z, parameters) > 0 ? "hit" : "miss" });
+    isEndFound ||= isEnd;
+  }
+  return isEndFound ? found : [...found, { cell: end, says: "hit" }];
+}
+
+/** Outline cells in the colours of what the beam says of them. */
+export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geometry, cells: readonly Crossed[]): void {
   if (geometry.resolution / view.scale < LEAST_PX) return;
-  const isHit = beam.range !== null && beam.range <= rangeMax;
   ctx.lineWidth = 1;
-  for (const part of ["miss", "hit"] as const) {
-    const own = part === "hit" ? cells.slice(isHit ? -1 : cells.length) : cells.slice(0, isHit ? -1 : undefined);
+  for (const part of ["prior", "miss", "hit"] as const) {
     ctx.beginPath();
-    for (const { row, col } of own) {
+    for (const { cell, says } of cells) {
+      if (says !== part) continue;
+      const { row, col } = cell;
       const corners = [
         [col, row],
         [col + 1, row],

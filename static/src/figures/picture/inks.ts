@@ -23,6 +23,7 @@ export const inks = computed(() => {
     robotFill: ink("--robot-fill"),
     hit: ink("--hit"),
     miss: ink("--miss"),
+    prior: ink("--prior"),
     trail: ink("--robot", 0.7),
   };
 });

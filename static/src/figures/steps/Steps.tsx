@@ -1,9 +1,11 @@
-import { signal } from "@preact/signals";
+import { effect, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
+import type { Size } from "../../view";
 import { bayesFilter } from "../lesson/textbook";
+import { closeScale, following } from "./closely";
 import { key, type Walk } from "./model";
 import { heldNow, step, UNITS, type Unit, watchWalk } from "./walking";
 import "./steps.css";
@@ -47,9 +49,51 @@ export function StepNote({ store }: { readonly store: Store }) {
   void store.mapVersion.value;
   if (!walk) return null;
   return (
-    <p class="steps-note" role="status">
-      {walk.done === 0 ? beginning(walk) : <Told store={store} walk={walk} />}
-    </p>
+    <div class="steps-note">
+      <p role="status">{walk.done === 0 ? beginning(walk) : <Told store={store} walk={walk} />}</p>
+      <Closely store={store} />
+    </div>
+  );
+}
+
+/** The size that every picture of the view has at least. */
+const smallest = (sizes: readonly Size[]): Size => ({
+  width: Math.min(...sizes.map(({ width }) => width)),
+  height: Math.min(...sizes.map(({ height }) => height)),
+});
+
+/** Brings both pictures near to the cell of the moment, and gives back what they showed when it or the walk is over. */
+function Closely({ store }: { readonly store: Store }) {
+  const isOn = useSignal(false);
+  useSignalEffect(() => {
+    if (!isOn.value) return;
+    const before = store.viewHeld.peek() ? store.view.peek() : null;
+    let isFirst = true;
+    const stop = effect(() => {
+      const walk = store.walk.value;
+      const view = store.view.peek();
+      const now = walk?.steps[Math.max(0, walk.done - 1)];
+      if (!walk || !view || !now) return;
+      const near = isFirst ? { ...view, scale: closeScale(walk.geometry) } : view;
+      isFirst = false;
+      store.look(following(near, smallest([...store.pictures.values()]), walk.geometry, now.cell));
+    });
+    return () => {
+      stop();
+      if (before) store.look(before);
+      else store.viewHeld.value = false;
+    };
+  });
+  return (
+    <Button
+      icon="target"
+      pressed={isOn.value}
+      onClick={() => {
+        isOn.value = !isOn.value;
+      }}
+    >
+      From near by
+    </Button>
   );
 }
 

@@ -30,8 +30,10 @@ export function paintWalk(store: Store, brush: Brush, onMap: boolean): void {
   const now = steps[Math.max(0, done - 1)];
   const beam = now && beamAt(frame, now.beam);
   if (!now || !beam) return;
-  const cells = steps.filter((one) => one.beam === now.beam).map((one) => one.cell);
+  const cells = steps
+    .filter((one) => one.beam === now.beam)
+    .map(({ cell, isHit }) => ({ cell, says: isHit ? ("hit" as const) : ("miss" as const) }));
   paintBeam(brush, pose, beam, frame.range_max);
-  paintBeamCells(brush, geometry, cells, beam, frame.range_max);
+  paintBeamCells(brush, geometry, cells);
   if (done > 0) paintCell(brush, geometry, now.cell.row, now.cell.col, now.isHit ? inks.hit : inks.miss);
 }

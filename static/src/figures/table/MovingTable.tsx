@@ -162,7 +162,7 @@ function Outcome({
     <div class="table-outcome" role="status">
       <p>
         <span class="key guess" /> You said <b>{guess}</b> scans. <span class="key clamped" /> With the clamp:{" "}
-        <b>{clamped ?? "…"}</b>. <span class="key free" /> Without: <b>{free ?? "…"}</b>.
+        <b>{clamped ?? "not yet"}</b>. <span class="key free" /> Without: <b>{free ?? "not yet"}</b>.
       </p>
       {clamped !== null && (
         <p>

@@ -1,4 +1,4 @@
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Connection } from "../../connect";
 import { Toolbar, ToolHint } from "../../editing/Toolbar";
@@ -10,6 +10,7 @@ import type { Parameter, Values } from "../../protocol";
 import { Button } from "../../ui/Button";
 import { later } from "../../ui/later";
 import { readable } from "../../ui/parameters";
+import { isDark, printing } from "../../ui/theme";
 
 const Beside = later(async () => (await import("../../figures/beside")).Beside);
 
@@ -57,6 +58,16 @@ function Plate({ title, note, actions, caption, children }: PlateProps) {
       <div class="plate-caption">{caption}</div>
     </section>
   );
+}
+
+/** viser's page with the session's scene, dark where this page is. */
+function Scene({ session }: { readonly session: string }) {
+  const dark = useSignal(isDark.peek());
+  useSignalEffect(() => {
+    if (!printing.value) dark.value = isDark.value;
+  });
+  const query = dark.value ? "?darkMode" : "";
+  return <iframe class="scene" title="3D view" src={`/scenes/${encodeURIComponent(session)}/${query}`} />;
 }
 
 export function Pictures({ session, onPicture }: PicturesProps) {
@@ -147,7 +158,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
             </p>
           }
         >
-          <iframe class="scene" title="3D view" src={`/scenes/${encodeURIComponent(session.id)}/`} />
+          <Scene session={session.id} />
         </Plate>
       )}
     </div>
