@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -38,8 +39,10 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         state.scenes = Scenes()
         stack.push_async_callback(state.scenes.close)
         # The page paints while the kernels compile; a session that starts meanwhile waits for the same compilation.
-        state.warm = asyncio.ensure_future(asyncio.to_thread(warm))
+        ending = threading.Event()
+        state.warm = asyncio.ensure_future(asyncio.to_thread(warm, lambda: not ending.is_set()))
         stack.push_async_callback(asyncio.wait, [state.warm])
+        stack.callback(ending.set)  # whoever ends the service at once does not wait for the rest
         yield
 
 

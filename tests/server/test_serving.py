@@ -9,7 +9,9 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ from pydantic import ValidationError
 from server.logging import configure_logging
 from server.serving import address_of, listen
 from server.settings import Settings
+from tests.server.service import PATIENCE_S, running, settings_for
 
 ROOT = Path(__file__).parents[2]
 RUN = "from server.serving import run; from server.settings import Settings; run(Settings())"
@@ -170,3 +173,20 @@ def test_log_lines(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "ZeroDivisionError" in lines
     assert "not this" not in lines
     assert "the token" not in lines
+
+
+def test_who_ends_the_service_at_once_does_not_wait_for_its_kernels(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = []
+
+    def compiling(is_wanted: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while is_wanted() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        told.append(not is_wanted())
+
+    monkeypatch.setattr("server.app.warm", compiling)
+    with running(settings_for(tmp_path)):
+        assert told == []
+    assert told == [True]
