@@ -7,7 +7,7 @@ delete them.
 from __future__ import annotations
 
 import structlog
-from sqlalchemy import Connection
+from sqlalchemy import Connection, text
 
 from server.library.blobs import Blobs
 from server.library.database import Database
@@ -20,7 +20,7 @@ _log = structlog.get_logger(__name__)
 def check_belonging(database: Database, blobs: Blobs) -> None:
     """Note in the records which store they belong to; raise :class:`StorageError` where they belong to another.
 
-    A store that cannot say who it is just now is let pass.
+    A store that cannot say who it is just now is let pass. Blocks.
     """
     try:
         identity = blobs.identity()
@@ -29,6 +29,8 @@ def check_belonging(database: Database, blobs: Blobs) -> None:
         return
 
     def belong(connection: Connection) -> bool:
+        if connection.dialect.name == "postgresql":  # of two that begin at once, the second waits, as with SQLite
+            connection.execute(text("SELECT pg_advisory_xact_lock(1196574019)"))
         known = connection.execute(store.select()).scalars().all()
         if not known:
             connection.execute(store.insert().values(id=identity))
@@ -40,3 +42,15 @@ def check_belonging(database: Database, blobs: Blobs) -> None:
             "The database of the records belongs to the logs of another data folder or bucket: "
             "name that one, or a database of this one's own.",
         )
+
+
+def is_sure_to_belong(database: Database, blobs: Blobs) -> bool:
+    """Return whether the records know this store, or none yet: only then may be deleted what the other has not.
+
+    Blocks.
+    """
+    known = database.now(lambda connection: connection.execute(store.select()).scalars().all())
+    try:
+        return not known or blobs.identity() in known
+    except StorageError:
+        return False

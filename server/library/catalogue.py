@@ -39,28 +39,38 @@ class Catalogue:
         self._shelving = asyncio.Lock()  #: held while a blob comes or goes
         self.folder_logs: dict[str, FolderLog] = {}
 
-    async def start(self) -> None:
-        """Take up what an earlier run left, and remove the traces of what it did not end. Raises ``StorageError``."""
+    async def start(self, *, is_ours: bool = True) -> None:
+        """Take up what an earlier run left, and remove the traces of what it did not end. Raises ``StorageError``.
+
+        Unless it is known that the blobs are those of these records (``is_ours``), all of both stay.
+        """
         await take_over(self._root, self._store, self._blobs)
         found = await self._store.load()
+        there: set[str] = set()
         try:
             there = await self._blobs.names()
         except StorageError:  # a bucket that is away for a moment must not cost anybody a log
-            there = {record.sha256 for record in found}
+            is_ours = False
         for record in found:
             if record.source == "sample":  # of it there is a row where there is a link to it
                 continue
-            if record.id not in self.folder_logs if record.source == "folder" else record.sha256 not in there:
+            if record.source == "folder":
+                is_gone = record.id not in self.folder_logs
+            else:
+                is_gone = is_ours and record.sha256 not in there
+            if is_gone:
                 await self._store.delete(record.id)
             elif record.source == "upload" and record.state in ("queued", "reading"):
                 failure = Failure("log.interrupted", "Reading was interrupted by a restart of the server.")
                 self.save(replace(record, state="failed", error=failure))
             else:
                 self._records[record.id] = record
-        await self._sweep(is_new=not found)
+        if is_ours:
+            await self._sweep(is_new=not found)
+        await asyncio.to_thread(self._sweep_packs)
 
     async def _sweep(self, *, is_new: bool) -> None:
-        """Remove half uploads, half packs, and blobs and packs that belong to no record."""
+        """Remove half uploads, and blobs that belong to no record."""
         try:
             names = await self._blobs.names()
             if is_new and names:  # perhaps the database is another than the one that knows them
@@ -68,9 +78,9 @@ class Catalogue:
             await self._blobs.sweep(names if is_new else {record.sha256 for record in self.uploaded()})
         except StorageError:
             _log.warning("the store of blobs could not be tidied")
-        await asyncio.to_thread(self._sweep_packs)
 
     def _sweep_packs(self) -> None:
+        """Remove half packs, and those that belong to no record."""
         for path in self._packs.iterdir():
             if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self.folder_logs):
                 path.unlink(missing_ok=True)

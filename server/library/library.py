@@ -103,7 +103,7 @@ class Library:
             cpu_s=self._limits.read_cpu_s,
             worker=worker_at(settings.executor, memory, scratch),
         )
-        blobs = Blobs.at(settings.blobs, root)
+        self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
         self._intake = Intake(blobs, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
@@ -117,8 +117,11 @@ class Library:
 
         Raises :class:`StorageError`.
         """
+        from server.library.belonging import is_sure_to_belong  # noqa: PLC0415
+
         await self._folder.look()
-        await self._catalogue.start()
+        is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
+        await self._catalogue.start(is_ours=is_ours)
         await self.links.start()
         await self._expire()
         self._folder.begin_survey()

@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -13,11 +15,12 @@ from obstore.store import MemoryStore
 from pydantic import SecretStr
 from sqlalchemy import text
 
-from server.library import StorageError, check_stores
+from server.library import Library, StorageError, check_stores
 from server.library.belonging import check_belonging
 from server.library.blobs import Blobs
 from server.library.database import Database
 from server.settings import Settings
+from tests.server.library.small_logs import carmen, in_pieces
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -71,3 +74,53 @@ def test_a_store_that_is_away_is_let_pass(tmp_path: Path, monkeypatch: pytest.Mo
     database = Database.open(None, tmp_path)
     check_belonging(database, Blobs.at("s3://a-bucket/logs", tmp_path))
     database.close()
+
+
+@pytest.mark.parametrize("names", [set(), {"f" * 64}])
+async def test_nothing_is_deleted_because_a_store_lacks_it_that_did_not_say_who_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: set[str]
+) -> None:
+    """It was away when it was asked, and is another bucket than the one that the records know."""
+    settings = Settings(data_dir=tmp_path)
+    check_stores(settings)
+    library = Library(settings)
+    await library.start()
+    record = await library.put("ann", "a.log", in_pieces(carmen(5)))
+    await library.close()
+
+    def away(_: Blobs) -> str:
+        raise StorageError("log.store", "The server cannot reach its store of logs just now.")
+
+    async def another(_: Blobs) -> set[str]:
+        return names
+
+    deleted: list[str] = []
+    monkeypatch.setattr(Blobs, "identity", away)
+    monkeypatch.setattr(Blobs, "names", another)
+    monkeypatch.setattr(Blobs, "delete", lambda _, name: deleted.append(name))
+    library = Library(settings)
+    await library.start()
+    assert library.get("ann", record.id).name == "a.log"
+    await library.close()
+    assert deleted == []
+
+
+def test_of_two_that_claim_a_database_at_once_one_is_refused(url: str, tmp_path: Path) -> None:
+    databases = [Database.open(url, tmp_path) for _ in range(2)]
+    stores = [Blobs(MemoryStore(), None, tmp_path) for _ in range(2)]
+    together = threading.Barrier(2)
+
+    def claim(at: int) -> bool:
+        together.wait()
+        try:
+            check_belonging(databases[at], stores[at])
+        except StorageError:
+            return False
+        return True
+
+    for _ in range(10):
+        with ThreadPoolExecutor(2) as pool:
+            assert sorted(pool.map(claim, range(2))) == [False, True]
+        forget(url, tmp_path)
+    for database in databases:
+        database.close()
