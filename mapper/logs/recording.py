@@ -183,6 +183,8 @@ class Recording:
         notes = list(self.notes)
         if bad:
             notes.append(f"Messages that could not be decoded: {_listed(bad)}.")
+        if topic is None:
+            notes += self._note_on_others(sensor)
         ranges, more = sensor.packed(self.limits)
         notes += more
         angle_min, increment, range_min, range_max, _ = sensor.usual
@@ -236,6 +238,15 @@ class Recording:
             if sensor.topic.lstrip("/") == topic.lstrip("/"):
                 return sensor
         raise ReadError("log.topic", f"The log has no scans on {topic!r:.80}; it has {_listed(list(self._sensors))}.")
+
+    def _note_on_others(self, chosen: SensorScans) -> list[str]:
+        """Return a note on the sensors that the log is not made of, if there are any."""
+        others = [sensor.topic for sensor in self._sensors.values() if sensor is not chosen]
+        if not others:
+            return []
+        more = f"{len(others)} more sensors" if len(others) > 1 else "another sensor"
+        apart = " Each sonar makes a map of its own." if chosen.kind == "sensor_msgs/Range" else ""
+        return [f"Only {chosen.topic} is mapped; the log has {more} to choose: {_listed(others)}.{apart}"]
 
     def _mount(self, chain: list[str], stamps: Int64Array) -> tuple[tuple[float, float, float], bool, list[str]]:
         """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, as it was at first."""

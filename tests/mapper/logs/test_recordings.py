@@ -342,3 +342,15 @@ def test_interpolated_poses_are_those_of_the_textbook(knots):
     # Half a turn in one step may go either way round.
     if not (np.abs(np.abs(wrap_angle(np.diff(yaws))) - np.pi) < 1e-6).any():
         np.testing.assert_allclose(wrap_angle(np.broadcast_to(poses[:, 2], turned.shape) - turned), 0.0, atol=1e-6)
+
+
+def test_which_of_several_sensors_is_mapped_is_said(tmp_path):
+    ring = [sonar(T0 + i, 1.0, topic=f"/sonar/{i % 3}") for i in range(9)]
+    path = written(tmp_path, ring, "mcap")
+    said = "Only /sonar/0 is mapped; the log has 2 more sensors to choose: /sonar/1, /sonar/2. Each sonar makes a map"
+    assert sum(said in note for note in open_log(path).notes) == 1
+    assert not any("Only" in note for note in open_log(path, topic="/sonar/1").notes)
+    path.write_bytes(recorded.mcap_bytes([*ring, *run()]))
+    assert sum(note.startswith("Only /scan is mapped; the log has 3 more") for note in open_log(path).notes) == 1
+    path.write_bytes(recorded.mcap_bytes(run()))
+    assert open_log(path).notes == ()
