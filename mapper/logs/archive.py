@@ -2,6 +2,9 @@
 
 Source: POSIX.1-2017, pax (the ustar format, and the record ``path`` of its extended headers); the GNU tar manual (long
 names, numbers to the base 256). Of everything else that an archive may hold, as links, nothing is made.
+
+Python's own ``tarfile`` is not used: it takes a name of any length into memory, calls itself for every record of a name
+(thousands of them end in RecursionError) and goes where a size that lies sends it, backwards too.
 """
 
 from __future__ import annotations
