@@ -49,7 +49,7 @@ def test_each_thin_model_has_its_own_handles(lab: Page) -> None:
 
 
 def test_a_ring_of_sonars_brings_its_cone_and_the_cone_has_handles(lab: Page) -> None:
-    lab.locator(".lab-row").get_by_text("sonar ring", exact=True).click()
+    lab.locator(".lab-sensor").get_by_text("sonar ring", exact=True).click()
     until("the cone", lambda: value(lab, "model") == "sonar_cone")
     profile = lab.locator("figure.profile")
     canvas = profile.locator("canvas.cone-cells")

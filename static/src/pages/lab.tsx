@@ -164,14 +164,14 @@ function Lab() {
           <section class="lab-profile" aria-label="Inverse sensor model">
             {below && <ProfileBox store={below} />}
           </section>
-          <div class="lab-row">
-            {below && <Sensor store={below} />}
-            {session && <Takeaway id={session.id} />}
-          </div>
+          <div class="lab-sensor">{below && <Sensor store={below} />}</div>
         </div>
-        <aside class="lab-settings" aria-label="Parameters">
-          {below && <Model store={below} />}
-        </aside>
+        <div class="lab-column">
+          <aside class="lab-settings" aria-label="Parameters">
+            {below && <Model store={below} />}
+          </aside>
+          <div class="lab-takeaway">{session && <Takeaway id={session.id} />}</div>
+        </div>
       </div>
     </main>
   );
