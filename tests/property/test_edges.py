@@ -6,12 +6,14 @@ a cell's centre, and numbers that doubles hold exactly.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import integrate_log
-from mapper.parameters import MappingConfig
+from mapper.parameters import MODELS, MappingConfig
 from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
 
@@ -96,3 +98,26 @@ def test_a_field_holds_its_right_edge_and_not_its_left_one(kind, bearing, includ
     assert (grid.log_odds[3, 2:5] < 0).tolist() == [included] * 3
     beside = grid.log_odds[4 if bearing > 0 else 2, 4:6]
     assert (beside < 0).all()
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
+@pytest.mark.parametrize("traversal", ["bresenham", "amanatides_woo"])
+@pytest.mark.parametrize("no_return", ["ignore", "free", "hit"])
+def test_what_each_reading_says_that_is_no_range(model: str, update: str, traversal: str, no_return: str) -> None:
+    config = config_of((model, update, traversal), no_return=no_return, range_max=4.0)
+
+    def grid_of(reading: float) -> OccupancyGrid:
+        grid = OccupancyGrid(GridGeometry(1.0, 12, 12))
+        log = log_of(reading, (5.37, 5.81, 0.3))  # no centre lies on a border of the beam's field
+        count = integrate_log(grid, replace(log, range_min=0.1), config)
+        assert (count > 0) == grid.observed.any()
+        return grid
+
+    for reading in (np.nan, -np.inf, -1.0, 0.0, 0.05):  # REP 117: invalid, too close, below range_min
+        assert not grid_of(reading).observed.any(), reading
+    for reading in (np.inf, 4.5, 90.0):  # nothing returned, beyond the max range, beyond the sensor's
+        grid = grid_of(reading)
+        found = {sign for row in signs(grid) for sign in row}
+        assert found == {"ignore": {0}, "free": {-1, 0}, "hit": {-1, 0, 1}}[no_return], reading
+    assert {sign for row in signs(grid_of(3.0)) for sign in row} == {-1, 0, 1}
