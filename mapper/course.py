@@ -110,15 +110,6 @@ class Course:
             due = int(max(spacing - self._updates_since, spacing // 4) / max(rate, 1.0))
         return max(1, min(due, most))
 
-    def go_on_with(self, log: ScanLog, *, grown: bool) -> None:
-        """Go on with ``log``, which is the same log grown at its end; ``grown`` says that the grid grew for it."""
-        self.log = log
-        if grown:
-            # What is kept is of a smaller grid.
-            self.checkpoints = Checkpoints(self.config)
-            self._begin(0)
-            self._touched[:] = True
-
 
 class Scout:
     """Leaves the checkpoints that a course has not come by yet, on a grid of its own, while nobody waits.

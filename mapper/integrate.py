@@ -81,9 +81,11 @@ def _sweep(
     range_max = min(sensor.range_max, config.range_max)
     if config.no_return == "hit":
         # The mistake: what nothing returned is read as the greatest range there is.
+        # NumPy compares a float32 with a Python float as two float32, hence the float().
         greatest = np.float32(range_max)
-        greatest = greatest if greatest <= range_max else np.nextafter(greatest, np.float32(0.0))
-        ranges = np.where(ranges > range_max, greatest, ranges)
+        if float(greatest) > range_max:
+            greatest = np.nextafter(greatest, np.float32(0.0))
+        ranges = np.where(ranges > greatest, greatest, ranges)
     return Sweep(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
 
 

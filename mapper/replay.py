@@ -7,7 +7,7 @@ from collections.abc import Callable
 from mapper.course import Course, Scout
 from mapper.errors import ConfigError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import CellBox, Change, geometry_for, grid_for
+from mapper.integrate import CellBox, Change, grid_for
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import MappingConfig
 from mapper.provenance import Provenance, provenance
@@ -98,23 +98,3 @@ class Replay:
         return provenance(
             self.grid.geometry, self.log, self.config, (row, col), self.trajectory, self.index, prior=prior
         )
-
-    def set_log(self, log: ScanLog) -> Change:
-        """Go on with ``log``, which is the same log grown at its end; the map and the index stay.
-
-        The grid grows to hold what the new scans see. Raises :class:`ConfigError` where the log is shorter than
-        the map, has other beams or lacks the trajectory.
-        """
-        if log.n_scans < self.index or log.n_beams != self.log.n_beams:
-            raise ConfigError(
-                "replay.log",
-                f"A log of {log.n_scans} scans × {log.n_beams} beams does not continue one of which {self.index} scans "
-                f"× {self.log.n_beams} beams are in the map.",
-            )
-        needed = geometry_for(log, self.config, self.trajectory, self._limits)
-        x, y, _ = needed.origin
-        inside = 0.5 * needed.resolution
-        high = (x + needed.cols * needed.resolution - inside, y + needed.rows * needed.resolution - inside)
-        grown = self.grid.grow_to_include((x + inside, y + inside), high)
-        self._course.go_on_with(log, grown=grown)
-        return Change(None, grown, 0)

@@ -64,12 +64,18 @@ def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike
 
 
 def readings(scan: RangeScan, config: MappingConfig) -> NDArray[np.float64]:
-    """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max."""
-    ranges = scan.ranges.copy()
+    """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max.
+
+    Ranges are kept as float32, so that is the greatest of these which does not lie beyond z_max.
+    """
+    ranges = scan.ranges.astype(np.float64)
     z_max = min(scan.range_max, config.range_max)
     if config.no_return == "hit":
-        ranges[ranges > z_max] = z_max if np.float32(z_max) <= z_max else np.nextafter(np.float32(z_max), np.float32(0))
-    return ranges.astype(np.float64)
+        greatest = float(np.float32(z_max))
+        if greatest > z_max:
+            greatest = float(np.nextafter(np.float32(z_max), np.float32(0)))
+        ranges[ranges > z_max] = greatest
+    return ranges
 
 
 def evidence_of_beam(

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import gzip
+import io
 import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic_core import PydanticUndefined
 from typer.testing import CliRunner
@@ -72,6 +76,27 @@ def test_every_command_of_the_readme_exists(command: str) -> None:
     result = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "200"})
     assert result.exit_code == 0, result.output
     assert all(option in result.output for option in options)
+
+
+def test_the_library_is_used_as_the_readme_shows_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A room 4 m wide, seen from its middle forwards and backwards.
+    angles = np.radians(np.arange(180) - 90.0)
+    ranges = " ".join(f"{r:.3f}" for r in 2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles))))
+    lines = [
+        f"FLASER 180 {ranges} 0 0 {yaw} 0 0 {yaw} {k} host {k}\n" for k, yaw in enumerate((0.0, 3.141592653589793))
+    ]
+    monkeypatch.chdir(tmp_path)
+    Path("intel.log.gz").write_bytes(gzip.compress("".join(lines).encode()))
+    (program,) = re.findall(r"(?s)```python\n(.*?)```", README.read_text())
+    assert len([line for line in program.splitlines() if line and not line.startswith("from")]) <= 10
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(program, {})
+    said = re.fullmatch(r"(\d+) cells are occupied\n", printed.getvalue())
+    assert said
+    # The wall is 4 · 80 cells long, and 360 beams end on it, here and there two in one cell.
+    assert 200 < int(said[1]) <= 360
+    assert Path("out/intel.pgm").read_bytes().startswith(b"P5\n128 128\n")
 
 
 def test_every_picture_is_there() -> None:

@@ -64,14 +64,10 @@ class Simulation:
         self._drive_until = 0.0
         self._control = (0.0, 0.0)
         self._next_scan = STEP  # the first scan comes at once
-        self._enter(world)
-
-    def _enter(self, world: World) -> None:
         self.world = world
-        self.robot = Robot(world.start, self.radius)
+        self.robot = Robot(world.start, radius)
         self.walker = Walker(world, self._wander)
         self._before = world.start
-        self._control = self._drive = (0.0, 0.0)
 
     @property
     def time(self) -> float:
@@ -191,10 +187,6 @@ class Simulation:
         """Exchange the lidar; the next scan comes from the new one."""
         self.sensor = sensor
         self._next_scan = min(self._next_scan, self._steps * STEP + 1.0 / sensor.scan_rate)
-
-    def set_world(self, world: World) -> None:
-        """Move the robot to the start of another world; the clock, the sensor and :attr:`auto` stay as they are."""
-        self._enter(world)
 
     def alter_world(self, world: World) -> bool:
         """Exchange the world for one of the same bounds around the robot, which stays where it is if it still fits.

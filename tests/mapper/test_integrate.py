@@ -156,3 +156,21 @@ def test_what_cannot_be_is_refused_and_changes_nothing() -> None:
     )
     with pytest.raises(ConfigError, match="without scans"):
         geometry_for(nothing, CONFIG)
+
+
+def test_two_readings_of_moravec_and_elfes_worked_by_hand() -> None:
+    # Cells of ½ m along the axis, ε = 1 m; s and z in cells. A reading of 5 says "empty" 1 − (s/3)² at s = 1, 2
+    # and "occupied" 1 − ((s − 5)/2)² at s = 4, 5, 6, that is ¾, 1, ¾, which shared out over the arc are 0.3, 0.4, 0.3.
+    # One of 3 then says "occupied" ¾, 1, ¾ at s = 2, 3, 4. At s = 2 the cell is empty by 5/9: ¾ · 4/9 = ⅓ is left.
+    # Shared out, they are 0.16, 0.48, 0.36; and at s = 4, where 0.3 stood, that makes 0.3 + 0.36 − 0.3 · 0.36 = 0.552.
+    config = MappingConfig(model="moravec_elfes", window=2.0, resolution=0.5, clamp=False)
+    grid = OccupancyGrid(GridGeometry(0.5, 1, 9))
+    readings, poses = np.array([[2.5], [1.5]], np.float32), np.tile((0.25, 0.25, 0.0), (2, 1))
+    log = ScanLog(readings, 0.0, 0.01, 0.0, 80.0, np.zeros(2, np.int64), {"still": Trajectory(poses)})
+    integrate_log(grid, log, config)  # in which the grid stays as large as it is, one row
+    assert grid.tallies is not None
+    np.testing.assert_allclose(grid.tallies[0, 0], [0, 0, 0.16, 0.48, 0.552, 0.4, 0.3, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(grid.tallies[1, 0], [0, 8 / 9, 5 / 9, 0, 0, 0, 0, 0, 0], atol=1e-6)
+    # Shown is the greater of both, "empty" below zero.
+    shown = np.array([0, -8 / 9, -5 / 9, 0.48, 0.552, 0.4, 0.3, 0, 0])
+    np.testing.assert_allclose(grid.p_occ[0], (1 + shown) / 2, atol=1e-6)

@@ -32,6 +32,7 @@ CONFIGS: tuple[dict[str, Any], ...] = (
     {"no_return": "free", "range_max": 1.9},
     {"range_max": 1.9},
     {"no_return": "hit", "range_max": 1.9},
+    {"no_return": "hit", "range_max": 1.7},  # which float32 rounds up
     {"no_return": "hit", "range_max": 1.9, "update": "per_scan"},
     {"clamp": False, "log_odds_hit": 1.3, "log_odds_miss": -0.15, "log_odds_prior": -0.3},
     {"log_odds_min": -1.0, "log_odds_max": 1.2},

@@ -137,27 +137,6 @@ def test_seeks_go_back_to_a_prior_map(log: ScanLog, config: MappingConfig) -> No
     assert kept_by(replay).moments
 
 
-def test_a_log_that_grows_and_with_it_the_grid(log: ScanLog) -> None:
-    back = -log.trajectory().poses  # towards where the grid's origin is
-
-    def first(n: int) -> ScanLog:
-        walk = Trajectory(back[:n])
-        return replace(log, ranges=log.ranges[:n], stamps_ns=log.stamps_ns[:n], trajectories={"walk": walk})
-
-    config = MappingConfig(resolution=0.05)
-    replay = Replay(first(20), config)
-    replay.advance_to(20)
-    origins = {replay.grid.geometry.origin}
-    for n, index in ((40, 30), (N, 50), (N, 9), (N, 0), (N, N)):
-        replay.set_log(first(n))
-        origins.add(replay.grid.geometry.origin)
-        replay.advance_to(index)
-        grid = OccupancyGrid(replay.grid.geometry)
-        integrate_log(grid, first(N), config, None, 0, index)
-        assert_same(replay.grid, grid)
-    assert len(origins) > 1
-
-
 def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     replay = Replay(log, WAYS[0])
     replay.advance_to(N)

@@ -1,7 +1,5 @@
 """A replay is the map of the first k scans, however one got there."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -119,27 +117,6 @@ def test_a_trajectory_by_name(log: ScanLog) -> None:
     assert same(replay.grid, one_go(log, MappingConfig(), 25, "still"))
     with pytest.raises(ConfigError, match="no trajectory 'odom'"):
         Replay(log, MappingConfig(), "odom")
-
-
-def test_set_log_goes_on_where_the_map_is(log: ScanLog) -> None:
-    def first(n: int) -> ScanLog:
-        walk = Trajectory(log.trajectory().poses[:n])
-        return replace(log, ranges=log.ranges[:n], stamps_ns=log.stamps_ns[:n], trajectories={"walk": walk})
-
-    config = MappingConfig(resolution=0.2)
-    replay = Replay(first(5), config)
-    replay.advance_to(5)
-    for n in (6, 15, 25):
-        old = replay.grid.geometry
-        assert replay.set_log(first(n)).geometry_changed == (replay.grid.geometry != old)
-        replay.advance_to(n)
-    whole = one_go(log, config, 25)
-    row, col = replay.grid.geometry.world_to_cell(whole.geometry.cell_to_world((0, 0)))
-    assert row >= 0
-    rows, cols = whole.geometry.shape
-    np.testing.assert_array_equal(replay.grid.log_odds[row : row + rows, col : col + cols], whole.log_odds)
-    with pytest.raises(ConfigError, match="does not continue"):
-        replay.set_log(first(24))
 
 
 def test_what_cannot_be_leaves_the_replay_as_it_was(log: ScanLog) -> None:

@@ -201,17 +201,6 @@ def test_a_faster_sensor_does_not_wait_for_the_slow_ones_turn():
     assert len(simulation.advance(0.2)) == 4
 
 
-def test_a_new_world_begins_at_its_start_and_time_goes_on():
-    simulation = Simulation(WORLDS["office"], SPARSE)
-    simulation.advance(3.0)
-    simulation.set_world(WORLDS["hall"])
-    assert simulation.pose == pytest.approx(WORLDS["hall"].start)
-    assert simulation.time == pytest.approx(3.0)
-    assert simulation.auto
-    simulation.advance(5.0)
-    assert simulation.world.is_free(simulation.pose[:2], ROBOT_RADIUS)
-
-
 def test_motion_between_frames_is_even():
     """At 30 frames a second a step of physics more or less in a frame must not show."""
     simulation = Simulation(WORLDS["loop"], SPARSE)
