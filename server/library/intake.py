@@ -17,6 +17,7 @@ from server.library.blobs import Blobs, Incoming
 from server.library.storage import StorageError
 
 BATCH_BYTES = 1 << 20  #: bytes that go to the store at a time
+LEAST_BYTES_PER_S = 256  #: of an upload; what is slower is given up
 KEEP_PARTIAL_S = 3600.0  #: seconds after its last byte at which a cut upload is forgotten
 MAX_PARTIALS_PER_OWNER = 4
 MAX_PARTIALS = 64
@@ -191,13 +192,21 @@ def too_large(max_bytes: int) -> LimitError:
 
 
 async def _with_patience(chunks: AsyncIterator[bytes], idle_s: float) -> AsyncIterator[bytes]:
-    """Yield the chunks; raise where none comes for ``idle_s`` seconds."""
+    """Yield the chunks; raise where it takes ``idle_s`` seconds of waiting until some have come.
+
+    A few bytes now and then are not enough: who sends them would keep a place for ever.
+    """
+    waited, come = 0.0, 0
     while True:
+        began = time.monotonic()
         try:
-            async with asyncio.timeout(idle_s):
+            async with asyncio.timeout(idle_s - waited):
                 chunk = await anext(chunks)
         except StopAsyncIteration:
             return
         except TimeoutError:
-            raise LimitError("log.stalled", f"Nothing of the upload came for {idle_s:g} s.") from None
+            raise LimitError("log.stalled", f"Next to nothing of the upload came for {idle_s:g} s.") from None
+        waited, come = waited + time.monotonic() - began, come + len(chunk)
+        if come >= LEAST_BYTES_PER_S * idle_s:
+            waited, come = 0.0, 0
         yield chunk

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
+from collections import Counter
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -47,7 +48,9 @@ class LibraryLimits:
 
     max_logs_per_owner: int = 50
     max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
+    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
     max_uploads_at_once: int = 8
+    max_uploads_of_owner: int = 4  #: at once: who sends slowly keeps nobody else from sending
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds without a byte after which an upload is given up
     read_timeout_s: float = 120.0
@@ -88,7 +91,7 @@ class Library:
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._uploads = 0
+        self._uploads: Counter[str] = Counter()  #: under way, by owner
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
         self._sample = Sample(self._cache)
@@ -192,16 +195,20 @@ class Library:
         await self._expire()
         if size is not None and size > self._max_upload_bytes:
             raise too_large(self._max_upload_bytes)
-        if self._uploads >= limits.max_uploads_at_once:
+        is_many = self._uploads[owner] >= limits.max_uploads_of_owner
+        if is_many or self._uploads.total() >= limits.max_uploads_at_once:
             raise LimitError("library.busy", "Too many uploads are under way; try again in a moment.")
-        if sum(record.owner == owner for record in self._catalogue.uploaded()) >= limits.max_logs_per_owner:
+        own = [record for record in self._catalogue.uploaded() if record.owner == owner]
+        if len(own) >= limits.max_logs_per_owner:
             raise LimitError(
                 "library.too_many",
                 f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
             )
         if self._room() - self._intake.reserved < (size or 0) - (part.start if part else 0):
             raise full()
-        self._uploads += 1
+        if sum(record.bytes + record.packed_bytes for record in own) + (size or 0) > limits.max_owner_bytes:
+            raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
+        self._uploads[owner] += 1
         try:
             async with self._intake.receive(owner, chunks, part) as received:
                 if received is None:
@@ -210,7 +217,7 @@ class Library:
                     raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
                 return await self._take(owner, display_name(name), received)
         finally:
-            self._uploads -= 1
+            self._uploads -= Counter([owner])
 
     async def _take(self, owner: str, name: str, received: Received) -> Record:
         """Give the received bytes their place, unless the owner has them."""

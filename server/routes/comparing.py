@@ -46,7 +46,7 @@ async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, A
         library, visitor = request.app.state.library, request.state.visitor
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
-        await request.app.state.sessions.free_bytes(log)
+        await request.app.state.sessions.free_bytes(log, session.owner)
     await session.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
     try:
         return await _told(session)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import IO
 
@@ -18,6 +19,7 @@ from server.sessions import LogSession
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 MAX_AT_ONCE = 8  #: files of all visitors that are being made or fetched: each may be as large as its log
+MAX_OF_VISITOR = 4  #: of them: who fetches slowly keeps nobody else from fetching
 PIECE = 1 << 18
 
 
@@ -34,13 +36,13 @@ def _log_session(request: Request, session_id: str) -> LogSession:
 async def run_mcap(request: Request, session_id: str) -> Response:
     """Return the log with its map as it is now, as an MCAP file of ROS 2 messages."""
     session = _log_session(request, session_id)
-    state = request.app.state
-    if state.taken >= MAX_AT_ONCE:
+    state, visitor = request.app.state, request.state.visitor
+    if state.taken.total() >= MAX_AT_ONCE or state.taken[visitor] >= MAX_OF_VISITOR:
         raise LimitError("library.busy", "Too many files are being taken away; try again in a moment.")
-    state.taken += 1
+    state.taken[visitor] += 1
 
     def give_back() -> None:
-        state.taken -= 1
+        state.taken -= Counter([visitor])
 
     try:
         grid = await session.snapshot()

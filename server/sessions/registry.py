@@ -10,6 +10,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any, Protocol
 
 import structlog
@@ -146,7 +147,8 @@ class SessionRegistry:
         number = secrets.randbelow(2**31) if seed is None else seed
 
         def make() -> WorldMapper:
-            return retold({**(story or {}), "world": named, "seed": number}, limits=lambda: self.limits(None))
+            limits = partial(self._limits, None, guest=False, owner=owner)
+            return retold({**(story or {}), "world": named, "seed": number}, limits=limits)
 
         # A long story computes for seconds: stories take turns with the sessions of long ticks.
         async with self._place(owner), self._turns if story else contextlib.nullcontext():
@@ -173,9 +175,9 @@ class SessionRegistry:
         """
         view = view or LogView()
         async with self._place(owner, link), self._turns_of(link) if view.index else contextlib.nullcontext():
-            await self.free_bytes(log, guest=link is not None)
+            await self.free_bytes(log, owner, guest=link is not None)
             replay = await asyncio.get_running_loop().run_in_executor(
-                self.pool, first_replay, log, view, self._limits(None, guest=link is not None)
+                self.pool, first_replay, log, view, self._limits(None, guest=link is not None, owner=owner)
             )
             session = LogSession(
                 replay,
@@ -218,13 +220,17 @@ class SessionRegistry:
 
     def limits(self, session: Session | None) -> Limits:
         """Return what the grid of ``session`` (None: of a new one) may be, given what the others hold."""
-        return self._limits(session, guest=session is not None and session.link is not None)
+        owner = None if session is None else session.owner
+        return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
-    def _limits(self, session: Session | None, *, guest: bool) -> Limits:
+    def _limits(self, session: Session | None, *, guest: bool, owner: str | None = None) -> Limits:
         others = [s for s in self._sessions.copy().values() if s is not session]
         room = self._settings.max_total_cells - sum(s.cells for s in others)
         if guest:  # of all that there is, guests have half at most
             room = min(room, self._settings.max_total_cells // 2 - sum(s.cells for s in others if s.link is not None))
+        if owner is not None:  # and so has one visitor, but always a grid of the largest size
+            share = max(self._settings.max_total_cells // 2, self._settings.max_cells)
+            room = min(room, share - sum(s.cells for s in others if s.owner == owner))
         return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
 
     # -- budgets ---------------------------------------------------------------------------------------------------
@@ -248,7 +254,7 @@ class SessionRegistry:
                 message = "All places are taken and watched: try again in a minute."
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
-            await self._free_cells(guest=link is not None)
+            await self._free_cells(guest=link is not None, owner=owner)
             yield
         finally:
             self._making.remove(place)
@@ -266,24 +272,40 @@ class SessionRegistry:
         if len(guests) + sum(one is not None for _, one in self._making) > places:
             await self._evict(guests, "session.full", "All places for guests are taken: try again in a minute.")
 
-    async def _free_cells(self, *, guest: bool) -> None:
-        """End sessions that nobody watches, until a grid of the largest size finds room or all are watched."""
-        while self._limits(None, guest=guest).max_cells < self._settings.max_cells:
-            idle = [s for s in (self._guests() if guest else self._sessions.values()) if not s.watched]
-            if not idle:
-                return
-            await self._end(min(idle, key=lambda s: s.unwatched_since))
+    async def _free_cells(self, *, guest: bool, owner: str) -> None:
+        """End sessions that nobody watches, until a grid of the largest size finds room or all are watched.
 
-    async def free_bytes(self, log: ScanLog, *, guest: bool = False) -> None:
+        One visitor's own are ended first: where it is their share that is used up, others' would make no room.
+        """
+        for whose in (owner, None):
+            while self._limits(None, guest=guest, owner=whose).max_cells < self._settings.max_cells:
+                among = self._guests() if guest else self.all()
+                idle = [s for s in among if not s.watched and whose in (s.owner, None)]
+                if not idle:
+                    break
+                await self._end(min(idle, key=lambda s: s.unwatched_since))
+
+    async def free_bytes(self, log: ScanLog, owner: str, *, guest: bool = False) -> None:
         """End log sessions that nobody watches, for a ``guest`` only those of guests, until there is room for ``log``.
 
-        Raises :class:`SessionBudgetError` where it finds none.
+        One visitor's logs have half of it, or one log as large as it may be. Raises :class:`SessionBudgetError` where
+        there is no room.
         """
         room = self._settings.max_log_bytes - log.ranges.nbytes
         if room < 0:
             raise SessionBudgetError("session.memory", "This log needs more memory than the server has for logs.")
+        share = max(self._settings.max_log_bytes // 2 - log.ranges.nbytes, 0)
+        own = "The logs that you have open take all the memory that one visitor may have: close one first."
+        await self._free_bytes(log, share, own, guest=guest, owner=owner)
+        all_open = "The logs that are open take all the memory that there is for them: try again later."
+        await self._free_bytes(log, room, all_open, guest=guest)
+
+    async def _free_bytes(
+        self, log: ScanLog, room: int, message: str, *, guest: bool, owner: str | None = None
+    ) -> None:
+        """End sessions until the others' logs (those of ``owner``'s sessions) take no more than ``room`` bytes."""
         while True:
-            logs = [s for s in self._sessions.values() if isinstance(s, LogSession)]
+            logs = [s for s in self._sessions.values() if isinstance(s, LogSession) and owner in (s.owner, None)]
             # Sessions of one log share its readings.
             held = {
                 s: {id(one.ranges): one.ranges.nbytes for one in s.logs if one.ranges is not log.ranges} for s in logs
@@ -291,7 +313,6 @@ class SessionRegistry:
             if sum({key: size for sizes in held.values() for key, size in sizes.items()}.values()) <= room:
                 return
             needed = {key for s, sizes in held.items() if s.watched for key in sizes}
-            message = "The logs that are open take all the memory that there is for them: try again later."
             # One is ended for what only it and others that nobody watches hold.
             idle = [s for s, sizes in held.items() if sizes.keys() - needed and (s.link is not None or not guest)]
             await self._evict(idle, "session.memory", message)

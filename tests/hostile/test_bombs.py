@@ -145,3 +145,15 @@ def test_other_packings_are_named(tmp_path):
     error = opened(tmp_path / "a.log", lzma.compress(TEXTS["carmen raw"].encode()))
     assert isinstance(error, ReadError)
     assert "xz data" in error.message
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_chunks_that_are_small_each_and_too_much_together(tmp_path, kind):
+    zeros = bytes(1 << 20)
+    one = bag_with_chunk("bz2", _bz2(zeros)) if kind == "bag" else mcap_with_chunk("zstd", zstandard.compress(zeros), 0)
+    magic = 13 if kind == "bag" else 8
+    few = replace(DEFAULT_LIMITS, max_log_bytes=4 << 20)
+    error = opened(tmp_path / "a.log", one + one[magic:] * 4, few)
+    assert isinstance(error, LimitError)
+    assert error.code == "log.too_many_bytes"
+    assert isinstance(opened(tmp_path / "a.log", one + one[magic:] * 2, few), ReadError)

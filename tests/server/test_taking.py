@@ -7,7 +7,7 @@ import pytest
 
 from mapper.export import tum_text
 from mapper.logs import open_log
-from server.routes.taking import MAX_AT_ONCE
+from server.routes.taking import MAX_AT_ONCE, MAX_OF_VISITOR
 from server.sessions import LogSession
 from tests.server.service import Service
 
@@ -31,7 +31,7 @@ def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -
     poses = session.log.trajectory(session.trajectory).poses
     np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
     assert "/map" in {topic.name for topic in again.topics}
-    assert service.state.taken == 0
+    assert service.state.taken.total() == 0
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
 
 
@@ -50,12 +50,17 @@ def test_a_world_has_no_run_to_take_away(service: Service) -> None:
 
 
 def test_only_so_many_files_at_once(service: Service, session: LogSession) -> None:
-    service.state.taken = MAX_AT_ONCE
-    try:
-        answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
-        assert (answer.status_code, answer.json()["code"]) == (503, "library.busy")
-    finally:
-        service.state.taken = 0
+    for of_all in (True, False):
+        who = "another" if of_all else service.http.cookies["gridbloom_visitor"]
+        service.state.taken[who] = MAX_AT_ONCE if of_all else MAX_OF_VISITOR
+        try:
+            answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
+            assert (answer.status_code, answer.json()["code"]) == (503, "library.busy")
+            service.state.taken["another"] = MAX_AT_ONCE - 1
+            del service.state.taken[service.http.cookies["gridbloom_visitor"]]
+            assert service.http.get(f"/api/sessions/{session.id}/run.mcap").status_code == 200
+        finally:
+            service.state.taken.clear()
 
 
 def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: LogSession) -> None:

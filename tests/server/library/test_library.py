@@ -182,6 +182,48 @@ async def test_an_upload_that_stalls_is_given_up(make_library: Callable[..., Lib
     assert files(settings) == []
 
 
+async def test_an_upload_that_trickles_is_given_up(make_library: Callable[..., Library], settings: Settings) -> None:
+    """A byte now and then would hold one of the few places for ever."""
+    library = make_library(idle_s=0.5)
+
+    async def trickles() -> AsyncIterator[bytes]:
+        for _ in range(3000):
+            yield b"x"
+            await asyncio.sleep(0.01)
+
+    with pytest.raises(LimitError, match="Next to nothing") as caught:
+        await library.put("ann", "run.log", trickles())
+    assert caught.value.code == "log.stalled"
+    assert files(settings) == []
+
+
+async def test_one_visitors_uploads_leave_places_and_room_to_others(make_library: Callable[..., Library]) -> None:
+    library = make_library(max_uploads_at_once=4, max_uploads_of_owner=2, max_owner_bytes=4000)
+    go_on = asyncio.Event()
+
+    async def waits(n: int) -> AsyncIterator[bytes]:
+        yield carmen(n)
+        await go_on.wait()
+
+    async def refused(owner: str, data: AsyncIterator[bytes], size: int | None = None) -> tuple[str, str]:
+        with pytest.raises(LimitError) as caught:
+            await library.put(owner, "run.log", data, size)
+        return caught.value.code, caught.value.message
+
+    slow = [asyncio.create_task(library.put("eve", "slow", waits(5 + n))) for n in range(2)]
+    await eventually(lambda: library._uploads["eve"] == 2)
+    assert (await refused("eve", in_pieces(carmen(9))))[0] == "library.busy"
+    assert (await library.put("ann", "run.log", in_pieces(carmen(10)))).state == "queued"
+    go_on.set()
+    await asyncio.gather(*slow)
+    assert library._uploads.total() == 0
+    assert await refused("eve", in_pieces(carmen(9)), 3900) == (
+        "library.too_many",
+        "Your logs take all the room that one visitor has here: delete one.",
+    )
+    assert (await library.put("bob", "run.log", in_pieces(carmen(10)), 3900)).state == "queued"
+
+
 async def test_caps(make_library: Callable[..., Library], settings: Settings) -> None:
     library = make_library(max_logs_per_owner=1, max_total_bytes=1_100_000)
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mapper.errors import LimitError
 from mapper.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from tests.server.service import eventually
@@ -82,9 +83,9 @@ async def test_all_grids_together_are_bounded(make_registry: Make, office_log: S
     first = await registry.create_log("me", office_log)
     assert idle.closed  # nobody watched it, and a large grid might have needed its room
     first.join()
-    second = await registry.create_log("me", office_log)
+    second = await registry.create_log("you", office_log)
     second.join()
-    third = await registry.create_log("me", office_log)
+    third = await registry.create_log("they", office_log)
     assert (first.config.resolution, second.config.resolution) == (0.05, 0.05)
     assert third.config.resolution > 0.05  # what room is left is for a coarser map
     third.join()
@@ -103,18 +104,43 @@ async def test_the_logs_of_all_sessions_together_are_bounded(make_registry: Make
     shared = another()
     first = await registry.create_log("me", shared)
     first.join()
-    second = await registry.create_log("me", another())
+    second = await registry.create_log("you", another())
     again = await registry.create_log("me", shared)  # its readings are in memory already
     assert set(registry.all()) == {first, second, again}
-    third = await registry.create_log("me", another())
+    third = await registry.create_log("they", another())
     assert set(registry.all()) == {first, again, third}
     third.join()
     with pytest.raises(SessionBudgetError) as refused:
-        await registry.create_log("me", another())
+        await registry.create_log("we", another())
     assert refused.value.code == "session.memory"
     with pytest.raises(SessionBudgetError, match="more memory than the server has"):
         await registry.create_log("me", replace(office_log, ranges=np.tile(office_log.ranges, (1, 20))))
     assert {first, again, third} == set(registry.all())
+
+
+async def test_one_visitor_has_half_of_the_cells_and_of_the_memory_for_logs(
+    make_registry: Make, office_log: ScanLog
+) -> None:
+    size = (await make_registry().create_log("me", office_log)).cells
+    registry = make_registry(max_cells=size, max_total_cells=6 * size)
+    theirs = await registry.create_log("you", office_log)
+    for _ in range(3):
+        (await registry.create_log("me", office_log)).join()
+    with pytest.raises(LimitError, match="larger than the limit of 1 cells"):
+        await registry.create_log("me", office_log)
+    assert not theirs.closed, "nobody watches it, but to end it would make no room"
+    assert (await registry.create_log("you", office_log)).config.resolution == 0.05
+
+    def another() -> ScanLog:
+        return replace(office_log, ranges=np.tile(office_log.ranges, (1, 5)))
+
+    registry = make_registry(max_log_bytes=4 * another().ranges.nbytes)
+    for _ in range(2):
+        (await registry.create_log("me", another())).join()
+    with pytest.raises(SessionBudgetError, match="memory that one visitor may have") as refused:
+        await registry.create_log("me", another())
+    assert refused.value.code == "session.memory"
+    await registry.create_log("you", another())
 
 
 async def test_ids_cannot_be_guessed(registry: SessionRegistry, office_log: ScanLog) -> None:
