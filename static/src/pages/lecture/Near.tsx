@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { watchSight } from "../../ui/sight";
 import { printing } from "../../ui/theme";
+import { inTurn } from "./inTurn";
 import type { Reserve } from "./lessons";
 
 /** How far from the window a figure is set up, in parts of the window's height. */
@@ -16,7 +17,10 @@ interface NearProps {
   readonly children: ComponentChildren;
 }
 
-/** A figure that is set up when it comes near the window, or is printed; until then its place is kept free. */
+/**
+ * A figure that is set up when it comes near the window, or is printed, or when the page has nothing else to do; until
+ * then its place is kept free.
+ */
 export function Near({ now, reserve, children }: NearProps) {
   const box = useRef<HTMLDivElement>(null);
   const near = useSignal(now);
@@ -25,17 +29,23 @@ export function Near({ now, reserve, children }: NearProps) {
   useEffect(() => {
     const target = box.current;
     if (!target || near.peek()) return;
+    const setUp = (at: DOMRect): void => {
+      before.current = at;
+      near.value = true;
+      stop();
+    };
     const unwatch = watchSight(
       target,
-      ({ isIntersecting, boundingClientRect }) => {
-        if (!isIntersecting) return;
-        before.current = boundingClientRect;
-        near.value = true;
-        unwatch();
-      },
+      ({ isIntersecting, boundingClientRect }) => isIntersecting && setUp(boundingClientRect),
       { rootMargin: `${AHEAD} 0px` },
     );
-    return unwatch;
+    // On a slide the others have no place, and no size to be set up for.
+    const callOff = inTurn(() => target.offsetWidth > 0 && setUp(target.getBoundingClientRect()));
+    const stop = (): void => {
+      unwatch();
+      callOff();
+    };
+    return stop;
   }, [near]);
   useLayoutEffect(() => {
     if (isHere) near.value = true;
