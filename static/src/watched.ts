@@ -354,6 +354,12 @@ export class Watched implements Receiver {
     if (Object.keys(faults).length > 0) this.send({ type: "faults", values: faults });
   }
 
+  /** What was set in a session that has ended, and never confirmed there, stands in the one that is made again. */
+  takeOver(from: Watched): void {
+    for (const of of ["mapping", "sensor", "robot"] as const)
+      for (const [name, value] of Object.entries(from[of].pending())) this[of].set(name, value);
+  }
+
   takeTiles(frame: TilesFrame): void {
     this.#shown.takeTiles(frame);
   }

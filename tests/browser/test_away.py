@@ -61,6 +61,41 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
 
 
+def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_anew(
+    context: BrowserContext, server: str
+) -> None:
+    with cutting_proxy(urlsplit(server).port or 0) as proxy:
+        page = context.new_page()
+        page.goto(f"http://127.0.0.1:{proxy.port}/lab.html")
+        await_map(page)
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_text("What goes wrong").click()
+        expect(page.get_by_role("switch", name="Wheels that drift")).to_be_visible()
+        address = "() => location.href"
+        until("the address to tell of the world", lambda: "#s=" in page.evaluate(address))
+        session = page.evaluate(address).split("session=")[1].split("#")[0]
+        proxy.cut()
+        expect(page.locator(".lab-status")).to_contain_text(AWAY)
+        slider = page.locator(".lab-settings").get_by_role("slider", name="Hit increment")
+        slider.focus()
+        page.keyboard.press("ArrowRight")
+        page.get_by_role("switch", name="Wheels that drift").click()
+        page.evaluate("() => gridbloom.connection.store.look({ x: 5, y: 5, scale: 0.02 })")
+        set_here = "() => { const s = gridbloom.connection.store;"
+        set_here += " return [s.mapping.values.peek().log_odds_hit, s.faults.peek().drift, s.view.peek()]; }"
+        before = page.evaluate(set_here)
+        assert before[1:] == [True, {"x": 5, "y": 5, "scale": 0.02}]
+        assert context.request.delete(f"{server}/api/sessions/{session}").ok
+        proxy.mend()
+        expect(page.locator(".toast")).to_contain_text("Here it is again")
+        expect(page.locator(".lab-status")).to_have_text("live")
+        confirmed = "() => { const s = gridbloom.connection.store;"
+        confirmed += " return Object.keys({ ...s.mapping.pending(), ...s.robot.pending() }).length === 0; }"
+        until("the server to have it", lambda: page.evaluate(confirmed))
+        assert page.evaluate(set_here) == before
+        expect(page.get_by_role("switch", name="Wheels that drift")).to_have_attribute("aria-checked", "true")
+
+
 def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, server: str) -> None:
     with cutting_proxy(urlsplit(server).port or 0) as proxy:
         page = context.new_page()

@@ -183,7 +183,7 @@ def test_the_page_recovers_from_a_lost_connection_without_a_reload(context, serv
         page.evaluate("() => { window.notReloaded = true; }")
         session = page.url.partition("#")[0]
         proxy.cut()
-        expect(page.locator(".lab-status")).to_have_text("reconnecting")
+        expect(page.locator(".lab-status")).to_have_text("The server does not answer; this page goes on trying.")
         seen = frame(page)["index"]
         proxy.mend()
         expect(page.locator(".lab-status")).to_have_text("live")

@@ -16,6 +16,7 @@ import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Connected, Controls } from "./lab/Controls";
+import { seen } from "./lab/link";
 import { type Live, Pictures } from "./lab/Pictures";
 import { useReading } from "./lab/reading";
 import { keepAddress, openSession, restore } from "./lab/session";
@@ -35,7 +36,8 @@ const EMPTY_MAP = 1;
 async function begin(): Promise<void> {
   try {
     const { id, notice, shown } = await openSession();
-    live.peek()?.stop();
+    const before = live.peek();
+    before?.stop();
     unfollow();
     const connection = connect(id);
     let picture: Picture | null = null;
@@ -44,7 +46,9 @@ async function begin(): Promise<void> {
     };
     exposeHook(connection, () => picture);
     connection.start();
-    if (shown) restore(connection.store, shown);
+    // The page knows more of a world that had ended than its address: also what was set while nobody listened.
+    if (shown) restore(connection.store, before ? seen(before.store) : shown);
+    if (shown && before) connection.store.takeOver(before.store);
     unfollow = keepAddress(id, connection.store);
     trouble.value = null;
     live.value = { ...connection, id };

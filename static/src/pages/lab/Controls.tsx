@@ -107,7 +107,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 const WORDS: Readonly<Record<Status, string>> = {
   connecting: "connecting",
   live: "live",
-  reconnecting: "reconnecting",
+  reconnecting: "The server does not answer; this page goes on trying.",
   away: "asleep",
   gone: "ended",
 };

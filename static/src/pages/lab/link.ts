@@ -11,8 +11,8 @@ import type { View } from "../../view";
 /** What happened in a live world, as `/api/sessions/{id}/story` tells it. The server reads it; the page only carries it. */
 export type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
 
-export interface Shown {
-  readonly story: Story;
+/** What a page shows of a world. */
+export interface Seen {
   readonly wrong: Wrong;
   /** Where a person has moved the view; null while it shows everything. */
   readonly view: View | null;
@@ -22,6 +22,10 @@ export interface Shown {
   readonly why: { readonly at: Point; readonly touch: number | null } | null;
   /** What the map has otherwise that is made right of the same readings; null while none is beside it. */
   readonly right: Values | null;
+}
+
+export interface Shown extends Seen {
+  readonly story: Story;
 }
 
 async function through(bytes: Uint8Array, transform: GenericTransformStream): Promise<Uint8Array> {
@@ -68,15 +72,11 @@ export async function unpacked(letters: string): Promise<Shown | null> {
   }
 }
 
-/** What the page shows now. Throws where the server does not answer. */
-export async function shownNow(id: string, store: Store): Promise<Shown> {
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
-  if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
-  const story = (await answer.json()) as Story;
+/** What the page shows of the world now. */
+export function seen(store: Store): Seen {
   const at = store.asked.peek();
   const compared = store.compared.peek();
   return {
-    story,
     wrong: store.wrong.peek(),
     view: store.viewHeld.peek() ? store.view.peek() : null,
     pinned: store.pinned.peek(),
@@ -84,6 +84,13 @@ export async function shownNow(id: string, store: Store): Promise<Shown> {
     // The second map of the moving table began with it and cannot be told.
     right: compared && !compared.with_faults ? compared.values : null,
   };
+}
+
+/** What there is now, the world's story and what the page shows of it. Throws where the server does not answer. */
+export async function shownNow(id: string, store: Store): Promise<Shown> {
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
+  if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
+  return { story: (await answer.json()) as Story, ...seen(store) };
 }
 
 /** The part after `#` of an address. */

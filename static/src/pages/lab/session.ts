@@ -1,7 +1,7 @@
 import { effect } from "@preact/signals";
 import type { Store } from "../../state";
 import { createWorld } from "../worldSession";
-import { carried, fragmentOf, type Shown, shownNow } from "./link";
+import { carried, fragmentOf, type Seen, type Shown, shownNow } from "./link";
 
 /** Which session the lab shows, and what a person should know of how it came about. */
 export interface Opened {
@@ -54,7 +54,7 @@ export async function openSession(): Promise<Opened> {
 }
 
 /** Show what the link showed; what the server has to be asked for, when it is there. */
-export function restore(store: Store, shown: Shown): void {
+export function restore(store: Store, shown: Seen): void {
   store.wrong.value = shown.wrong;
   if (shown.view) store.look(shown.view);
   store.pinned.value = shown.pinned;
