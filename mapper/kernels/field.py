@@ -258,7 +258,7 @@ def _note_exactly(
             half = 0.5 * (window + growth * z)
             if z > half:
                 _sector(planes, used, place, u, v, right_u, right_v, left_u, left_v, z - half, resolution)
-            if window > 0.0:
+            if half > 0.0:
                 farthest = min(z + half, range_max)
                 _ring(planes, used, place, u, v, right_u, right_v, left_u, left_v, z - half, farthest, resolution)
         elif z > range_max and no_return_free:

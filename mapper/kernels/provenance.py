@@ -139,7 +139,7 @@ def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float6
                     if range_min <= z <= range_max:
                         if s < z - half:
                             beam, kind = k, MISS
-                        elif s <= min(range_max, z + half) and window > 0.0:
+                        elif s <= min(range_max, z + half) and half > 0.0:
                             beam, kind = k, HIT
                     elif z > range_max and no_return_free and s < range_max:
                         beam, kind = k, MISS

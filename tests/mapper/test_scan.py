@@ -82,6 +82,19 @@ def test_poses_are_checked() -> None:
         Trajectory(np.full((1, 3), 2e6))
 
 
+def test_an_upside_down_ring_of_sonars_has_its_left_on_the_right(log: ScanLog) -> None:
+    bearings = np.linspace(-0.5, 1.5, log.n_beams) ** 3
+    standing = replace(log, bearings=bearings, beam_width=0.1)
+    hanging = replace(standing, upside_down=True)
+    np.testing.assert_array_equal(standing.angles, bearings)
+    np.testing.assert_array_equal(hanging.angles, -bearings)
+    np.testing.assert_array_equal(hanging.scan(0).angles, -bearings)
+    # Turned over once more, it stands again: each beam has the field that it had, its edges where they were.
+    np.testing.assert_allclose(hanging.fields(turned_over=True), standing.fields(), atol=1e-12)
+    mirrored = standing.fields()[:, [2, 3, 0, 1]] * [1, -1, 1, -1]
+    np.testing.assert_allclose(hanging.fields(), mirrored, atol=1e-8)
+
+
 def test_one_scan_is_one_row() -> None:
     with pytest.raises(ConfigError, match="one row"):
         LaserScan(np.ones((2, 2)), 0.0, 0.1, 0.0, 1.0)  # type: ignore[arg-type]

@@ -63,3 +63,17 @@ def test_what_does_not_fit_is_refused() -> None:
     small = OccupancyGrid(GridGeometry(0.1, 20, 30, limits=Limits(max_cells=1000)))
     with pytest.raises(LimitError):
         merged(small, OccupancyGrid(GridGeometry(0.1, 20, 30, (50.0, 50.0, 0.0))))
+
+
+def test_maps_that_went_on_from_different_maps_or_count_are_refused() -> None:
+    geometry = GridGeometry(0.1, 2, 3)
+    known = np.array([[1.0, np.nan, 0.5], [np.nan, np.nan, -1.0]], dtype=np.float32)
+    a, same, other = (OccupancyGrid(geometry, 0.0, map_) for map_ in (known, known.copy(), known + np.float32(0.5)))
+    np.testing.assert_array_equal(merged(a, same).log_odds, np.nan_to_num(known))
+    with pytest.raises(ConfigError, match="prior maps differ"):
+        merged(a, other)
+    counted = OccupancyGrid(geometry)
+    counted.tallies = np.zeros((2, 2, 3), dtype=np.float32)
+    for pair in ((counted, OccupancyGrid(geometry)), (OccupancyGrid(geometry), counted)):
+        with pytest.raises(ConfigError, match="sums of log-odds"):
+            merged(*pair)
