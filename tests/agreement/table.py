@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,12 @@ from mapper.kernels.provenance import touches_of_rays
 from mapper.kernels.quantise import quantise
 from mapper.merge import merged
 from mapper.metrics import entropy, information_gain
-from mapper.provenance import provenance
-from mapper.scan import RangeScan
+from tests.agreement.asking import (
+    provenance_by_kernel,
+    provenance_by_textbook,
+    provenance_of_counts_by_textbook,
+    provenance_of_scans_by_textbook,
+)
 from tests.agreement.inputs import (
     STEPS,
     LineCase,
@@ -177,91 +181,6 @@ def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
     for row, col in np.argwhere(picture != -128):
         changed[row // TILE, col // TILE] = True
     return picture, changed, np.count_nonzero(picture != -128)
-
-
-def cells_to_ask(case: MappingCase) -> list[tuple[int, int]]:
-    """The sensor's cells, the endpoints' and some between, as far as they lie in the grid."""
-    asked = set()
-    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
-        for z, bearing in zip(scan.ranges.astype(float), scan.angles, strict=True):
-            for part in (0.0, 0.5, 1.0):
-                if np.isfinite(z):
-                    asked.add(textbook.cell_at(case.grid(), pose, bearing, part * z))
-    return [cell for cell in sorted(asked) if case.geometry.contains(cell)][:8]
-
-
-def provenance_by_kernel(case: MappingCase) -> tuple[Any, ...]:
-    prior = case.grid().prior()
-    found = [
-        provenance(case.geometry, case.log, case.config, cell, prior=float(prior[cell])) for cell in cells_to_ask(case)
-    ]
-    names = [list(zip(p.scans.tolist(), p.beams.tolist(), strict=True)) for p in found]
-    values = [np.stack([p.increments, p.log_odds]) for p in found]
-    return (names, *values)
-
-
-Touch = tuple[int, int, float, np.float32]  # scan, beam, what it added, the log-odds after it
-
-
-def told(found: list[list[Touch]]) -> tuple[Any, ...]:
-    names = [[(t, k) for t, k, _, _ in touches] for touches in found]
-    values = [np.array([[e for *_, e, _ in touches], [v for *_, v in touches]], np.float32) for touches in found]
-    return (names, *values)
-
-
-def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
-    scans, poses = case.scans(), case.sensor_poses()
-    return told([textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)])
-
-
-def alone(scan: RangeScan, beam: int) -> RangeScan:
-    """The scan as if all its other beams had measured nothing."""
-    ranges = np.full_like(scan.ranges, np.nan)
-    ranges[beam] = scan.ranges[beam]
-    return replace(scan, ranges=ranges)
-
-
-def provenance_of_scans_by_textbook(case: MappingCase) -> tuple[Any, ...]:
-    """Each scan updates a cell once; it is named by the first beam that ended there, else by the one that sees it."""
-    grid, config = case.grid(), case.config
-    found: dict[tuple[int, int], list[Touch]] = {cell: [] for cell in cells_to_ask(case)}
-    values = {cell: grid.prior()[cell] for cell in found}
-    for t, (scan, pose) in enumerate(zip(case.scans(), case.sensor_poses(), strict=True)):
-        if not found:
-            break
-        whole = textbook.inverse_range_sensor_model(grid, scan, pose, config)
-        single = [
-            textbook.inverse_range_sensor_model(grid, alone(scan, k), pose, config) for k in range(len(scan.ranges))
-        ]
-        z_max = min(scan.range_max, config.range_max)
-        readings = textbook.readings(scan, config)
-        ends = [
-            textbook.cell_at(grid, pose, bearing, z) if scan.range_min <= z <= z_max else None
-            for z, bearing in zip(readings, scan.angles, strict=True)
-        ]
-        for cell, touches in found.items():
-            if np.isnan(whole[cell]):
-                continue
-            ended = [k for k, end in enumerate(ends) if end == cell and config.model != "sonar_cone"]
-            beam = [*ended, *(k for k, evidence in enumerate(single) if not np.isnan(evidence[cell]))][0]
-            values[cell] = textbook.bayes_filter(values[cell], np.float32(whole[cell]), config)
-            touches.append((t, beam, whole[cell], values[cell]))
-    return told(list(found.values()))
-
-
-def provenance_of_counts_by_textbook(case: MappingCase) -> tuple[Any, ...]:
-    """A map in which only one beam after the other is counted, and each cell watched."""
-    grid = case.grid()
-    found: dict[tuple[int, int], list[Touch]] = {cell: [] for cell in cells_to_ask(case)}
-    for t, (scan, pose) in enumerate(zip(case.scans(), case.sensor_poses(), strict=True)):
-        for k in range(len(scan.ranges)):
-            counts, before = textbook.tallies_of(grid, case.config).copy(), grid.log_odds.copy()
-            textbook.count_hits_and_misses(grid, alone(scan, k), pose, case.config)
-            counted = (textbook.tallies_of(grid, case.config) != counts).any(axis=0)
-            for cell, touches in found.items():
-                if counted[cell]:
-                    touches.append((t, k, grid.log_odds[cell] - before[cell], grid.log_odds[cell]))
-    return told(list(found.values()))
 
 
 def merged_by_core(case: TwoMaps) -> tuple[Any, ...]:
