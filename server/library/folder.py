@@ -11,6 +11,7 @@ from pathlib import Path
 from mapper.logs import is_log
 
 MAX_LOGS = 1000
+MAX_FILES = 100  #: in a folder that is one log
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +30,15 @@ class LogFolder:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._is_log: dict[tuple[Path, int, int, int], bool] = {}  #: what was found out, by path, size and times
+        self._is_log: dict[
+            tuple[Path, tuple[tuple[int, int, int], ...]], bool
+        ] = {}  #: what was found out, by path, sizes and times
 
     def logs(self) -> list[FolderLog]:
-        """Return the logs in the folder by name: its own files only, at most :data:`MAX_LOGS`.
+        """Return the logs in the folder by name, at most :data:`MAX_LOGS`: its files, and folders that are one log.
 
-        Hidden files, folders, devices, links that lead out of the folder and files that do not begin as a log does
-        are left out. A folder that is not there, or may not be read, is empty: the service runs on without it.
+        Hidden files, devices, what leads out of the folder, and what does not begin as a log does are left out. A
+        folder that is not there, or may not be read, is empty: the service runs on without it.
         """
         found = []
         is_log_now = {}
@@ -47,23 +50,42 @@ class LogFolder:
         for path in paths:
             if path.name.startswith("."):
                 continue
-            try:
-                target = path.resolve(strict=True)
-                info = target.stat()
-            except (OSError, RuntimeError):  # a link into nothing, or round in a circle
+            target = _within(path, root)
+            files = [] if target is None else _files_of(target, root)
+            if target is None or not files:
                 continue
-            if not stat.S_ISREG(info.st_mode) or not target.is_relative_to(root):
-                continue
-            key = (target, info.st_size, info.st_mtime_ns, info.st_ctime_ns)
+            key = (target, tuple((info.st_size, info.st_mtime_ns, info.st_ctime_ns) for info in files))
             is_log_now[key] = self._is_log[key] if key in self._is_log else is_log(target)
             if is_log_now[key]:
-                found.append(_described(path.name, target, info))
+                found.append(_described(path.name, target, files))
             if len(found) == MAX_LOGS:
                 break
         self._is_log = is_log_now
         return found
 
 
-def _described(name: str, path: Path, info: os.stat_result) -> FolderLog:
-    digest = hashlib.sha256(f"{name}\0{info.st_size}\0{info.st_mtime_ns}".encode("utf-8", "surrogateescape"))
-    return FolderLog(f"folder-{digest.hexdigest()[:20]}", name, path, info.st_size, info.st_mtime)
+def _within(path: Path, root: Path) -> Path | None:
+    """Return what ``path`` leads to, None where that is nothing, or out of ``root``."""
+    try:
+        target = path.resolve(strict=True)
+    except (OSError, RuntimeError):  # a link into nothing, or round in a circle
+        return None
+    return target if target.is_relative_to(root) else None
+
+
+def _files_of(target: Path, root: Path) -> list[os.stat_result]:
+    """Return what is known of a file, or of the files in a folder; nothing of one that has any other than files."""
+    try:
+        inside = sorted(target.iterdir()) if target.is_dir() else [target]
+        if len(inside) > MAX_FILES:
+            return []
+        files = [one.stat() for one in inside if _within(one, root) is not None]
+    except OSError:  # gone meanwhile, or not to be read
+        return []
+    return files if len(files) == len(inside) and all(stat.S_ISREG(one.st_mode) for one in files) else []
+
+
+def _described(name: str, path: Path, files: list[os.stat_result]) -> FolderLog:
+    size, modified_ns = sum(one.st_size for one in files), max(one.st_mtime_ns for one in files)
+    digest = hashlib.sha256(f"{name}\0{size}\0{modified_ns}".encode("utf-8", "surrogateescape"))
+    return FolderLog(f"folder-{digest.hexdigest()[:20]}", name, path, size, modified_ns / 1e9)

@@ -13,8 +13,11 @@ from pathlib import Path
 import pytest
 
 from mapper.errors import ReadError
+from mapper.logs import open_log
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
+from server.library.folder import MAX_FILES
 from server.settings import Settings
+from tests.mapper.logs.test_split import split
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
@@ -59,6 +62,37 @@ async def test_the_folder_lists_its_logs_and_nothing_else(library: Library, sett
     (folder / "broken.log.gz").write_bytes(b"\x1f\x8b\x08" + bytes(range(40)))
     (folder / "empty.log").write_bytes(b"")
     assert list(await in_folder(library)) == ["A.log.gz", "b.log", "no name for a log", "twin.log"]
+
+
+async def test_a_folder_in_it_that_is_one_log_is_one_log(
+    library: Library, settings: Settings, folder: Path, tmp_path: Path
+) -> None:
+    run, whole = split(tmp_path, "mcap", 3)
+    run.rename(folder / "run")
+    for name in ("two logs", "leads out", "deep", "many"):
+        (folder / name).mkdir()
+    for n in range(2):
+        (folder / "two logs" / f"{n}.log").write_bytes(carmen(2 + n))
+    outside = settings.data_dir.parent / "secret.log"
+    outside.write_bytes(carmen(1))
+    (folder / "leads out" / "link.log").symlink_to(outside)
+    (folder / "deep" / "er").mkdir()
+    (folder / "deep" / "a.log").write_bytes(carmen(3))
+    for n in range(MAX_FILES):
+        (folder / "many" / f"{n}.txt").touch()
+    (folder / "many" / "a.log").write_bytes(carmen(3))
+    found = await surveyed(library)
+    assert {name: (record.state, record.summary and record.summary.scans) for name, record in found.items()} == {
+        "run": ("ready", 24)
+    }
+    expected = await asyncio.to_thread(open_log, whole)
+    log = await library.load("bob", found["run"].id)
+    assert log.stamps_ns.tolist() == expected.stamps_ns.tolist()
+    (folder / "run" / "run_2.mcap").unlink()
+    again = await surveyed(library)
+    assert again["run"].id != found["run"].id, "it is another log now"
+    assert again["run"].summary is not None
+    assert again["run"].summary.scans < 24
 
 
 async def test_what_the_folder_holds_is_found_out_by_itself(

@@ -37,7 +37,7 @@ export function run(log: LogRecord): readonly string[] {
 /** The scanner and the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
-    ...(log.beams === null ? [] : [`${log.beams} beams`]),
+    ...(log.beams === null ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
