@@ -22,13 +22,14 @@ class Check:
     spoiled_by: frozenset[str] = frozenset()
 
 
-_TURNED = frozenset({"mount.turned"})
+_FEW = frozenset({readings.FEW})
+_TURNED = _FEW | {"mount.turned"}
 
 #: In the order in which a person should look: what spoils the others comes first.
 CHECKS: tuple[Check, ...] = (
     Check(clock.check),
     Check(readings.check),
-    Check(mounting.check_turned),
+    Check(mounting.check_turned, _FEW),
     Check(timing.check, _TURNED),
     Check(mounting.check_offset, _TURNED | {"timing.delay"}),
     Check(walls.check_drift, _TURNED | {"timing.delay", "mount.offset"}),

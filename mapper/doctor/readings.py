@@ -8,6 +8,8 @@ from mapper.doctor.consistency import Examined
 from mapper.doctor.finding import Finding
 from mapper.scan import ScanLog
 
+FEW = "readings.few"
+LEAST_MEASURED = 1000  #: ranges: of fewer, chance decides which of two maps is sharper
 LEAST_SHARE = 0.003  #: of all measured readings: an exact value that comes so often is a code
 SELF_RANGE = 1.5  #: metres: parts of the robot are nearer
 SELF_SPREAD = 0.02  #: metres
@@ -17,7 +19,22 @@ MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wa
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
     """Look at what was measured."""
-    return [*_at_max_range(log), *_of_itself(log, seen)]
+    return [*_few(log), *_at_max_range(log), *_of_itself(log, seen)]
+
+
+def _few(log: ScanLog) -> list[Finding]:
+    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
+    if measured >= LEAST_MEASURED:
+        return []
+    return [
+        Finding(
+            FEW,
+            f"Only {measured} of {log.ranges.size} readings are measured ranges: too few to judge by the map they make "
+            "whether mount, clocks and poses are right.",
+            "Choose the sensor that measures most, or record for longer.",
+            1.0,
+        )
+    ]
 
 
 def _at_max_range(log: ScanLog) -> list[Finding]:

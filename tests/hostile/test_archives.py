@@ -98,3 +98,16 @@ def test_archives_of_very_many_and_within_archives(path):
     # A thousand records of a name, one after the other: a reader that calls itself for each would run out of stack.
     chain = tarred({"n" * 300: b""}, tarfile.GNU_FORMAT)[:1024] * 3000
     assert isinstance(opened(path, chain + tarred({"a.log": CARMEN})), ScanLog)
+
+
+def test_a_header_that_has_another_checksum_ends_the_archive(path):
+    data = bytearray(tarred({"a.log": CARMEN, "b.log": CARMEN}, tarfile.USTAR_FORMAT))
+    second = 512 + -(-len(CARMEN) // 512) * 512
+    data[second] ^= 1  # of the second file's name
+    log = opened(path, bytes(data))
+    assert isinstance(log, ScanLog)
+    assert log.notes[0] == f"The archive is damaged at byte {second}: what stands before is there."
+    data[0] ^= 1
+    error = opened(path, bytes(data))
+    assert isinstance(error, ReadError)
+    assert error.code == "log.archive"

@@ -163,6 +163,14 @@ def test_a_bag_of_another_version_and_one_that_is_encrypted(tmp_path):
     assert locked.code == "log.encrypted"
 
 
+def test_a_bags_header_of_megabytes_is_damage_and_not_waited_for(tmp_path):
+    data = recording("bag-none")
+    for length in (b"\x01\0\x10\0", b"\xff" * 4):
+        log = opened(tmp_path / "a.log", data + length + bytes(100))
+        assert isinstance(log, ScanLog)
+        assert f"The bag is damaged before byte {len(data) + 4}: the rest is left out." in log.notes
+
+
 def test_notes_of_a_file_of_many_damaged_chunks_are_few(tmp_path):
     chunk = bag_record({"op": b"\x05", "compression": b"bz2"}, b"no bz2 data")
     data = recording("bag-none")

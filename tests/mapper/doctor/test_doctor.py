@@ -57,6 +57,16 @@ def test_raw_odometry_of_a_real_log_is_blamed(data_file: Callable[..., object]) 
     assert "walls.drift" in named(examine(log, "wheel"))
 
 
+def test_of_few_readings_only_that_is_said(clean: ScanLog) -> None:
+    """A single sonar's: whether poses are out of step with it, or its mount is, would be a guess."""
+    late = compose(clean.trajectory().poses, np.array([0.3, 0.0, 0.2]))
+    one = replace(with_poses(clean, late), ranges=clean.ranges[:, :1].copy())
+    found = examine(one)
+    assert [finding.check for finding in found] == ["readings.few"]
+    assert f"of {N} readings are measured ranges: too few" in found[0].sentence
+    assert "readings.few" not in named(examine(replace(one, ranges=clean.ranges[:, ::20].copy())))
+
+
 def test_a_clock_that_jumps_back(clean: ScanLog) -> None:
     stamps = clean.stamps_ns.copy()
     stamps[120:] -= 3_000_000_000
