@@ -146,7 +146,7 @@ def given_prior(text: str | None, given: dict[str, Any]) -> tuple[dict[str, Any]
     with refusing(path):
         grid = load_map(path).grid
         given = {"resolution": grid.geometry.resolution} | given
-        check_resolution(grid, configured(given))
+        check_resolution(grid, MappingConfig().with_values(given))
     return given, grid
 
 

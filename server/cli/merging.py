@@ -14,7 +14,7 @@ from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 
 @app.command()
 def merge(
-    maps: Annotated[list[Path], typer.Argument(metavar="MAP.yaml...", help="Map files with the same cells.")],
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP.yaml", help="Map files with the same cells.")],
     out: Annotated[Path, typer.Option(metavar="PREFIX", help=OUT_HELP)],
     mode: MapMode = "trinary",
     as_json: AsJson = False,

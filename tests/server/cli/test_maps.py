@@ -103,6 +103,11 @@ def test_mapping_goes_on_from_a_map_file(run, log, tmp_path):
         f"gridbloom: {tmp_path / 'known.yaml'}: The prior map has cells of 0.1 m and the map to be made of 0.05 m; "
         "they must be the same.\n"
     )
+    coarse = tmp_path / "coarse.yaml"
+    coarse.write_text((tmp_path / "known.yaml").read_text().replace("resolution: 0.1", "resolution: 2.5"))
+    status, out, err = run("map", log, "--prior", coarse)
+    assert (status, out) == (2, "")
+    assert err == f"gridbloom: {coarse}: Resolution (resolution) must be between 0.01 and 1 m, not 2.5.\n"
     status, out, err = run("map", log, "--prior", tmp_path / "gone.yaml")
     assert (status, out) == (2, "")
     assert "There is no file 'gone.yaml'" in err
