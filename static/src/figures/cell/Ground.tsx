@@ -59,7 +59,14 @@ export function Ground({ width, evidence, limits }: GroundProps) {
       {zones.map(
         ([name, state, top, bottom]) =>
           y(bottom) - y(top) > 15 && (
-            <text key={name} class={`zone-name in-${name}`} x={right - 6} y={y(bottom) - 5} text-anchor="end">
+            <text
+              key={name}
+              class={`zone-name in-${name}`}
+              x={right - 6}
+              // Where cells are free as can be, at the lower clamp, much is drawn: the word keeps above it.
+              y={name === "zone-miss" ? y(top) + 13 : y(bottom) - 5}
+              text-anchor="end"
+            >
               {state}
             </text>
           ),
