@@ -87,7 +87,7 @@ function Bar({ p, tone }: { p: number; tone: "joint" | "grid" }) {
   return (
     <td class={`independence-bar ${tone}`}>
       <span style={{ width: `${100 * p}%` }} />
-      <output>{percent(p)}</output>
+      <output aria-live="off">{percent(p)}</output>
     </td>
   );
 }

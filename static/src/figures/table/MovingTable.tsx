@@ -123,8 +123,11 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
   return (
     <div class="table-figure">
       <p>
-        The map has seen the table in <output class="number">{seen}</output> scans. Before it goes: after how many scans
-        without it will the map hold nine in ten of its cells free?
+        The map has seen the table in{" "}
+        <output aria-live="off" class="number">
+          {seen}
+        </output>{" "}
+        scans. Before it goes: after how many scans without it will the map hold nine in ten of its cells free?
       </p>
       <Slider
         label="My guess"

@@ -173,7 +173,9 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
       </div>
       <p class="why-equation">
         <span class="why-rule">{ruleOf(store, why)}</span>
-        <output class={touch?.hit ? "noun-hit" : "noun-miss"}>{update ? equation(update) : "…"}</output>
+        <output aria-live="off" class={touch?.hit ? "noun-hit" : "noun-miss"}>
+          {update ? equation(update) : "…"}
+        </output>
       </p>
       <div class="why-touch">
         <p>

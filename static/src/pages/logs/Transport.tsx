@@ -68,7 +68,7 @@ export function Transport({ store }: { store: Store }) {
         timeAt={timeAt}
         onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
       />
-      <output class="viewer-position" data-index={index} data-count={count}>
+      <output class="viewer-position" aria-live="off" data-index={index} data-count={count}>
         <span>
           {index} of {count}
         </span>
