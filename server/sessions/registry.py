@@ -255,6 +255,9 @@ class SessionRegistry:
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
             await self._free_cells(guest=link is not None, owner=owner)
+            if self._limits(None, guest=link is not None, owner=owner).max_cells == 1:
+                message = "The maps that are open take all the cells that there are, or that one visitor may have."
+                raise SessionBudgetError("session.memory", f"{message} Close one, or try again later.")
             yield
         finally:
             self._making.remove(place)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mapper.errors import LimitError
 from mapper.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from tests.server.service import eventually
@@ -126,7 +125,7 @@ async def test_one_visitor_has_half_of_the_cells_and_of_the_memory_for_logs(
     theirs = await registry.create_log("you", office_log)
     for _ in range(3):
         (await registry.create_log("me", office_log)).join()
-    with pytest.raises(LimitError, match="larger than the limit of 1 cells"):
+    with pytest.raises(SessionBudgetError, match="all the cells that there are, or that one visitor may have"):
         await registry.create_log("me", office_log)
     assert not theirs.closed, "nobody watches it, but to end it would make no room"
     assert (await registry.create_log("you", office_log)).config.resolution == 0.05
