@@ -8,7 +8,7 @@ import pytest
 from mapper.errors import ConfigError, LimitError
 from mapper.geometry import compose
 from mapper.limits import Limits
-from mapper.scan import LaserScan, ScanLog, Trajectory, beam_fields
+from mapper.scan import LaserScan, ScanLog, Trajectory, beam_fields, uneven_fields
 
 
 @pytest.fixture
@@ -131,3 +131,10 @@ def test_coarse_beams_never_see_the_same_place() -> None:
     fields = beam_fields(0.0, 3.0, 4)
     np.testing.assert_allclose(np.arctan2(fields[:2, 1], fields[:2, 0]), [-np.pi / 4, 3.0 - np.pi / 4])
     np.testing.assert_array_equal(fields[2:, :2], fields[2:, 2:])
+
+
+def test_uneven_beams_share_what_lies_between_them_by_halves() -> None:
+    # In any order; a gap of more than twice ``widest`` has a middle that nobody sees, and of twins the first sees all.
+    fields = uneven_fields(np.array([1.0, 0.2, 0.0, 0.2]), widest=0.3)
+    edges = np.arctan2(fields[:, [1, 3]], fields[:, [0, 2]])
+    np.testing.assert_allclose(edges, [[0.7, 1.3], [0.1, 0.5], [-0.3, 0.1], [0.2, 0.2]], atol=1e-9)
