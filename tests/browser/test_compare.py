@@ -167,6 +167,30 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
         for cell in open_cells(viewer, geometry, much, 5):
             red, _, blue = colour(viewer, geometry, cell)
             assert sign * (red - blue) > 0
+    # Added, what both say counts together: a cell is coloured by the sum, whatever A or B alone would make of it.
+    look_by(viewer, "Merge")
+    expect(viewer.locator(".compare-look")).to_contain_text("each scan counts twice")
+    la, lb = (low + (byte.astype(float) - 1.0) / 254.0 * (high - low) for byte in (a, b))
+    for sign in (1.0, -1.0):
+        sure = (sign * (la + lb) > 0.8) & (a > 0) & (b > 0)
+        torn = sure & (np.minimum(sign * la, sign * lb) < 0.0)
+        for cell in open_cells(viewer, geometry, torn if np.count_nonzero(torn) > 40 else sure, 5):
+            red, _, blue = colour(viewer, geometry, cell)
+            assert sign * (red - blue) > 0
+    x, y = (float(geometry["origin"][i] + (cell[1 - i] + 0.5) * geometry["resolution"]) for i in (0, 1))
+    picture = viewer.locator(".picture").first.bounding_box()
+    assert picture is not None
+    px, py = evaluate(viewer, "(xy) => gridbloom.screen(xy)", [x, y])
+    viewer.mouse.move(picture["x"] + px, picture["y"] + py)
+    told_sum = viewer.locator(".compare-readout div", has_text="A + B − ℓ₀").locator("dd")
+    until(
+        "the sum of the cell",
+        lambda: (
+            abs(float(told_sum.inner_text().replace("−", "-")) - la[tuple(cell)] - lb[tuple(cell)])
+            <= (high - low) / 254.0 + 0.006
+        ),
+    )
+    look_by(viewer, "Difference")
     mark = viewer.get_by_role("button", name="cells occupied in A, free in B")
     mark.click()
     expect(mark).to_have_attribute("aria-pressed", "true")

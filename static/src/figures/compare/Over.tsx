@@ -8,7 +8,7 @@ interface OverProps {
   readonly comparison: Comparison;
   /** What A and B are, in a few words. */
   readonly names: { readonly a: string; readonly b: string };
-  /** Why there is no difference; null where there is one. */
+  /** Why the two have no cells in common, and so neither difference nor sum; null where they have. */
   readonly refused: string | null;
 }
 
@@ -30,12 +30,13 @@ export function Over({ comparison, names, refused }: OverProps) {
     );
   }
   if (look === "blink") return side(comparison.shown.value);
-  return refused === null ? (
-    <span class="compare-name compare-name-a" data-side="difference">
-      <b>B − A</b>
+  const why = refused ?? (look === "merge" ? comparison.noMerge.value : null);
+  return why === null ? (
+    <span class="compare-name compare-name-a" data-side={look}>
+      <b>{look === "merge" ? "A + B" : "B − A"}</b>
     </span>
   ) : (
-    <p class="compare-refused">{refused} Swipe and blink show both all the same.</p>
+    <p class="compare-refused">{why} Swipe and blink show both all the same.</p>
   );
 }
 

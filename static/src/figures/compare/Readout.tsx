@@ -37,7 +37,13 @@ const value = (held: Held | null): string => (held?.logOdds == null ? "–" : si
 /** How often exact values are asked for while they change. */
 const ASK_MS = 150;
 
-export function CompareReadout({ store }: { readonly store: Store }) {
+interface CompareReadoutProps {
+  readonly store: Store;
+  /** The log-odds prior where the sum of both maps is looked at; null where it is their difference. */
+  readonly summedOver: number | null;
+}
+
+export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
   const both = useMemo(
     () =>
       computed(() => {
@@ -81,7 +87,12 @@ export function CompareReadout({ store }: { readonly store: Store }) {
   const now = both.value;
   const a = now?.a ?? null;
   const b = now?.b ?? null;
-  const apart = a?.logOdds == null || b?.logOdds == null ? null : b.logOdds - a.logOdds;
+  const result =
+    a?.logOdds == null || b?.logOdds == null
+      ? null
+      : summedOver === null
+        ? b.logOdds - a.logOdds
+        : a.logOdds + b.logOdds - summedOver;
   const states = now ? `${a?.state ?? "outside A"} → ${b?.state ?? "outside B"}` : "point at a cell";
   const place = store.pinned.value;
   // Said when it becomes another cell, not each time that its value changes.
@@ -105,8 +116,8 @@ export function CompareReadout({ store }: { readonly store: Store }) {
           <dd class="number">{value(b)}</dd>
         </div>
         <div>
-          <dt>B − A</dt>
-          <dd class="number">{apart === null ? "–" : signed(apart, 2)}</dd>
+          <dt>{summedOver === null ? "B − A" : "A + B − ℓ₀"}</dt>
+          <dd class="number">{result === null ? "–" : signed(result, 2)}</dd>
         </div>
         <div class="readout-last">
           <dt class="visually-hidden">states</dt>

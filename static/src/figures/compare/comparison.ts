@@ -3,6 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { Derived, type Together, together } from "../../gl/derived";
 import { DIFFERENCE, differenceCodes, MARKS, type Marked, markedCodes } from "../../gl/difference";
+import { mergedCodes } from "../../gl/merged";
 import type { Layer } from "../../gl/renderer";
 import type { Point, Which } from "../../protocol";
 import type { SecondMap } from "../../secondMap";
@@ -10,10 +11,11 @@ import type { MapPicture } from "../../shownMap";
 import type { Store } from "../../state";
 import { toScreen } from "../../view";
 import { stillness } from "../picture/pulse";
+import { whyNoMerge } from "./merging";
 
-/** A left and B right of a divider; A and B by turns; what B has otherwise. */
-export type Look = "swipe" | "blink" | "difference";
-export const LOOKS: readonly Look[] = ["swipe", "blink", "difference"];
+/** A left and B right of a divider; A and B by turns; what B has otherwise; the evidence of both in one map. */
+export type Look = "swipe" | "blink" | "difference" | "merge";
+export const LOOKS: readonly Look[] = ["swipe", "blink", "difference", "merge"];
 
 /** Seconds for which each map is shown while they blink: never more than one flash in two seconds. */
 export const BLINK_S = [1, 1.5, 2, 3] as const;
@@ -38,9 +40,14 @@ export class Comparison {
   /** Whether the session compares its map. */
   readonly isOn: ReadonlySignal<boolean>;
   readonly pair: ReadonlySignal<Pair | null>;
+  /** Why A and B cannot be added; null where they can. */
+  readonly noMerge: ReadonlySignal<string | null>;
+  /** The log-odds prior, which their sum counts once, while it is looked at; null otherwise. */
+  readonly summedOver: ReadonlySignal<number | null>;
   readonly #store: Store;
   readonly #connect: () => SecondMap;
   readonly #difference: ReadonlySignal<Derived | null>;
+  readonly #merge: ReadonlySignal<Derived | null>;
   readonly #marks: ReadonlySignal<Derived | null>;
 
   constructor(store: Store, connect: () => SecondMap) {
@@ -55,6 +62,19 @@ export class Comparison {
     this.#difference = this.#derived(() =>
       this.look.value === "difference" ? (a, b) => differenceCodes(a.geometry, b.geometry) : null,
     );
+    this.noMerge = computed(() => {
+      const now = store.mapping.values.value;
+      return whyNoMerge({ ...now, ...store.compared.value?.values }, now);
+    });
+    this.summedOver = computed(() =>
+      this.look.value === "merge" && this.noMerge.value === null
+        ? Number(store.mapping.values.value.log_odds_prior)
+        : null,
+    );
+    this.#merge = this.#derived(() => {
+      const prior = this.summedOver.value;
+      return prior === null ? null : (a, b) => mergedCodes(a.geometry, b.geometry, prior);
+    });
     this.#marks = this.#derived(() => {
       const marked = this.marked.value;
       return marked && ((a, b) => markedCodes(a.geometry, b.geometry, marked));
@@ -101,6 +121,7 @@ export class Comparison {
     return () => {
       for (const stop of stops) stop();
       this.#difference.peek()?.dispose();
+      this.#merge.peek()?.dispose();
       this.#marks.peek()?.dispose();
       store.whichAt = null;
     };
@@ -129,7 +150,7 @@ export class Comparison {
   /** Read every signal that the picture shows. */
   watch(): void {
     void [this.isOn.value, this.look.value, this.divider.value, this.shown.value, this.marked.value];
-    void [this.pair.value, this.#store.second.value?.version.value];
+    void [this.pair.value, this.noMerge.value, this.#store.second.value?.version.value];
   }
 
   layers(): readonly Layer[] {
@@ -138,8 +159,11 @@ export class Comparison {
     const { a, b, place } = pair;
     const layers: Layer[] = [];
     const difference = this.#difference.peek();
+    const merge = this.#merge.peek();
     if (difference && place) {
       layers.push({ map: { geometry: place.geometry, cells: difference.update() }, palette: DIFFERENCE });
+    } else if (merge && place) {
+      layers.push({ map: { geometry: place.geometry, cells: merge.update() } });
     } else {
       layers.push({ map: b, part: [this.share, 1], glows: true }, { map: a, part: [0, this.share] });
     }
@@ -156,7 +180,7 @@ export class Comparison {
   ownPart(): readonly [from: number, to: number] {
     const compared = this.#store.compared.peek();
     if (!compared || !this.pair.peek()) return [0, 1];
-    if (this.look.peek() === "difference") return [1, 1];
+    if (this.look.peek() === "difference" || this.look.peek() === "merge") return [1, 1];
     const samePoses = !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
     return samePoses ? [0, 1] : [this.share, 1];
   }

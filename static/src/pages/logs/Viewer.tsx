@@ -118,7 +118,11 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
       </div>
       <Transport store={store} />
       <div class="viewer-readout">
-        {comparison.isOn.value ? <CompareReadout store={store} /> : <Readout store={store} />}
+        {comparison.isOn.value ? (
+          <CompareReadout store={store} summedOver={comparison.summedOver.value} />
+        ) : (
+          <Readout store={store} />
+        )}
       </div>
       <Compare store={store} session={session} comparison={comparison} isGuest={guest !== undefined} />
       <Side store={store} session={session} isGuest={guest !== undefined} />

@@ -24,7 +24,7 @@ interface CompareProps {
   readonly isGuest: boolean;
 }
 
-const TITLES: Record<Look, string> = { swipe: "Swipe", blink: "Blink", difference: "Difference" };
+const TITLES: Record<Look, string> = { swipe: "Swipe", blink: "Blink", difference: "Difference", merge: "Merge" };
 
 export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const failure = useSignal<string | null>(null);
@@ -107,6 +107,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 )}
                 {comparison.look.value === "blink" && <Blinking comparison={comparison} />}
                 {comparison.look.value === "difference" && <Legend comparison={comparison} />}
+                {comparison.look.value === "merge" && <Merge compared={compared} />}
                 <div class="compare-actions">
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
                     png
@@ -239,6 +240,19 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
         </Button>
       </div>
     </>
+  );
+}
+
+/** What a sum of two maps is, and when it is one of evidence that is independent. */
+function Merge({ compared }: { readonly compared: Compared }) {
+  return (
+    <p class="quiet">
+      The evidence of both in one map: in each cell ℓ = ℓ<sub>A</sub> + ℓ<sub>B</sub> − ℓ₀, shown within the limits of
+      B.{" "}
+      {compared.log
+        ? "Two runs through one place know more together than each alone."
+        : "Both are made of the same scans here, so each scan counts twice: a merge is meant for two runs."}
+    </p>
   );
 }
 
