@@ -87,7 +87,8 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const cell = cellAt(z, values.resolution) * values.resolution;
   const hit = level("hit", values, controls.bounds);
   const miss = level("miss", values, controls.bounds);
-  const labelLeft = hitTo > curve.right - (narrow ? 128 : 170);
+  const labelFrom = Math.max(hitTo, zx + 15) + 8;
+  const labelLeft = labelFrom > curve.right - (narrow ? 112 : 152);
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   const edgeTop = y(model.hit) + 12;
@@ -213,7 +214,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             <rect class="knob" x={(hitFrom + hitTo) / 2 - 15} y={y(model.hit) - 5} width={30} height={10} rx={5} />
             <text
               class="label-hit"
-              x={labelLeft ? Math.min(hitFrom, zx - 15) - 8 : Math.max(hitTo, zx + 15) + 8}
+              x={labelLeft ? Math.min(hitFrom, zx - 15) - 8 : labelFrom}
               y={y(model.hit) + 5}
               text-anchor={labelLeft ? "end" : "start"}
             >

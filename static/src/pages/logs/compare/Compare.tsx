@@ -110,7 +110,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 {comparison.look.value === "merge" && <Merge compared={compared} />}
                 <div class="compare-actions">
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
-                    png
+                    difference as png
                   </Button>
                   <Button icon="close" onClick={() => void ask(() => compareNoMore(session))}>
                     End comparing
