@@ -35,6 +35,11 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "cut.log"
 
 
+def damages(log: ScanLog) -> list[str]:
+    """What the log's notes say but which of its sensors is mapped."""
+    return [note for note in log.notes if not note.startswith("Only /scan is mapped")]
+
+
 def test_the_corpus_is_whole(path):
     for data in (*map(str.encode, TEXTS.values()), *map(recording, (*BAGS, *MCAPS, "db3"))):
         log = opened(path, data)
@@ -101,7 +106,7 @@ def test_of_every_prefix_of_a_recording_what_is_whole_is_there(path, kind):
     data = recording(kind)
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
-    assert whole.notes == ()
+    assert damages(whole) == []
     scans = 0
     for n in range(0, len(data), 1 if ALL else 97):
         log = opened(path, data[:n])
@@ -113,7 +118,7 @@ def test_of_every_prefix_of_a_recording_what_is_whole_is_there(path, kind):
         scans = log.n_scans
         np.testing.assert_array_equal(log.ranges, whole.ranges[:scans])
         # After the last message there is only the index, which nobody misses.
-        assert log.notes or scans == whole.n_scans, f"{n} bytes are not marked as cut"
+        assert damages(log) or scans == whole.n_scans, f"{n} bytes are not marked as cut"
     assert scans == whole.n_scans
 
 
