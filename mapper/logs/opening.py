@@ -9,7 +9,7 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 
-from mapper.errors import MapperError, ReadError
+from mapper.errors import LimitError, MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.logs.archive import BLOCK, Member, Source, is_tar, members
@@ -136,9 +136,11 @@ def _is_tar(path: Path) -> bool:
 def _files_in(folder: Path, limits: Limits) -> list[Source]:
     """Return a folder's own files, without hidden ones."""
     try:
-        inside = sorted(islice(folder.iterdir(), limits.max_archive_files))
+        inside = sorted(islice(folder.iterdir(), limits.max_archive_files + 1))
     except OSError as error:
         raise ReadError("log.unreadable", f"The folder cannot be read: {error.strerror}.") from error
+    if len(inside) > limits.max_archive_files:
+        raise LimitError("log.too_many_files", f"The folder has more than {limits.max_archive_files} files.")
     return [one for one in inside if one.is_file() and not one.name.startswith(".")]
 
 

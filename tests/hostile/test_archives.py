@@ -12,6 +12,7 @@ import pytest
 
 from mapper.errors import LimitError, ReadError
 from mapper.limits import DEFAULT_LIMITS
+from mapper.logs import open_log
 from mapper.scan import ScanLog
 from tests.hostile.archives import tarred
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS, TEXTS, recording
@@ -92,6 +93,12 @@ def test_links_devices_and_names_are_nothing_but_what_they_are(path):
 def test_archives_of_very_many_and_within_archives(path):
     few = replace(DEFAULT_LIMITS, max_archive_files=50)
     assert isinstance(opened(path, tarred({f"{i}.txt": b"" for i in range(51)}), few), LimitError)
+    folder = path.parent / "many"
+    folder.mkdir()
+    for i in range(51):
+        (folder / f"{i}.log").write_bytes(CARMEN)
+    with pytest.raises(LimitError, match="more than 50 files"):
+        open_log(folder, limits=few)
     nested = opened(path, tarred({"in.tar": tarred({"a.log": CARMEN})}))
     assert isinstance(nested, ReadError)
     assert nested.code == "log.archive"
