@@ -27,10 +27,10 @@ class BeamModel(Protocol):
     """
 
     @property
-    def log_odds_miss(self) -> float: ...  # noqa: D102
+    def log_odds_miss(self) -> float: ...  # noqa: D102 - the class says it
 
     @property
-    def log_odds_hit(self) -> float: ...  # noqa: D102
+    def log_odds_hit(self) -> float: ...  # noqa: D102 - the class says it
 
     def half_window(self, z: float) -> float:
         """Return how far before and behind a reading ``z`` a cell may lie and still count as hit, metres."""
@@ -137,7 +137,7 @@ class StepWindow:
         """Evidence in the window: log-odds of ``p_occ`` minus those of the prior."""
         return float(log_odds(self.p_occ) - log_odds(self.p_prior))
 
-    def half_window(self, z: float) -> float:  # noqa: ARG002, D102
+    def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
     def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
@@ -208,7 +208,7 @@ class SonarCone:
         if self.profile not in ("flat", "gaussian"):
             raise ConfigError("model.profile", f"A cone's profile is flat or gaussian, not {self.profile!r:.40}.")
 
-    def half_window(self, z: float) -> float:  # noqa: ARG002, D102
+    def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
     def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: D102
@@ -255,7 +255,7 @@ class MoravecElfes:
         """The log-odds of p = 1 at full certainty of "occupied": +inf."""
         return np.inf
 
-    def half_window(self, z: float) -> float:  # noqa: ARG002, D102
+    def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
     def empty(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
@@ -335,7 +335,7 @@ class HitCounting:
         """What the first hit changes: ln (1 + wp) − ln wp. Later ones change less."""
         return float(self.log_odds(1, 0) - self.log_odds(0, 0))
 
-    def half_window(self, z: float) -> float:  # noqa: ARG002, D102
+    def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
     def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002

@@ -121,7 +121,7 @@ def write_mcap(
             _send_sonars(topics, log, index, stamp)
         if progress is not None and index % 256 == 0:
             progress(index / len(stamps))
-    writer.finish()  # type: ignore[no-untyped-call]
+    writer.finish()  # type: ignore[no-untyped-call] # mcap's writer has no types there
 
 
 def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDArray[np.float64]) -> None:

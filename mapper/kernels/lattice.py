@@ -13,7 +13,7 @@ import numpy as np
 
 def to_lattice(
     x: Any,  # noqa: ANN401 - a float or an array of them, and the like comes back
-    y: Any,  # noqa: ANN401
+    y: Any,  # noqa: ANN401 - as above
     origin_x: float,
     origin_y: float,
     cos_yaw: float,
@@ -29,6 +29,6 @@ def to_lattice(
     return (cos_yaw * dx + sin_yaw * dy) / resolution, (cos_yaw * dy - sin_yaw * dx) / resolution
 
 
-def cell_of(coordinate: Any) -> Any:  # noqa: ANN401
+def cell_of(coordinate: Any) -> Any:  # noqa: ANN401 - as above
     """Return the row or column (a whole number, still a float) that holds a lattice coordinate: its floor."""
     return np.floor(coordinate)

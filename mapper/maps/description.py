@@ -40,7 +40,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         if self.check_event(yaml.events.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call]
+            event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
             raise yaml.composer.ComposerError(None, None, "aliases are not allowed", event.start_mark)
         return super().compose_node(parent, index)
 
@@ -142,7 +142,7 @@ def _mode(node: yaml.Node | None) -> Mode:
     text = "trinary" if node is None else _scalar(node, "mode")
     for mode in get_args(Mode):
         if text == mode:
-            return mode  # type: ignore[no-any-return]
+            return mode  # type: ignore[no-any-return] # get_args gives Any
     raise ReadError("map.mode", f"The map's mode must be trinary, scale or raw, not {text!r:.40}.")
 
 
