@@ -38,6 +38,6 @@ async def socket(websocket: WebSocket, session_id: str) -> None:
     scene = await websocket.app.state.scenes.get(session)
     scene.enter()
     try:
-        await pass_on(websocket, scene.port)
+        await pass_on(websocket, scene.path)
     finally:
         scene.leave()

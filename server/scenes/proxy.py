@@ -20,7 +20,7 @@ from typing import Annotated, Literal
 import msgspec
 import viser
 from starlette.websockets import WebSocket, WebSocketDisconnect
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection, unix_connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
@@ -131,8 +131,8 @@ def passes(message: bytes) -> bool:
     )
 
 
-async def pass_on(browser: WebSocket, port: int) -> None:
-    """Pass the browser's socket on to viser's on the loopback ``port`` until one of them closes; close the other.
+async def pass_on(browser: WebSocket, path: Path) -> None:
+    """Pass the browser's socket on to viser's, the Unix socket at ``path``, until one of them closes; close the other.
 
     The caller has not accepted the socket yet. One that does not speak viser's subprotocol is refused, as viser
     itself refuses clients of another version.
@@ -142,8 +142,8 @@ async def pass_on(browser: WebSocket, port: int) -> None:
         return
     try:
         async with asyncio.timeout(CONNECT_S):
-            scene = await connect(
-                f"ws://127.0.0.1:{port}",
+            scene = await unix_connect(
+                str(path),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 max_size=MAX_FROM_SCENE,
                 compression=None,

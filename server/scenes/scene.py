@@ -1,4 +1,4 @@
-"""One session's 3D view: a viser server that only this machine reaches, kept in step with the session.
+"""One session's 3D view: a viser server that only the proxy reaches, kept in step with the session.
 
 Nothing is computed while nobody looks. While somebody does, the robot moves at most :data:`POSE_HZ` times a second
 and the map is drawn at most :data:`MAP_HZ` times, and never for more than a tenth of the time.
@@ -7,21 +7,22 @@ and the map is drawn at most :data:`MAP_HZ` times, and never for more than a ten
 from __future__ import annotations
 
 import asyncio
-import logging
 import time
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rich
 import structlog
 import viser
 from numpy.typing import NDArray
 
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS
+from server.logging import short_hash
 from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
 from server.scenes.panel import Clock, NamedChoice, ParameterControls, Post, add_layers
+from server.scenes.viser_server import ViserServer
 from server.sessions import LogSession, Session, SessionView
 
 POSE_HZ = 15.0
@@ -35,9 +36,9 @@ _log = structlog.get_logger(__name__)
 
 
 class Scene:
-    """The viser server of one session. Make it with :meth:`open`; :meth:`close` ends its threads and frees its port."""
+    """The viser server of one session. Make it with :meth:`open`; :meth:`close` ends its threads and its socket."""
 
-    def __init__(self, session: Session, server: viser.ViserServer) -> None:
+    def __init__(self, session: Session, server: ViserServer) -> None:
         self._session = session
         self._server = server
         self._loop = asyncio.get_running_loop()
@@ -53,20 +54,20 @@ class Scene:
     @classmethod
     async def open(cls, session: Session) -> Scene:
         """Make the scene of ``session`` and start to follow it."""
-        server = await asyncio.to_thread(_make_server, session.id)
+        server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server)
         try:
             await asyncio.to_thread(scene._build, session.view())
         except BaseException:
-            await asyncio.to_thread(_stop_server, server)
+            await asyncio.to_thread(server.stop)
             raise
-        scene._task = asyncio.create_task(scene._follow(), name=f"scene {session.id}")
+        scene._task = asyncio.create_task(scene._follow(), name="scene")
         return scene
 
     @property
-    def port(self) -> int:
-        """The loopback port of the viser server."""
-        return int(self._server.get_port())
+    def path(self) -> Path:
+        """The Unix socket of the viser server."""
+        return self._server.path
 
     @property
     def watched(self) -> bool:
@@ -74,12 +75,12 @@ class Scene:
         return self._watching > 0
 
     async def close(self) -> None:
-        """Stop following the session, end viser's threads and free the port."""
+        """Stop following the session, end viser's threads and close its socket."""
         self._ignore()
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
-        await asyncio.to_thread(_stop_server, self._server)
+        await asyncio.to_thread(self._server.stop)
 
     def enter(self) -> None:
         """Count a browser that opened its socket, and draw what it missed."""
@@ -214,7 +215,7 @@ class Scene:
                 try:
                     await asyncio.to_thread(self._draw, self._session.view())
                 except Exception:  # noqa: BLE001 - a scene that cannot be drawn must not end the session's view for good
-                    _log.exception("scene not drawn", session=self._session.id)
+                    _log.exception("scene not drawn", session=short_hash(self._session.id))
             await asyncio.sleep(1.0 / POSE_HZ)
 
     def _show_path(self) -> None:
@@ -259,17 +260,3 @@ def _choice_of(session: Session, gui: viser.GuiApi, post: Post) -> NamedChoice |
             return None
         return NamedChoice(gui, "Trajectory", names, lambda: session.trajectory, post, "trajectory")
     return NamedChoice(gui, "World", tuple(WORLDS), lambda: session.world.name if session.world else "", post, "world")
-
-
-def _make_server(session_id: str) -> viser.ViserServer:
-    # viser prints a banner at every start and "Server stopped" at every end through rich's global console.
-    rich.get_console().quiet = True
-    return viser.ViserServer(host="127.0.0.1", port=0, label=f"Gridbloom {session_id}", verbose=False)
-
-
-def _stop_server(server: viser.ViserServer) -> None:
-    server.stop()
-    # Each viser server adds its own filter to the websockets logger and leaves it there.
-    logger = logging.getLogger("websockets.server")
-    for added in [f for f in logger.filters if type(f).__name__ == "NoHttpErrors"][1:]:
-        logger.removeFilter(added)

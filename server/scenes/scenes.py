@@ -7,6 +7,7 @@ import time
 
 import structlog
 
+from server.logging import short_hash
 from server.scenes.scene import Scene
 from server.sessions import Session
 
@@ -45,7 +46,7 @@ class Scenes:
             self._scenes.pop(session.id, None)
             return
         session.on_close.append(lambda: self.drop(session.id))
-        _log.info("scene opened", session=session.id, port=task.result().port)
+        _log.info("scene opened", session=short_hash(session.id))
 
     def drop(self, session_id: str) -> None:
         """Close a session's scene in the background, if there is one."""
@@ -59,7 +60,7 @@ class Scenes:
         await asyncio.wait([task])
         if not task.cancelled() and task.exception() is None:
             await task.result().close()
-            _log.info("scene closed", session=session_id)
+            _log.info("scene closed", session=short_hash(session_id))
 
     async def _close_idle(self) -> None:
         while True:
@@ -70,7 +71,7 @@ class Scenes:
                     self.drop(session_id)
 
     async def close(self) -> None:
-        """Close every scene and wait until their threads and ports are free."""
+        """Close every scene and wait until their threads and sockets are gone."""
         if self._reaper is not None:
             self._reaper.cancel()
             await asyncio.gather(self._reaper, return_exceptions=True)

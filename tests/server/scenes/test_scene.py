@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import gc
-import socket
+import os
+import stat
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
@@ -14,16 +15,17 @@ from typing import Any
 import httpx
 import msgspec
 import pytest
-from websockets.asyncio.client import connect
+from websockets.asyncio.client import connect, unix_connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
 
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
-from server.scenes.proxy import passes
+from server.scenes.proxy import SUBPROTOCOL, passes
 from server.sessions import Session, SessionRegistry
 from server.sessions.view import SessionView
+from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, viser_client
 from tests.server.service import eventually
@@ -179,14 +181,36 @@ async def test_a_client_of_another_version_is_refused(service: Service) -> None:
                 await socket.recv()
 
 
-async def test_the_viser_server_listens_on_loopback_only(service: Service) -> None:
+async def test_the_viser_server_listens_on_a_private_unix_socket_only(service: Service) -> None:
+    session = await service.sessions.create_world("ann", "room", seed=1)
+    before = listening_ports(os.getpid())
+    scene = await service.scenes.get(session)
+    assert listening_ports(os.getpid()) == before
+    assert scene.path.is_socket()
+    assert stat.S_IMODE(scene.path.parent.stat().st_mode) == 0o700
+    # viser would serve its files there.
+    transport = httpx.AsyncHTTPTransport(uds=str(scene.path))
+    async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as http:
+        assert (await http.get("/index.html")).status_code == 426
+
+
+async def test_no_tunnel_is_opened_even_past_the_proxy(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened = []
+    monkeypatch.setattr("viser._viser.ViserTunnel", lambda *arguments: opened.append(arguments))
     session = await service.sessions.create_world("ann", "room", seed=1)
     scene = await service.scenes.get(session)
-    for address in {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}:
-        if not str(address).startswith("127."):
-            with pytest.raises(OSError, match=r".*"):
-                socket.create_connection((str(address), scene.port), timeout=1.0).close()
-    socket.create_connection(("127.0.0.1", scene.port), timeout=1.0).close()
+    asked = threading.Event()
+    ask = scene._server.request_share_url
+
+    def asking() -> None:
+        ask()
+        asked.set()
+
+    monkeypatch.setattr(scene._server, "request_share_url", asking)
+    async with unix_connect(str(scene.path), subprotocols=[Subprotocol(SUBPROTOCOL)], compression=None) as socket:
+        await socket.send(msgspec.msgpack.encode({"type": "ShareUrlRequest"}))
+        await eventually(asked.is_set)
+    assert opened == []
 
 
 async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> None:
@@ -307,10 +331,9 @@ async def test_ten_scenes_leave_nothing_behind(sessions: SessionRegistry) -> Non
     for _ in range(10):
         scenes = Scenes()
         scene = await scenes.get(session)
-        port = scene.port
+        path = scene.path
         scene.enter()
         await asyncio.sleep(0.05)
         await scenes.close()
-        with pytest.raises(OSError, match=r".*"):
-            socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
+        assert not path.parent.exists()
     await eventually(lambda: all(now <= then for now, then in zip(counts(), before, strict=True)))

@@ -1,0 +1,69 @@
+"""A viser server that listens on a Unix socket and offers nothing but the scene's WebSocket.
+
+viser 1.1 can listen on a TCP port only. A TCP port of 127.0.0.1 takes any process of the machine and, from a browser,
+any page, past the service's token and its checks. Here viser's call of :func:`websockets.asyncio.server.serve` is
+replaced, in viser's module alone, by one that listens on a Unix socket in a folder of mode 0700.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import tempfile
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import rich
+import viser
+import websockets.asyncio.server
+import websockets.datastructures
+import websockets.exceptions
+from viser.infra import _infra
+from websockets.asyncio.server import Server, ServerConnection, unix_serve
+
+
+def _serve(
+    handler: Callable[[ServerConnection], Awaitable[None]],
+    host: str,
+    port: int,
+    **options: Any,  # noqa: ANN401 - passed on
+) -> Awaitable[Server]:
+    """Stand in for ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
+    del port
+    options["process_request"] = None  # viser's own serves files over HTTP
+    bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
+    return unix_serve(handler, sock=bound, **options)
+
+
+_infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # a stand-in for the module
+    asyncio=SimpleNamespace(server=SimpleNamespace(serve=_serve, ServerConnection=ServerConnection)),
+    datastructures=websockets.datastructures,
+    exceptions=websockets.exceptions,
+)
+
+
+class ViserServer(viser.ViserServer):
+    """A viser server on the Unix socket ``path``, which only this user's processes can open.
+
+    Raises :class:`OSError` where there can be no socket.
+    """
+
+    def __init__(self) -> None:
+        # viser prints a banner at every start and "Server stopped" at every end through rich's global console.
+        rich.get_console().quiet = True
+        self._folder = tempfile.TemporaryDirectory(prefix="gridbloom-")  # of mode 0700
+        self.path = Path(self._folder.name) / "viser"
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as bound:
+            bound.bind(str(self.path))  # here, because viser would try for ever
+            descriptor = os.dup(bound.fileno())
+        super().__init__(host=str(descriptor), port=0, label="Gridbloom", verbose=False)
+
+    def request_share_url(self, verbose: bool = True) -> None:
+        """Open no public tunnel, whoever asks for one."""
+
+    def stop(self) -> None:
+        """End viser's threads, close the socket and remove its folder."""
+        super().stop()
+        self._folder.cleanup()
