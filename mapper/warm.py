@@ -11,7 +11,6 @@ import itertools
 import pkgutil
 import sys
 import time
-from collections.abc import Callable
 
 import numpy as np
 
@@ -27,11 +26,8 @@ from mapper.world import WORLDS, Recording, Simulation
 SECONDS = 1.0  # of a walk: a few scans and a plan
 
 
-def warm(is_wanted: Callable[[], bool] = lambda: True) -> None:
-    """Use each part of the mapper once, as the service does: walk, record, map in every way, draw.
-
-    Ends between two ways of mapping once it ``is_wanted`` no longer.
-    """
+def warm() -> None:
+    """Use each part of the mapper once, as the service does: walk, record, map in every way, draw."""
     world = WORLDS["room"]
     simulation = Simulation(world)
     recording = Recording(simulation.sensor)
@@ -42,8 +38,6 @@ def warm(is_wanted: Callable[[], bool] = lambda: True) -> None:
     for model, update, traversal, no_return in itertools.product(
         *(BY_NAME[name].choices for name in ("model", "update", "traversal", "no_return"))
     ):
-        if not is_wanted():
-            return
         replay.reconfigure(
             replay.config.with_values(
                 {"model": model, "update": update, "traversal": traversal, "no_return": no_return, "window": 0.2}

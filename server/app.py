@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
 
+import structlog
 from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
-from mapper.warm import warm
 from server.library import Library
 from server.metrics import Metrics
 from server.routes import comparing, docs, doctor, health, links, logs, pages, scenes, sessions, stream, taking
@@ -21,6 +20,10 @@ from server.scenes import Scenes
 from server.security import Security
 from server.sessions import SessionRegistry
 from server.settings import Settings
+
+END_S = 2.0  #: seconds that the end of the service waits for sessions that compute, or whose kernels compile
+
+_log = structlog.get_logger(__name__)
 
 
 @asynccontextmanager
@@ -33,18 +36,22 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         )
         state.metrics.watch(state.sessions)
         await state.sessions.start()
-        stack.push_async_callback(state.sessions.shutdown)
+        stack.push_async_callback(_within, END_S, state.sessions.shutdown)
         state.library = await asyncio.to_thread(Library, settings)
         await state.library.start()
         stack.push_async_callback(state.library.close)
         state.scenes = Scenes()
         stack.push_async_callback(state.scenes.close)
-        # The page paints while the kernels compile; a session that starts meanwhile waits for the same compilation.
-        ending = threading.Event()
-        state.warm = asyncio.ensure_future(asyncio.to_thread(warm, lambda: not ending.is_set()))
-        stack.push_async_callback(asyncio.wait, [state.warm])
-        stack.callback(ending.set)  # whoever ends the service at once does not wait for the rest
         yield
+
+
+async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
+    """Call ``end``, and give it up after so many seconds."""
+    try:
+        async with asyncio.timeout(seconds):
+            await end()
+    except TimeoutError:
+        _log.warning("sessions still compute and are left behind", seconds=seconds)
 
 
 def _version() -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import resource
 import signal
 import socket
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NoReturn
@@ -21,6 +23,7 @@ from server.logging import configure_logging
 from server.settings import Settings
 
 BACKLOG = 2048
+THREADS_END_S = 1.0  #: seconds in which threads have to end once the service is closed
 UNREAD_MS = 30_000  #: a connection whose other end takes in nothing of what was sent for so long is given up
 
 
@@ -111,8 +114,8 @@ def _serve(settings: Settings) -> None:
         print(f"Gridbloom runs at {address_of(settings.host, bound.getsockname()[1], token)}", flush=True)
         # uvicorn ends what runs and then raises the signal again: it ends the process here, and in good order.
         signal.signal(signal.SIGTERM, _end)
-        with contextlib.suppress(KeyboardInterrupt):
-            server.run(sockets=[bound])
+        signal.signal(signal.SIGINT, _end)
+        server.run(sockets=[bound])
 
 
 @contextmanager
@@ -135,4 +138,11 @@ def _take_all_descriptors() -> None:
 
 
 def _end(*_: object) -> NoReturn:
+    """End the process; everything that has to be closed is closed.
+
+    Python waits for its threads, and a thread that compiles a kernel cannot be interrupted.
+    """
+    left_behind = threading.Timer(THREADS_END_S, os._exit, (0,))
+    left_behind.daemon = True
+    left_behind.start()
     raise SystemExit(0)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 
 from server.metrics import CONTENT_TYPE
-from server.routes.errors import error_response
 
 router = APIRouter(tags=["health"])
 
@@ -18,15 +17,9 @@ async def livez() -> dict[str, str]:
 
 
 @router.get("/readyz")
-async def readyz(request: Request) -> Response:
-    """Tell whether the kernels are compiled, so that a first session starts at once."""
-    if not request.app.state.warm.done():
-        return error_response(
-            503, "service.starting", "The kernels are being compiled: ready in a moment.", headers={"Retry-After": "1"}
-        )
-    if request.app.state.warm.exception() is not None:
-        return error_response(503, "service.broken", "The kernels cannot be compiled; the service's log says why.")
-    return JSONResponse({"status": "ready"})
+async def readyz() -> dict[str, str]:
+    """Tell that visitors may come: the stores are open. Kernels compile when they are first needed."""
+    return {"status": "ready"}
 
 
 @router.get("/metrics", response_class=Response)

@@ -33,10 +33,3 @@ def test_all_modules_of_kernels_are_looked_at():
     names = {info.name for info in pkgutil.iter_modules(mapper.kernels.__path__)}
     assert {"raycast", "planning", "quantise"} <= names
     assert {"mapper.kernels.raycast.cast_rays", "mapper.kernels.planning.shortest_paths"} <= set(warm.kernels())
-
-
-def test_it_ends_once_nobody_wants_it(monkeypatch):
-    made = []
-    monkeypatch.setattr("mapper.replay.Replay.reconfigure", lambda _, config: made.append(config))
-    warm.warm(lambda: len(made) < 3)
-    assert len(made) == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 import re
@@ -9,11 +10,11 @@ import signal
 import socket
 import subprocess
 import sys
-import time
+import threading
 import urllib.request
-from collections.abc import Callable
 from pathlib import Path
 
+import httpx
 import pytest
 import structlog
 from pydantic import ValidationError
@@ -21,7 +22,7 @@ from pydantic import ValidationError
 from server.logging import configure_logging
 from server.serving import address_of, listen
 from server.settings import Settings
-from tests.server.service import PATIENCE_S, running, settings_for
+from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 RUN = "from server.serving import run; from server.settings import Settings; run(Settings())"
@@ -175,18 +176,62 @@ def test_log_lines(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "the token" not in lines
 
 
-def test_who_ends_the_service_at_once_does_not_wait_for_its_kernels(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    told = []
+def started(program: str, folder: Path, **more: str) -> tuple[subprocess.Popen[str], str]:
+    """A service in a process of its own, and its address."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", program],
+        env=environment(folder, port="0") | more,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    found = re.search(r"http://\S+", process.stdout.readline())
+    assert found
+    return process, found[0]
 
-    def compiling(is_wanted: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + PATIENCE_S
-        while is_wanted() and time.monotonic() < deadline:
-            time.sleep(0.01)
-        told.append(not is_wanted())
 
-    monkeypatch.setattr("server.app.warm", compiling)
-    with running(settings_for(tmp_path)):
-        assert told == []
-    assert told == [True]
+def test_it_is_ready_without_having_compiled_a_kernel(tmp_path: Path) -> None:
+    cache = tmp_path / "kernels"
+    process, address = started(RUN, tmp_path / "data", NUMBA_CACHE_DIR=str(cache))
+    try:
+        assert httpx.get(f"{address}readyz", timeout=PATIENCE_S).json() == {"status": "ready"}
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
+    assert process.returncode == 0
+    assert [path for path in cache.rglob("*") if path.suffix in (".nbi", ".nbc")] == []
+
+
+def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: Path) -> None:
+    """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
+    program = f"""
+import time
+import server.sessions.registry
+
+def never_ends(*_, **__):
+    print("computing", flush=True)
+    time.sleep(10_000)
+
+server.sessions.registry.retold = never_ends
+{RUN}
+"""
+    process, address = started(program, tmp_path)
+    try:
+        visitor = threading.Thread(target=post_and_be_cut, args=(f"{address}api/sessions",))
+        visitor.start()
+        assert process.stdout is not None
+        assert process.stdout.readline() == "computing\n"
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=PATIENCE_S)
+        visitor.join()
+    finally:
+        process.kill()
+    assert process.returncode == 0
+    assert "Traceback" not in errors
+
+
+def post_and_be_cut(address: str) -> None:
+    with contextlib.suppress(httpx.TransportError):
+        httpx.post(address, json={"kind": "world", "world": "room"}, timeout=PATIENCE_S)
