@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
+import re
 import sys
 
 import structlog
@@ -12,6 +14,27 @@ from structlog.tracebacks import ExceptionDictTransformer
 from structlog.typing import Processor
 
 _LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
+
+
+#: What follows these in an address is a secret: who knows a session's id or a link's token may use it.
+_SECRET = re.compile(r"((?:/(?:sessions|scenes|shared)/|[?&](?:token|session)=))[A-Za-z0-9_~%.-]+")
+
+
+def short_hash(secret: str) -> str:
+    """Return 8 hexadecimal digits that tell one secret from another in log lines and do not give it away."""
+    return hashlib.sha256(secret.encode()).hexdigest()[:8]
+
+
+def without_secrets(line: str) -> str:
+    """Return a log line with the secrets in the addresses of sessions, 3D views and links, and tokens, left out."""
+    return _SECRET.sub(r"\1…", line)
+
+
+class _Formatter(structlog.stdlib.ProcessorFormatter):
+    """Formats log lines, tracebacks and those of libraries included, without the secrets in addresses."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return without_secrets(super().format(record))
 
 
 def configure_logging(log_format: str, level: str) -> None:
@@ -39,7 +62,7 @@ def configure_logging(log_format: str, level: str) -> None:
     )
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(
-        structlog.stdlib.ProcessorFormatter(
+        _Formatter(
             foreign_pre_chain=shared, processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, *last]
         )
     )
