@@ -23,6 +23,7 @@ from server.logging import configure_logging
 from server.settings import Settings
 
 BACKLOG = 2048
+UNGUARDED = "no token is asked for: whoever reaches the service may upload logs and use all that it has."
 THREADS_END_S = 1.0  #: seconds in which threads have to end once the service is closed
 UNREAD_MS = 30_000  #: a connection whose other end takes in nothing of what was sent for so long is given up
 
@@ -111,10 +112,12 @@ def _serve(settings: Settings) -> None:
     with bound:
         server = make_server(settings)
         token = None if settings.token is None else settings.token.get_secret_value()
-        print(f"Gridbloom runs at {address_of(settings.host, bound.getsockname()[1], token)}", flush=True)
         # uvicorn ends what runs and then raises the signal again: it ends the process here, and in good order.
         signal.signal(signal.SIGTERM, _end)
         signal.signal(signal.SIGINT, _end)
+        if settings.is_reached_from_beyond and token is None:
+            print(f"gridbloom: warning: {UNGUARDED}", file=sys.stderr)
+        print(f"Gridbloom runs at {address_of(settings.host, bound.getsockname()[1], token)}", flush=True)
         server.run(sockets=[bound])
 
 

@@ -9,7 +9,7 @@ import secrets
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, SecretStr, field_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 
@@ -29,12 +29,16 @@ class Settings(BaseSettings):
     )
     port: int = Field(default=8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
     token: SecretStr | None = Field(
-        default=None, description="Secret that visitors must know; made at start where the address is not loopback."
+        default=None,
+        description="Secret that visitors must know; made at start where the service is reached from beyond loopback.",
+    )
+    no_token: bool = Field(
+        default=False, description="Ask for no token although the service is reached from beyond loopback."
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
-        description="Names, separated by commas, under which browsers may reach the service besides its own address; "
-        "* allows every name (then set a token).",
+        description="Names, separated by commas, under which browsers may reach the service besides its own address, "
+        "as behind a reverse proxy; * allows every name. Any name beyond loopback asks for a token.",
     )
     data_dir: Path = Field(default_factory=_default_data_dir, description="Folder for uploaded logs and their records.")
     blobs: str | None = Field(
@@ -104,6 +108,12 @@ class Settings(BaseSettings):
             raise ValueError("a token has at least 8 characters")
         return value
 
+    @model_validator(mode="after")
+    def _one_wish(self) -> Settings:
+        if self.no_token and self.token is not None:
+            raise ValueError("a token and no_token contradict each other")
+        return self
+
     @property
     def database_url(self) -> str | None:
         """The database's address, with its password; None for the usual file."""
@@ -111,16 +121,27 @@ class Settings(BaseSettings):
 
     @property
     def is_loopback(self) -> bool:
-        """Whether only this machine reaches the service."""
-        if self.host == "localhost":
-            return True
-        try:
-            return ipaddress.ip_address(self.host.strip("[]")).is_loopback
-        except ValueError:
-            return False
+        """Whether the service listens on this machine's loopback address only."""
+        return _is_loopback(self.host)
+
+    @property
+    def is_reached_from_beyond(self) -> bool:
+        """Whether others than this machine may reach the service, by its address or through a reverse proxy."""
+        return not (self.is_loopback and all(map(_is_loopback, self.allowed_hosts)))
 
     def with_token(self) -> Settings:
-        """Return settings that have a token where one is needed: the given one, or a new one off loopback."""
-        if self.token is not None or self.is_loopback:
+        """Return settings that have a token where one is needed: the given one, or a new one."""
+        if self.token is not None or self.no_token or not self.is_reached_from_beyond:
             return self
         return self.model_copy(update={"token": SecretStr(secrets.token_urlsafe(24))})
+
+
+def _is_loopback(host: str) -> bool:
+    """Whether a name or an address is this machine's own, without looking it up."""
+    name = host.strip("[]").lower()
+    if name == "localhost" or name.endswith(".localhost"):
+        return True
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return False

@@ -21,6 +21,9 @@ def serve(
         str | None, typer.Option(help="Database of their records, sqlite:/// or postgresql://.")
     ] = None,
     logs_dir: Annotated[Path | None, typer.Option(help="Folder whose logs everybody sees, read-only.")] = None,
+    no_token: Annotated[
+        bool, typer.Option("--no-token", help="Ask for no token although others than this machine reach the service.")
+    ] = False,
 ) -> None:
     """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
     from pydantic import ValidationError  # noqa: PLC0415 - start-up
@@ -35,6 +38,7 @@ def serve(
         "blobs": blobs,
         "database": database,
         "logs_dir": logs_dir,
+        "no_token": no_token or None,
     }
     if logs_dir is not None and not logs_dir.is_dir():
         fail(f"--logs-dir: {logs_dir} is no folder.")
@@ -42,7 +46,10 @@ def serve(
         settings = Settings(**{name: value for name, value in options.items() if value is not None})
     except ValidationError as error:
         first = error.errors()[0]
-        fail(f"the setting {'.'.join(str(part) for part in first['loc'])} is refused: {first['msg']}.")
+        where = ".".join(str(part) for part in first["loc"])
+        fail(
+            f"the {f'setting {where} is' if where else 'settings are'} refused: {first['msg'].removeprefix('Value error, ')}."
+        )
     run(settings)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
+from pydantic import ValidationError
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
@@ -196,3 +198,36 @@ def test_off_loopback_there_is_always_a_token(host: str, loopback: bool) -> None
         assert len(settings.token.get_secret_value()) >= 32
         assert Settings(host=host).with_token().token != settings.token
         assert settings.token.get_secret_value() not in repr(settings)
+
+
+@pytest.mark.parametrize(
+    ("names", "asks"),
+    [
+        ("", False),
+        ("localhost, 127.0.0.2, [::1], maps.localhost", False),
+        ("maps.example.org", True),
+        ("localhost, maps.example.org", True),
+        ("192.168.0.7", True),
+        ("localhost.example.org", True),
+        ("*", True),
+    ],
+)
+def test_a_name_beyond_loopback_asks_for_a_token(names: str, asks: bool) -> None:
+    options: dict[str, Any] = {"allowed_hosts": names}
+    settings = Settings(**options)
+    assert (settings.with_token().token is not None) is asks
+    assert Settings(**options, no_token=True).with_token().token is None
+
+
+def test_a_service_behind_a_reverse_proxy_asks_for_the_token_that_it_made(tmp_path: Path) -> None:
+    with running(settings_for(tmp_path, allowed_hosts="maps.example.org")) as service:
+        for host in ("maps.example.org", "127.0.0.1"):
+            assert is_error(service.http.get("/api/worlds", headers={"host": host}), 401, "security.token")
+    with running(settings_for(tmp_path, allowed_hosts="maps.example.org", no_token=True)) as service:
+        assert service.http.get("/api/worlds", headers={"host": "maps.example.org"}).status_code == 200
+
+
+def test_a_token_and_none_contradict_each_other() -> None:
+    options: dict[str, Any] = {"token": TOKEN, "no_token": True}
+    with pytest.raises(ValidationError, match="contradict"):
+        Settings(**options)

@@ -59,6 +59,26 @@ def test_it_prints_where_it_runs_and_ends_when_asked(tmp_path: Path, wish: signa
     assert "Warning" not in errors
 
 
+@pytest.mark.parametrize("no_token", [False, True])
+def test_behind_a_reverse_proxy_it_prints_its_token_or_says_that_there_is_none(tmp_path: Path, no_token: bool) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from server.cli import main; main()", "serve", *["--no-token"] * no_token],
+        env=environment(tmp_path, port="0", allowed_hosts="maps.example.org"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    try:
+        line = process.stdout.readline()
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
+    assert ("?token=" in line) is not no_token
+    assert ("no token is asked for" in errors) is no_token
+
+
 def test_a_port_that_is_taken_is_one_sentence(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
