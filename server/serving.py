@@ -12,12 +12,15 @@ import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import NoReturn
 
 import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from server.app import create_app
+from server.connections import Connections, Listener
+from server.http_protocol import HttpProtocol
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.settings import Settings
@@ -68,11 +71,26 @@ class Socket(WebSocketsSansIOProtocol):
             self.transport.close()
 
 
-def make_server(settings: Settings) -> uvicorn.Server:
-    """Return a uvicorn server of the service, not yet running."""
-    return uvicorn.Server(
+class Server(uvicorn.Server):
+    """A uvicorn server that keeps to its number of ``connections``."""
+
+    def __init__(self, config: uvicorn.Config, connections: Connections) -> None:
+        super().__init__(config)
+        self.connections = connections
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen on the sockets."""
+        await super().startup([Listener(one, self.connections) for one in sockets or ()])
+
+
+def make_server(settings: Settings) -> Server:
+    """Return a uvicorn server of the service, not yet running. Run it on sockets."""
+    connections = Connections(settings.max_connections, settings.max_connections_per_address)
+    return Server(
         uvicorn.Config(
             create_app(settings),
+            loop="asyncio",  # others accept connections by themselves, without the caps
+            http=partial(HttpProtocol, connections=connections, header_s=settings.header_timeout_s),  # type: ignore[arg-type]
             ws=Socket,
             ws_per_message_deflate=False,  # tiles are compressed already
             ws_max_size=1 << 20,
@@ -82,7 +100,8 @@ def make_server(settings: Settings) -> uvicorn.Server:
             log_config=None,
             server_header=False,
             timeout_graceful_shutdown=5,
-        )
+        ),
+        connections,
     )
 
 

@@ -69,6 +69,17 @@ class Settings(BaseSettings):
         default=4 << 30, ge=1 << 20, description="Bytes in memory of the logs of all sessions together."
     )
     max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
+    max_connections: int = Field(
+        default=4096, ge=1, description="Open connections at one time; the limit of descriptors may allow fewer."
+    )
+    max_connections_per_address: int = Field(
+        default=1024,
+        ge=1,
+        description="Open connections of one address at one time; a reverse proxy's address is that of all visitors.",
+    )
+    header_timeout_s: float = Field(
+        default=10.0, gt=0.0, description="Seconds in which the headers of a request must come whole."
+    )
     threads: int = Field(
         default_factory=lambda: max(2, min(8, os.cpu_count() or 2)), ge=1, description="Threads that compute maps."
     )

@@ -47,9 +47,8 @@ def serve(
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        fail(
-            f"the {f'setting {where} is' if where else 'settings are'} refused: {first['msg'].removeprefix('Value error, ')}."
-        )
+        what = f"the setting {where} is" if where else "the settings are"
+        fail(f"{what} refused: {first['msg'].removeprefix('Value error, ')}.")
     run(settings)
 
 

@@ -18,13 +18,12 @@ from typing import Any
 
 import httpx
 import numpy as np
-import uvicorn
 import zstandard
 from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from server.serving import listen, make_server
+from server.serving import Server, listen, make_server
 from server.settings import Settings
 
 PATIENCE_S = 60.0
@@ -68,7 +67,7 @@ def stream_at(address: str, **more: Any) -> Any:
 class Service:
     """A running service."""
 
-    def __init__(self, server: uvicorn.Server, port: int) -> None:
+    def __init__(self, server: Server, port: int) -> None:
         self.server = server
         self.port = port
         self.http = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=PATIENCE_S)

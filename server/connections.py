@@ -1,0 +1,199 @@
+"""How many connections are open, in all and from one address, before anybody has said who they are.
+
+A connection without a request under way *waits*: it was just opened, its headers have not come whole, or it is kept
+for a next request. Where there are as many connections as there may be, a new one takes the place of the one that has
+waited longest; where none waits it is closed. So connections that stay silent keep nobody out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import ipaddress
+import os
+import resource
+import socket
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import structlog
+
+BATCH = 32  #: connections that are accepted before the event loop turns to others
+SAY_EVERY_S = 10.0  #: seconds between two log lines on connections that were refused
+DESCRIPTORS = 0.75  #: share of the descriptors that connections may have; files and 3D views need some, too
+OUT_OF_RESOURCES = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+
+_log = structlog.get_logger(__name__)
+
+
+@dataclass(slots=True)
+class _Open:
+    """An open connection, by whom, and how to end it while it waits."""
+
+    network: str
+    end: Callable[[], None] | None = None
+
+
+class Connections:
+    """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
+
+    An IPv6 address stands for its network of 64 bits. There are never more than the limit of descriptors allows.
+    """
+
+    def __init__(self, most: int, most_of_address: int) -> None:
+        self._most = min(most, int(resource.getrlimit(resource.RLIMIT_NOFILE)[0] * DESCRIPTORS))
+        self._most_of_network = most_of_address
+        self._open: dict[int, _Open] = {}  #: by descriptor
+        self._count: Counter[str] = Counter()  #: by network
+        self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, who waits longest first
+        self._all_waiting: dict[int, None] = {}
+        self._coming: set[int] = set()  #: accepted, and not yet with a protocol
+        self._refused = 0
+        self._said_s = -SAY_EVERY_S
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    @property
+    def is_batch_full(self) -> bool:
+        """Whether so many connections were accepted that the event loop has to turn to them first."""
+        return len(self._coming) >= BATCH
+
+    def admit(self, descriptor: int, address: str) -> bool:
+        """Count a new connection; return False where there is no place for it."""
+        network = _network(address)
+        if self._count[network] >= self._most_of_network and not self._end_one(self._waiting[network]):
+            self.refuse("as many connections as one address may have")
+            return False
+        if len(self) >= self._most and not self._end_one(self._all_waiting):
+            self.refuse("as many connections as there may be")
+            return False
+        self._open[descriptor] = _Open(network)
+        self._count[network] += 1
+        self._coming.add(descriptor)
+        return True
+
+    def made(self, descriptor: int) -> None:
+        """Note that a connection has its protocol."""
+        self._coming.discard(descriptor)
+
+    def wait(self, descriptor: int, end: Callable[[], None]) -> None:
+        """Note that a connection waits for a request, and how to end it."""
+        one = self._open.get(descriptor)
+        if one is None:
+            return
+        one.end = end
+        self._all_waiting[descriptor] = None
+        self._waiting[one.network][descriptor] = None
+
+    def work(self, descriptor: int) -> None:
+        """Note that a connection has a request under way, or is a WebSocket."""
+        one = self._open.get(descriptor)
+        if one is not None:
+            self._all_waiting.pop(descriptor, None)
+            self._waiting[one.network].pop(descriptor, None)
+
+    def closed(self, descriptor: int) -> None:
+        """Forget a connection."""
+        self.made(descriptor)
+        self.work(descriptor)
+        one = self._open.pop(descriptor, None)
+        if one is None:
+            return
+        self._count[one.network] -= 1
+        if not self._count[one.network]:
+            del self._count[one.network]
+            self._waiting.pop(one.network, None)
+
+    def refuse(self, reason: str) -> None:
+        """Say that connections are refused, at most every :data:`SAY_EVERY_S` seconds."""
+        self._refused += 1
+        now = time.monotonic()
+        if now - self._said_s >= SAY_EVERY_S:
+            _log.warning("connections refused", reason=reason, refused=self._refused, open=len(self))
+            self._refused, self._said_s = 0, now
+
+    def _end_one(self, waiting: dict[int, None]) -> bool:
+        descriptor = next(iter(waiting), None)
+        if descriptor is None:
+            return False
+        end = self._open[descriptor].end
+        self.closed(descriptor)
+        if end is not None:
+            end()
+        return True
+
+
+def _network(address: str) -> str:
+    """Return whom an address counts for: itself, or its network of 64 bits in IPv6."""
+    try:
+        found = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    if isinstance(found, ipaddress.IPv4Address):
+        return address
+    return str(found.ipv4_mapped or ipaddress.ip_network((found, 64), strict=False))
+
+
+class _Connection(socket.socket):
+    """A connection that says when it is closed."""
+
+    on_close: Callable[[int], None] | None = None
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self.on_close is not None and self.fileno() >= 0:
+            self.on_close(self.fileno())
+        super().close()
+
+
+class Listener(socket.socket):
+    """The listening socket ``bound`` once more, which accepts as many connections as there may be.
+
+    Where descriptors have run out, it gives up one that it keeps for that, to close the connection that waits:
+    otherwise the event loop would be woken for it without end, and log a traceback each time.
+    """
+
+    def __init__(self, bound: socket.socket, connections: Connections) -> None:
+        super().__init__(bound.family, bound.type, bound.proto, fileno=os.dup(bound.fileno()))
+        self.setblocking(False)
+        self._connections = connections
+        self._spare = os.open(os.devnull, os.O_RDONLY)
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        """Return a new connection and its address. Raises :class:`BlockingIOError` where there is none for now."""
+        for _ in range(0 if self._connections.is_batch_full else BATCH):
+            try:
+                accepted, address = super().accept()
+            except OSError as error:
+                if error.errno not in OUT_OF_RESOURCES:
+                    raise
+                self._refuse_one()
+                break
+            if self._connections.admit(accepted.fileno(), str(address[0])):
+                connection = _Connection(self.family, self.type, self.proto, fileno=accepted.detach())
+                connection.on_close = self._connections.closed
+                return connection, address
+            accepted.close()
+        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+    def _refuse_one(self) -> None:
+        """Close the connection that has waited longest to be accepted."""
+        self._connections.refuse("no descriptors are left")
+        if self._spare >= 0:
+            os.close(self._spare)
+            self._spare = -1
+        with contextlib.suppress(OSError):
+            super().accept()[0].close()
+        with contextlib.suppress(OSError):
+            self._spare = os.open(os.devnull, os.O_RDONLY)
+
+    def close(self) -> None:
+        """Close the socket and the spare descriptor."""
+        if self._spare >= 0:
+            os.close(self._spare)
+            self._spare = -1
+        super().close()
