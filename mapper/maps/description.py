@@ -50,7 +50,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         if self._level >= MOST_LEVELS:
-            raise yaml.composer.ComposerError(None, None, TOO_DEEP, self.peek_event().start_mark)
+            raise yaml.composer.ComposerError(None, None, TOO_DEEP, self._mark())
         self._level += 1
         try:
             return self._composed(parent, index)
@@ -59,9 +59,12 @@ class _Loader(yaml.SafeLoader):
 
     def _composed(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         if self.check_event(yaml.events.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
-            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", event.start_mark)
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", self._mark())
         return super().compose_node(parent, index)
+
+    def _mark(self) -> yaml.Mark:
+        event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
+        return event.start_mark  # type: ignore[no-any-return]
 
 
 def parse_description(data: bytes, limits: Limits) -> MapDescription:

@@ -47,7 +47,9 @@ class _WithoutComments:
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
-        self.seek(0)
+        self._window = io.BytesIO()
+        self._in_comment = False
+        self._at = 0
 
     def read(self, size: int) -> bytes:
         """Return at most ``size`` bytes, and none only at the end."""

@@ -345,10 +345,13 @@ def test_the_comments_in_a_pgm_as_text_are_left_out_before_pillow_sees_them(monk
     assert pixels.tolist() == np.arange(12).reshape(3, 4).tolist()
     comments = b"#" + b"y" * 1_500_000 + b"\n" + b"# x\n" * 300_000
     many = few.replace(b"4 5", b"4 " + comments + b" 5")
-    blocks = []
-    monkeypatch.setattr(
-        PpmImagePlugin.PpmPlainDecoder, "_ignore_comments", lambda _, block: blocks.append(block) or block
-    )
+    blocks: list[bytes] = []
+
+    def seen(_: object, block: bytes) -> bytes:
+        blocks.append(block)
+        return block
+
+    monkeypatch.setattr(PpmImagePlugin.PpmPlainDecoder, "_ignore_comments", seen)
     with open_plain_image(io.BytesIO(many), "It") as image:
         assert np.asarray(image).tolist() == pixels.tolist()
     assert blocks
