@@ -71,6 +71,12 @@ def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
     return Examined(thinned, name, scans, config)
 
 
+def unthinned(log: ScanLog, seen: Examined) -> Examined:
+    """Return all scans of ``log`` with the trajectory and the configuration of ``seen``."""
+    whole = replace(log, trajectories={seen.trajectory: log.trajectory(seen.trajectory)})
+    return replace(seen, log=whole, scans=np.arange(log.n_scans))
+
+
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
     """Return the grid of hits and visits of what was examined. Raises :class:`UnwantedError`."""
     seen.check_wanted()

@@ -26,6 +26,7 @@ FAR = 3  #: parts: from here on two parts are far apart in time
 WINDOW = 16  #: scans in which drift does not show; its two halves are the parts that are near in time
 TOLERANCE = 2  #: cells: a beam that passes nearer to an endpoint does not contradict it
 LEAST_PASSES = 2  #: beams through a cell that make it free
+RANGE_MAX = 10.0  #: metres: farther away a heading that is wrong by 1° exceeds the tolerance
 LEAST_EVIDENCE = 1000.0  #: endpoints that fall into cells of a part far in time
 _DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 1]) <= TOLERANCE + 0.01
 
@@ -62,11 +63,16 @@ class _Part:
 
 
 def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
-    """Return how far the parts of ``thinned``, spread over the log, and short windows of ``whole`` contradict
-    themselves.
+    """Return how far parts of one log contradict each other with one of its trajectories.
 
-    Both are of the same log with the same trajectory. Raises :class:`UnwantedError`.
+    ``thinned`` holds scans from all over the log, which are compared far apart in time; ``whole`` holds all scans, of
+    which short windows are compared. The mount and the largest range are those of their configurations. Raises
+    :class:`UnwantedError`.
     """
+    whole, thinned = (
+        replace(seen, config=replace(seen.config, range_max=min(seen.config.range_max, RANGE_MAX)))
+        for seen in (whole, thinned)
+    )
     parts, n_cells = _parts(thinned, PARTS)
     far = _compared(parts, n_cells, lambda i, j: abs(i - j) >= FAR)
     starts = np.unique(np.linspace(0, max(0, whole.log.n_scans - WINDOW), PARTS).astype(np.int64))

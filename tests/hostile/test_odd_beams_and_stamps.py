@@ -50,8 +50,8 @@ def test_beams_without_an_angle_between_them_are_refused(tmp_path: Path, step: f
     with pytest.raises(ReadError, match=r"Line 1: this ROBOTLASER1 line states impossible angles"):
         open_log(path)
     with pytest.raises(ConfigError, match=r"angle_increment of a scan of 2 beams must be"):
-        LaserScan(np.ones(2), 0.0, step, 0.0, 9.0)
-    LaserScan(np.ones(1), 0.0, step, 0.0, 9.0)
+        LaserScan(np.ones(2, dtype=np.float32), 0.0, step, 0.0, 9.0)
+    LaserScan(np.ones(1, dtype=np.float32), 0.0, step, 0.0, 9.0)
 
 
 @pytest.mark.parametrize("kind", recorded.KINDS)
