@@ -16,6 +16,22 @@ from mapper.errors import ConfigError, LimitError
 from mapper.geometry import compose
 from mapper.limits import DEFAULT_LIMITS, Limits
 
+LEAST_ANGLE_STEP = 1e-6  #: radians: beams that are nearer to one another are none that a sensor has
+
+
+def is_angle_step(angle_increment: float, n_beams: int) -> bool:
+    """Return whether ``angle_increment`` radians can lie between the beams of a scan of ``n_beams`` even beams."""
+    return n_beams < 2 or LEAST_ANGLE_STEP <= abs(angle_increment) <= 2.0 * np.pi
+
+
+def _check_angle_step(angle_increment: float, n_beams: int) -> None:
+    if not is_angle_step(angle_increment, n_beams):
+        raise ConfigError(
+            "scan.angle_increment",
+            f"The angle_increment of a scan of {n_beams} beams must be {LEAST_ANGLE_STEP:g} … 2π rad, either way, not "
+            f"{angle_increment:g}.",
+        )
+
 
 def _check_beams(angle_min: float, angle_increment: float, range_min: float, range_max: float) -> None:
     if not (np.isfinite(angle_min) and np.isfinite(angle_increment)):
@@ -118,6 +134,7 @@ class LaserScan:
         if self.ranges.ndim != 1:
             raise ConfigError("scan.shape", f"A scan's ranges are one row, not an array of shape {self.ranges.shape}.")
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        _check_angle_step(self.angle_increment, len(self.ranges))
         _check_width(self.beam_width)
 
     @property
@@ -273,7 +290,9 @@ class ScanLog:
             check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
         _check_width(self.beam_width)
-        if self.bearings is not None:
+        if self.bearings is None:
+            _check_angle_step(self.angle_increment, self.ranges.shape[1])
+        else:
             object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape[1:]))
         if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")

@@ -44,6 +44,11 @@ class Examined:
         """:func:`consistency` as the log states everything: what every check compares with, computed once."""
         return consistency(self)
 
+    def check_wanted(self) -> None:
+        """Raise :class:`UnwantedError` where nobody wants the examination any more."""
+        if not self.wanted():
+            raise UnwantedError("doctor.unwanted", "The examination was given up: its session has ended.")
+
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
         return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
@@ -66,10 +71,15 @@ def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
     return Examined(thinned, name, scans, config)
 
 
+def unthinned(log: ScanLog, seen: Examined) -> Examined:
+    """Return all scans of ``log`` with the trajectory and the configuration of ``seen``."""
+    whole = replace(log, trajectories={seen.trajectory: log.trajectory(seen.trajectory)})
+    return replace(seen, log=whole, scans=np.arange(log.n_scans))
+
+
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
     """Return the grid of hits and visits of what was examined. Raises :class:`UnwantedError`."""
-    if not seen.wanted():
-        raise UnwantedError("doctor.unwanted", "The examination was given up: its session has ended.")
+    seen.check_wanted()
     config = config or seen.config
     grid = OccupancyGrid(geometry_for(seen.log, config))
     integrate_scans(grid, seen.log, config, None, 0, seen.log.n_scans)

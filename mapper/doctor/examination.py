@@ -32,7 +32,8 @@ CHECKS: tuple[Check, ...] = (
     Check(mounting.check_turned, _FEW),
     Check(timing.check, _TURNED),
     Check(mounting.check_offset, _TURNED | {"timing.delay"}),
-    Check(walls.check_drift, _TURNED | {"timing.delay", "mount.offset"}),
+    Check(walls.check_still, _TURNED | {"timing.delay"}),
+    Check(walls.check_drift, _TURNED | {"timing.delay"}),
     Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}),
 )
 
@@ -59,5 +60,9 @@ def examine(
         if progress is not None:
             progress(done / len(CHECKS))
         if not check.spoiled_by & {finding.check for finding in found}:
-            found += check.look(log, seen)
+            new = check.look(log, seen)
+            found += new
+            for finding in new:
+                if finding.check == "mount.offset":  # so that what the mount spoils is not taken for drift
+                    seen = replace(seen, config=seen.config.with_values(finding.parameters or {}))
     return found

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
+
+POSSIBLE = 0.7  #: how sure a finding has to be to be stated as a fact
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +23,15 @@ class Finding:
     sure: float
     scans: tuple[int, ...] = ()
     parameters: dict[str, Any] | None = None
+
+    @property
+    def possible(self) -> bool:
+        """Whether the finding is to be stated as possible only: it is less sure than :data:`POSSIBLE`."""
+        return self.sure < POSSIBLE
+
+    def public(self) -> dict[str, Any]:
+        """Return the fields and ``possible``, for JSON."""
+        return {**asdict(self), "possible": self.possible}
 
 
 MOST_SCANS = 20  #: places that a finding names

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mapper.doctor.consistency import Examined, consistency, counts
-from mapper.doctor.finding import MOST_SCANS, Finding
+from mapper.doctor.consistency import Examined, consistency, counts, unthinned
+from mapper.doctor.contradiction import contradiction, cut
+from mapper.doctor.finding import MOST_SCANS, POSSIBLE, Finding
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.integrate import geometry_for, integrate_scans
 from mapper.kernels.lattice import cell_of
-from mapper.scan import ScanLog, Trajectory
+from mapper.scan import ScanLog
 
-STRETCH = 16  #: scans that drift hardly shows in
-DRIFT = 0.88  #: the whole is less consistent than this, as a share of its stretches; of clean logs it is 0.94 and more
+STRETCH = 16  #: scans that motion hardly shows in
+MOVED = 0.88  #: the whole is less consistent than this, as a share of its stretches: the robot moved
+EVEN_ODDS, SLOPE = 0.08, 0.05  #: of the logistic curve from the excess of contradictions to how sure drift is
+LEAST_SURE = 0.35  #: from here on drift is reported
 STRETCHES = 8  #: of the whole log, for what comes and goes
 SOLID, PASSED = 0.6, 0.05  #: shares of hits of a cell that was there, and of one that was gone
 LEAST_VISITS = 5
@@ -25,51 +28,56 @@ LEAST_CELLS = 12  #: of one thing that moved
 LEAST_CONSISTENT = 0.35  #: below this nothing can be said of what moves
 
 
-def _part(seen: Examined, scans: NDArray[np.int64]) -> Examined:
-    poses = Trajectory(seen.log.trajectory().poses[scans])
-    log = replace(
-        seen.log,
-        ranges=seen.log.ranges[scans],
-        stamps_ns=seen.log.stamps_ns[scans],
-        trajectories={seen.trajectory: poses},
-    )
-    return replace(seen, log=log, scans=seen.scans[scans])
+def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Where all poses are the same: compare how consistent the whole is with how consistent its short stretches are."""
+    if np.ptp(seen.log.trajectory().poses, axis=0).any():
+        return []
+    n = log.n_scans
+    starts = np.unique(np.linspace(0, max(0, n - STRETCH), 24).astype(np.int64))
+    whole = unthinned(log, seen)
+    local = float(np.median([consistency(cut(whole, start, start + STRETCH)) for start in starts.tolist()]))
+    far = seen.agreement
+    if local <= 0.0 or far >= MOVED * local:
+        return []
+    return [
+        Finding(
+            "poses.still",
+            f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
+            f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
+            "Record /tf and /tf_static, or the odometry, beside the scans; or have a SLAM program find the poses.",
+            float(np.clip(0.5 + 4.0 * (MOVED - far / local), 0.5, 0.99)),
+        )
+    ]
 
 
 def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
-    """Compare how consistent the whole is with how consistent its short stretches are."""
-    n = log.n_scans
-    starts = np.unique(np.linspace(0, max(0, n - STRETCH), 24).astype(np.int64))
-    whole_log = replace(seen, log=_with_trajectory(log, seen.trajectory), scans=np.arange(n))
-    near = [consistency(_part(whole_log, np.arange(start, min(start + STRETCH, n)))) for start in starts]
-    far = seen.agreement
-    local = float(np.median(near))
-    if local <= 0.0 or far >= DRIFT * local:
+    """Compare how often parts of the log that are far apart in time contradict each other with parts a moment apart."""
+    # A sonar's echo arises anywhere on its arc, so its thin beam says little of where things are.
+    if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():
         return []
-    if not np.ptp(seen.log.trajectory().poses, axis=0).any():
-        return [
-            Finding(
-                "poses.still",
-                f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
-                f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
-                "Record /tf and /tf_static, or the odometry, beside the scans; or have a SLAM program find the poses.",
-                float(np.clip(0.5 + 4.0 * (DRIFT - far / local), 0.5, 0.99)),
-            )
-        ]
+    found = contradiction(unthinned(log, seen), seen)
+    sure = drift_confidence(found.excess)
+    if sure < LEAST_SURE:
+        return []
     return [
         Finding(
             "walls.drift",
-            f"The poses drift: over {STRETCH} scans beams agree in {100 * local:.0f} % of all cases, over the whole "
-            f"log in {100 * far:.0f} %. Walls that the robot comes back to are double.",
+            f"The poses {'may drift' if sure < POSSIBLE else 'drift'}: {100 * found.far:.0f} % of the readings end "
+            "where beams of another time passed freely, against "
+            f"{100 * found.near:.0f} % between scans a moment apart. Walls that the robot comes back to are double.",
             "Take another trajectory, or poses that a SLAM program has corrected.",
-            float(np.clip(0.5 + 4.0 * (DRIFT - far / local), 0.5, 0.99)),
+            sure,
             _worst_scans(seen),
         )
     ]
 
 
-def _with_trajectory(log: ScanLog, name: str) -> ScanLog:
-    return replace(log, trajectories={name: log.trajectory(name)})
+def drift_confidence(excess: float) -> float:
+    """Return how sure it is, 0 … 0.99, that poses with this :attr:`Contradiction.excess` draw walls double.
+
+    docs/doctor.md says on which logs the two constants were chosen.
+    """
+    return min(0.99, 1.0 / (1.0 + math.exp((EVEN_ODDS - excess) / SLOPE)))
 
 
 def _worst_scans(seen: Examined) -> tuple[int, ...]:

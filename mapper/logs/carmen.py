@@ -37,7 +37,7 @@ from mapper.logs.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack, note_on_largest_reading
 from mapper.logs.unpacking import Progress
-from mapper.scan import ScanLog, Topic, Trajectory
+from mapper.scan import ScanLog, Topic, Trajectory, is_angle_step
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
 PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2")  #: the sensor that is taken, where there are several
@@ -352,7 +352,7 @@ def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Be
     steps, that quotient is taken.
     """
     start, fov, resolution, range_max = stated
-    if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0):
+    if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0 and is_angle_step(resolution, n)):
         raise ReadError(
             "log.beam_angles",
             f"Line {line}: this {word} line states impossible angles: start {start}, field of view {fov}, "

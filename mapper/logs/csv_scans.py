@@ -31,7 +31,7 @@ from mapper.logs.archive import Source
 from mapper.logs.lines import TextLines, take_lines
 from mapper.logs.packing import ScanStack
 from mapper.logs.unpacking import Progress
-from mapper.scan import ScanLog, Trajectory
+from mapper.scan import ScanLog, Trajectory, is_angle_step
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
@@ -92,6 +92,12 @@ class _Reader:
             raise ReadError("log.truncated_line", f"Line {line} ends early: it has {len(tokens)} fields and no ranges.")
         if n > self.limits.max_beams:
             raise LimitError("log.too_many_beams", f"Line {line} has {n} ranges; the limit is {self.limits.max_beams}.")
+        if not is_angle_step(self.values["angle_increment"], n):
+            raise ReadError(
+                "log.header",
+                f"Line {line} has {n} ranges, which an angle_increment of {self.values['angle_increment']:g} rad "
+                "cannot lie between.",
+            )
         stamp = fields.stamp(tokens[0], line, "CSV")
         pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits)
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")

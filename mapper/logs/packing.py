@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
 
+DAY_S = 86_400.0  #: seconds: a longer step between two scans is noted
+
 
 class ScanStack:
     """The scans of one sensor of a log, as they come.
@@ -92,7 +94,9 @@ class ScanStack:
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
-        """Nanoseconds (n_scans,)."""
+        """Nanoseconds (n_scans,); all zero, as in a log without times, where they were written with too few digits."""
+        if few_digits(self.stamps):
+            return np.zeros(self.n_scans, dtype=np.int64)
         return np.round(self.stamps * 1e9).astype(np.int64)
 
     def clean_ranges(self, range_max: float) -> tuple[NDArray[np.float32], list[str]]:
@@ -112,15 +116,46 @@ class ScanStack:
         return ranges, notes
 
     def notes_on_time(self) -> list[str]:
-        """Return a note on a clock that runs backwards, if it does."""
-        return note_on_time(self.stamps)
+        """Return notes on stamps with too few digits, that run backwards or that lie far apart."""
+        step = few_digits(self.stamps)
+        if step:
+            note = (
+                f"The stamps have six significant digits, so they are whole multiples of {step:g} s: too coarse to "
+                "tell when a scan was made. The log is read as one without times."
+            )
+            return [note]
+        return notes_on_time(self.stamps_ns)
 
 
-def note_on_time(stamps: NDArray[np.float64] | NDArray[np.int64]) -> list[str]:
-    """Return a note on stamps (n,) that run backwards, if they do."""
-    back = int(np.count_nonzero(np.diff(stamps) < 0))
-    times = "once" if back == 1 else f"{back} times"
-    return [f"The time runs backwards {times}; the scans stay in the file's order."] if back else []
+def few_digits(stamps: NDArray[np.float64]) -> float:
+    """Return the step in seconds of stamps (n,) that were printed with six significant digits, 0 for all others.
+
+    That is how C++ prints a double by default: of seconds since 1970 multiples of 10,000 s are left.
+    """
+    largest = float(np.abs(stamps).max(initial=0.0))
+    if len(stamps) < 2 or largest < 1e6:  # below a million seconds six digits say 1 s or less
+        return 0.0
+    step = float(10.0 ** (np.floor(np.log10(largest)) - 5.0))
+    return step if not np.any(np.fmod(stamps, step)) else 0.0
+
+
+def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
+    """Return notes on stamps (n,) in nanoseconds: how often they run backwards, and where they lie far apart."""
+    notes = []
+    back = int(np.count_nonzero(stamps_ns[1:] < stamps_ns[:-1]))
+    if back:
+        times = "once" if back == 1 else f"{back} times"
+        notes.append(f"The time runs backwards {times}; the scans stay in the file's order.")
+    steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9  # in 64 bits the step between two such stamps may overflow
+    far = int(np.count_nonzero(np.abs(steps) > DAY_S))
+    if far:
+        worst = int(np.argmax(np.abs(steps)))
+        more = f", and by more than a day {far} times in all" if far > 1 else ""
+        notes.append(
+            f"Before scan {worst + 1} the time jumps by {steps[worst]:.3g} s ({steps[worst] / DAY_S:.0f} days){more}: "
+            "either stamps are wrong, or the file joins several runs."
+        )
+    return notes
 
 
 def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:

@@ -19,12 +19,12 @@ from mapper.limits import Limits
 from mapper.logs.clocks import Clock
 from mapper.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.logs.names import printable
-from mapper.logs.packing import note_on_time
+from mapper.logs.packing import notes_on_time
 from mapper.logs.pose_sources import STAMP_LIMIT_NS, PoseSource, trajectories_at
 from mapper.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, StampedPose, plain_type
 from mapper.logs.sensor_scans import SensorScans
 from mapper.logs.transforms import FrameTree, Timeline
-from mapper.scan import ScanLog, Topic
+from mapper.scan import ScanLog, Topic, is_angle_step
 
 Int64Array = NDArray[np.int64]
 
@@ -43,6 +43,7 @@ class _Channel:
     take: Callable[[_Channel, int, bytes], None] | None
     count: int = 0
     bad: int = 0
+    why: str = ""  #: what is wrong with the first bad one, where it could be decoded
 
 
 class Recording:
@@ -121,6 +122,11 @@ class Recording:
     def _take_scan(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         beams = SENSORS[channel.kind](data, cdr=channel.cdr)
         n = len(beams.ranges)
+        if not is_angle_step(beams.angle_increment, n):
+            channel.why = channel.why or (
+                f"message {channel.count} states an angle_increment of {beams.angle_increment:g} rad for its {n} beams"
+            )
+            raise BadMessageError
         angles = (beams.angle_min, beams.angle_increment, beams.beam_width)
         # Written so that nan fails, too.
         if not (max(map(abs, angles)) < 100.0 and sum(angles) == sum(angles)) or not beams.range_max > 0.0 or n == 0:
@@ -177,12 +183,14 @@ class Recording:
         Raises :class:`ReadError` where there are no scans, or none on that topic.
         """
         bad = [
-            f"{channel.bad} of {channel.count} on {channel.topic}" for channel in self._streams.values() if channel.bad
+            f"{channel.bad} of {channel.count} on {channel.topic}" + (f" ({channel.why})" if channel.why else "")
+            for channel in self._streams.values()
+            if channel.bad
         ]
         sensor = self._sensor(topic, bad)
         notes = list(self.notes)
         if bad:
-            notes.append(f"Messages that could not be decoded: {_listed(bad)}.")
+            notes.append(f"Messages that could not be read: {_listed(bad)}.")
         if topic is None:
             notes += self._note_on_others(sensor)
         ranges, more = sensor.packed(self.limits)
@@ -193,7 +201,7 @@ class Recording:
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
-        notes += note_on_time(stamps)
+        notes += notes_on_time(stamps)
         chain = self._tf.ancestors(sensor.frame)
         base = self._tf.base_of(chain, self._children)
         mount, upside_down, more = self._mount(chain[: base + 1], stamps)
@@ -223,7 +231,7 @@ class Recording:
         if not self._sensors:
             held = "it holds no messages"
             if bad:
-                held = f"messages that could not be decoded: {_listed(bad)}"
+                held = f"messages that could not be read: {_listed(bad)}"
             elif self._streams:
                 held = f"it has {_listed(sorted({channel.kind for channel in self._streams.values()}))}"
             damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in self.notes[:1])
@@ -330,4 +338,4 @@ def _advice(kinds: Iterable[str]) -> str:
 def _listed(names: list[str], most: int = 6) -> str:
     """Return the first of ``names`` with commas between them."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(name[:80] for name in names[:most]) + more
+    return ", ".join(name[:200] for name in names[:most]) + more

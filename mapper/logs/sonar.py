@@ -24,6 +24,7 @@ from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.logs import fields
 from mapper.logs.archive import Source
 from mapper.logs.lines import TextLines, take_lines
+from mapper.logs.packing import notes_on_time
 from mapper.logs.unpacking import Progress
 from mapper.scan import ScanLog, Trajectory
 
@@ -127,18 +128,24 @@ def read_sonar(
     known = n_sonars == len(EIGHT)
     bearings = EIGHT if known else np.linspace(-math.pi / 2.0, math.pi / 2.0, n_sonars)
     assumed = "±90°, ±37.5°, ±22.5° and ±7.5° are" if known else "evenly from −90° to 90° is"
+    stamps_ns = (stamps[:, 0] * 1e6).astype(np.int64)
     return ScanLog(
         ranges=metres,
         angle_min=float(bearings[0]),
         angle_increment=0.0,
         range_min=RANGE_MIN,
         range_max=RANGE_MAX,
-        stamps_ns=(stamps[:, 0] * 1e6).astype(np.int64),
+        stamps_ns=stamps_ns,
         trajectories={"exact": Trajectory(pose, f"the poses in {POSES}, which are said to be exact")},
         bearings=bearings,
         beam_width=BEAM_WIDTH,
         name=readings.name,
         format="sonar ring",
-        notes=(*notes, *more, f"The files do not state where the sonars point: {assumed} assumed, cones of 20°."),
+        notes=(
+            *notes,
+            *more,
+            *notes_on_time(stamps_ns),
+            f"The files do not state where the sonars point: {assumed} assumed, cones of 20°.",
+        ),
         limits=limits,
     )

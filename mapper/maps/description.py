@@ -18,6 +18,8 @@ from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
 from mapper.maps.writing import Mode
 
+MOST_LEVELS = 10  #: of lists and keys inside one another; a map's yaml has two
+TOO_DEEP = "it is nested too deeply"
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
 
@@ -36,13 +38,33 @@ class MapDescription:
 
 
 class _Loader(yaml.SafeLoader):
-    """Composes nodes without aliases."""
+    """Composes nodes without aliases, at most :data:`MOST_LEVELS` deep."""
+
+    _level = 0
+
+    def fetch_flow_collection_start(self, TokenClass: Any) -> None:  # noqa: ANN401, N803 - PyYAML's own
+        # The scanner reads 1024 characters ahead, in time quadratic in the brackets that are open there.
+        if self.flow_level >= MOST_LEVELS:
+            raise yaml.scanner.ScannerError(None, None, TOO_DEEP, self.get_mark())
+        super().fetch_flow_collection_start(TokenClass)
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
+        if self._level >= MOST_LEVELS:
+            raise yaml.composer.ComposerError(None, None, TOO_DEEP, self._mark())
+        self._level += 1
+        try:
+            return self._composed(parent, index)
+        finally:
+            self._level -= 1
+
+    def _composed(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         if self.check_event(yaml.events.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
-            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", event.start_mark)
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", self._mark())
         return super().compose_node(parent, index)
+
+    def _mark(self) -> yaml.Mark:
+        event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
+        return event.start_mark  # type: ignore[no-any-return]
 
 
 def parse_description(data: bytes, limits: Limits) -> MapDescription:
@@ -84,8 +106,6 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
         raise ReadError("map.yaml", f"The map's yaml is malformed{place}: {error.problem}.") from error
     except yaml.YAMLError as error:
         raise ReadError("map.yaml", "The map's yaml is malformed: it holds a character that YAML forbids.") from error
-    except RecursionError as error:
-        raise ReadError("map.yaml", "The map's yaml is nested too deeply.") from error
     if not isinstance(root, yaml.MappingNode):
         raise ReadError("map.yaml", "The map's yaml must be a list of keys with values, one on each line.")
     nodes: dict[str, yaml.Node] = {}

@@ -19,19 +19,19 @@ from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin, PpmImagePlugin
+from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin
 
 from mapper.errors import LimitError, ReadError
 from mapper.grid import FREE, OCCUPIED, UNKNOWN, GridGeometry, OccupancyGrid, log_odds
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.maps.description import MapDescription, image_path, parse_description
+from mapper.maps.plain_images import open_plain_image
 from mapper.maps.writing import GREY_UNKNOWN
 
 #: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
 _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
     (b"BM", BmpImagePlugin.BmpImageFile),
-    (b"P", PpmImagePlugin.PpmImageFile),
 )
 _T = TypeVar("_T", bound=np.generic)
 _PIXELS_PER_BYTE = 8 * 1032  #: of one bit each, in a PNG that zlib cannot compress further
@@ -126,6 +126,8 @@ def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:
     for magic, reader in _READERS:
         if head.startswith(magic):
             return reader(file)
+    if head.startswith(b"P"):
+        return open_plain_image(file, named)
     raise ReadError("map.image", f"{named} is no PGM, PNG or BMP image.")
 
 

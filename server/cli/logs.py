@@ -87,11 +87,12 @@ def doctor(
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar)
     if as_json:
-        print_json({"log": scans.name, "findings": [asdict(finding) for finding in found]})
+        print_json({"log": scans.name, "findings": [finding.public() for finding in found]})
         return
     typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
     for finding in found:
-        typer.echo(f"  {finding.check} ({100 * finding.sure:.0f} % sure): {finding.sentence}")
+        possible = "possible, " if finding.possible else ""
+        typer.echo(f"  {finding.check} ({possible}{100 * finding.sure:.0f} % sure): {finding.sentence}")
         typer.echo(f"    {finding.advice}")
         if finding.scans:
             more = ", …" if len(finding.scans) > FEW else ""

@@ -20,10 +20,12 @@ from server.library.blobs import Blobs, Incoming
 from server.library.cache import LogCache
 from server.library.folder import FolderLog
 from server.library.older import take_over
-from server.library.records import Failure, Record, Records
+from server.library.records import Record, Records
 from server.library.storage import StorageError
 
 _log = structlog.get_logger(__name__)
+
+INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading was interrupted too often
 
 
 class Catalogue:
@@ -60,9 +62,6 @@ class Catalogue:
                 is_gone = is_ours and record.sha256 not in there
             if is_gone:
                 await self._store.delete(record.id)
-            elif record.source == "upload" and record.state in ("queued", "reading"):
-                failure = Failure("log.interrupted", "Reading was interrupted by a restart of the server.")
-                self.save(replace(record, state="failed", error=failure))
             else:
                 self._records[record.id] = record
         if is_ours:
@@ -98,6 +97,14 @@ class Catalogue:
     def uploaded(self) -> Sequence[Record]:
         """Return the records of uploads."""
         return [record for record in self._records.values() if record.source == "upload"]
+
+    def interrupted(self) -> Sequence[Record]:
+        """Return the uploads, oldest first, whose reading an earlier run of the service did not finish."""
+        return [
+            record
+            for record in self.uploaded()
+            if record.state in ("queued", "reading") or (record.error and record.error.code == INTERRUPTED)
+        ]
 
     @property
     def bytes(self) -> int:

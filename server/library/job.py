@@ -54,8 +54,10 @@ def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
     """Limit this process for good, and have it say how far it is to ``report``."""
     global _report  # noqa: PLW0603 - a worker process has no other place that outlives a job
     _report = report
-    # A person who presses Ctrl-C speaks to the server, which ends its workers itself.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Ctrl-C, and a service manager that stops all processes of the service, signal this one too. The server ends its
+    # workers itself: a worker that ended first would count as a log that cannot be read.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
     with contextlib.suppress(ValueError, OSError):  # not every system can limit it
         resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
 

@@ -11,11 +11,13 @@ from pathlib import Path
 import structlog
 
 from mapper.errors import LimitError, MapperError, ReadError
-from server.library.catalogue import Catalogue
+from server.library.catalogue import INTERRUPTED, Catalogue
 from server.library.reading import Reader
 from server.library.records import Failure, Record
 
 _log = structlog.get_logger(__name__)
+
+MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interrupt
 
 
 class Jobs:
@@ -42,6 +44,20 @@ class Jobs:
         self._jobs[record.id] = asyncio.create_task(self._read(queued, target))
         return queued
 
+    def resume(self, record: Record) -> None:
+        """Queue again a log whose reading an earlier run of the service did not finish.
+
+        It fails instead where :data:`MOST_ATTEMPTS` readings were interrupted: the log may be what ends the service.
+        """
+        if record.attempts < MOST_ATTEMPTS:
+            self.queue(record)
+        elif record.state != "failed":
+            message = (
+                f"The service ended {record.attempts} times while it read this log; it is not read again by itself."
+            )
+            self._catalogue.save(replace(record, state="failed", error=Failure(INTERRUPTED, message)))
+            _log.warning("log not read again", log=record.id, attempts=record.attempts)
+
     async def settled(self, log_id: str) -> None:
         """Wait for the end of the job that is under way."""
         job = self._jobs.get(log_id)
@@ -58,11 +74,15 @@ class Jobs:
         return True
 
     async def close(self) -> None:
-        """Stop all jobs; the next start finds that they were cut."""
-        jobs = list(self._jobs.values())
-        for job in jobs:
+        """Stop all jobs; the next start queues them again. An orderly stop is not an attempt that failed."""
+        jobs = dict(self._jobs)
+        for job in jobs.values():
             job.cancel()
-        await asyncio.gather(*jobs, return_exceptions=True)
+        await asyncio.gather(*jobs.values(), return_exceptions=True)
+        for log_id in jobs:
+            record = self._catalogue.get(log_id)
+            if record is not None and record.state == "reading":
+                self._catalogue.save(replace(record, state="queued", attempts=record.attempts - 1))
 
     async def _read(self, record: Record, pack: Path | None) -> None:
         """The job: wait for the reader, read, and say how it went."""
@@ -71,6 +91,7 @@ class Jobs:
             async with self._reader.turn(record.owner):
                 if self._room() < 0:
                     raise full()
+                record = replace(record, attempts=record.attempts + 1)
                 self._catalogue.save(replace(record, state="reading"))
                 started = time.monotonic()
                 async with self._catalogue.source(record) as source:
@@ -93,7 +114,7 @@ class Jobs:
                 for half in pack.parent.glob(f"{pack.name}.*.new"):
                     half.unlink(missing_ok=True)
         if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
-            self._catalogue.save(done)
+            self._catalogue.save(replace(done, attempts=0))
 
 
 def without_paths(error: MapperError, source: Path, name: str) -> MapperError:

@@ -127,6 +127,8 @@ class Library:
         await self._catalogue.start(is_ours=is_ours)
         await self.links.start()
         await self._expire()
+        for record in self._catalogue.interrupted():
+            self._jobs.resume(record)
         self._folder.begin_survey()
 
     async def close(self) -> None:
@@ -235,7 +237,7 @@ class Library:
             ),
             received.incoming,
         )
-        return self._jobs.queue(record) if record.state in ("queued", "failed") else record
+        return self._jobs.queue(replace(record, attempts=0)) if record.state in ("queued", "failed") else record
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
@@ -263,7 +265,7 @@ class Library:
     def read_again(self, owner: str, log_id: str) -> Record:
         """Queue an upload of ``owner`` that failed for another reading; return its record."""
         record = self._own_upload(owner, log_id)
-        return self._jobs.queue(record) if record.state == "failed" else record
+        return self._jobs.queue(replace(record, attempts=0)) if record.state == "failed" else record
 
     def _own_upload(self, owner: str, log_id: str) -> Record:
         record = self.get(owner, log_id)

@@ -62,6 +62,7 @@ def _values(record: Record) -> dict[str, Any]:
         "used_s": record.used_s,
         "error_code": None if record.error is None else record.error.code,
         "error_message": None if record.error is None else _plain(record.error.message),
+        "attempts": record.attempts,
         "summary": None if record.summary is None else json.dumps(asdict(record.summary)),
     }
 

@@ -26,7 +26,8 @@ class Record:
     """One log. ``owner`` is the visitor who uploaded it, empty for the logs that everybody sees.
 
     ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
-    ``summary`` is None until it was. The sample is ``ready`` before that: it is made when somebody asks for it.
+    ``summary`` is None until it was; ``attempts`` counts the readings that were begun and not finished. The sample is
+    ``ready`` before that: it is made when somebody asks for it.
     """
 
     id: str
@@ -40,6 +41,7 @@ class Record:
     used_s: float = 0.0  #: when it was last uploaded or opened, to the day
     progress: float = 0.0
     error: Failure | None = None
+    attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
 
     @property

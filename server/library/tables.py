@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Column, Double, ForeignKey, Index, MetaData, String, Table, Text
+from sqlalchemy import BigInteger, Column, Double, ForeignKey, Index, Integer, MetaData, String, Table, Text
 
 metadata = MetaData()
 
@@ -22,6 +22,7 @@ logs = Table(
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("summary", Text),  # JSON; PostgreSQL's own type refuses what is infinite
+    Column("attempts", Integer, nullable=False, server_default="0"),
     Index("logs_by_owner", "owner"),
     Index("logs_by_sha256", "sha256"),
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -21,4 +20,4 @@ async def doctor(request: Request, session_id: str) -> dict[str, Any]:
         raise MapperError("session.not_a_log", "Only a log can be examined; a live world has nothing to hide.")
     trajectory = session.trajectory  # which may be another one when the examination is over
     findings = await session.examined()
-    return {"trajectory": trajectory, "findings": [asdict(finding) for finding in findings]}
+    return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

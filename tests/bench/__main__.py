@@ -22,6 +22,7 @@ from mapper.logs import open_log
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.provenance import provenance
 from mapper.scan import ScanLog, Trajectory
+from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
@@ -159,6 +160,9 @@ def cost_of_starting(processes: int = 10) -> None:
 if __name__ == "__main__":
     if sys.argv[1:] == ["reading"]:
         reading()
+        sys.exit()
+    if sys.argv[1:] == ["doctor"]:
+        doctor()
         sys.exit()
     if sys.argv[1:] == ["feel"]:
         feel()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import resource
 import signal
@@ -24,13 +25,20 @@ KEY = "an-upload-with-a-key"
 WHO = {"Cookie": "gridbloom_visitor=" + "v" * 24}
 LONG = carmen(500) * 120
 OTHER = carmen(400) * 100
+LATE = carmen(300) * 150
+QUEUED = {f"queued {n}": carmen(10 + n) for n in range(6)}
 
 
 @contextmanager
 def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
     """The command, in a process that may be killed, and a visitor who is the same after a restart."""
     process = subprocess.Popen(
-        [*SERVE, str(folder)], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*SERVE, str(folder)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
     try:
         assert process.stdout is not None
@@ -103,18 +111,27 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
         assert set(uploads(client)) == {"old"}
         assert opens(client, "old")
         assert client.get(f"/api/logs/uploads/{KEY}").json() == {"offset": 0}, "it is sent anew"
-        # In the middle of a reading.
+        # In the middle of a reading, with more logs queued behind it.
         assert put(client, "long", LONG).status_code == 202
+        for name, data in QUEUED.items():
+            assert put(client, name, data).status_code == 202
         until(lambda: uploads(client)["long"]["state"] == "reading")
         process.send_signal(signal.SIGKILL)
         process.wait(30)
     with served(tmp_path) as (process, client):
         assert opens(client, "old")
-        cut = uploads(client)["long"]
-        assert (cut["state"], cut["error"]["code"]) == ("failed", "log.interrupted")
-        assert files(tmp_path) == {"blobs": 2, "packs": 1, "incoming": 0}
-        assert client.post(f"/api/logs/{cut['id']}/read").status_code == 202
-        assert settled(client, "long")["scans"] == 60_000
+        # Everything that was acknowledged is read without being asked for.
+        assert {name: settled(client, name)["state"] for name in uploads(client)} == dict.fromkeys(
+            ["old", "long", *QUEUED], "ready"
+        )
+        assert uploads(client)["long"]["scans"] == 60_000
         assert opens(client, "long")
+        # Every process of the service is asked to stop, as a service manager does.
+        assert put(client, "late", LATE).status_code == 202
+        until(lambda: uploads(client)["late"]["progress"] > 0.0)
+        os.killpg(process.pid, signal.SIGTERM)
+        process.wait(30)
+    with served(tmp_path) as (process, client):
+        assert settled(client, "late")["state"] == "ready"
         if hasattr(resource, "prlimit"):  # on Linux one process can limit another's files
             fill_the_disk(process, client, tmp_path)

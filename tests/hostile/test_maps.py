@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from dataclasses import replace
@@ -9,11 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+import yaml
+from PIL import Image, PpmImagePlugin
 
 from mapper.errors import LimitError, MapperError, ReadError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.maps import LoadedMap, load_map
+from mapper.maps.plain_images import open_plain_image
 from tests.hostile.corpus import MAP_YAML, images
 from tests.hostile.damage import ALL, ROUNDS, check_sentence, flipped, mangled
 
@@ -56,7 +59,9 @@ YAMLS = {
         "map.yaml", "aliases are not allowed",
     ),
     "a merge": ("a: &a {image: x}\n<<: *a\n" + GOOD, "map.yaml", "aliases are not allowed"),
-    "nested too deeply": ("a: " + "[" * 30000 + "\n", "map.yaml", "nested too deeply"),
+    "nested too deeply": ("a: " + "[" * 30000 + "\n", "map.yaml", "line 1: it is nested too deeply"),
+    "nested too deeply, in braces": ("a: " + "{" * 30000 + "\n", "map.yaml", "line 1: it is nested too deeply"),
+    "nested too deeply, in dashes": ("- " * 30000 + "\n", "map.yaml", "line 1: it is nested too deeply"),
     "an object of Python": ("!!python/object/apply:os.system ['true']\n" + GOOD, "map.yaml", "malformed in line 2"),
     "only an object of Python": ("!!python/object/apply:os.system ['true']\n", "map.yaml", "list of keys"),
     "image python": (with_value("image", "!!python/object/new:os.stat [/]"), "map.value", "needs one value"),
@@ -293,3 +298,61 @@ def test_every_prefix_of_a_yaml(tmp_path):
     for n in range(len(MAP_YAML)):
         found = _outcome(tmp_path, MAP_YAML[:n].encode(), PGM)
         assert isinstance(found, MapperError) or n > MAP_YAML.index("free_thresh")
+
+
+@pytest.mark.parametrize("opening", ["[", "{", "- ", "? "])
+def test_the_work_on_a_deeply_nested_yaml_does_not_grow_with_its_depth(tmp_path, monkeypatch, opening):
+    calls = 0
+    fetch = yaml.scanner.Scanner.fetch_more_tokens
+
+    def counted(scanner):
+        nonlocal calls
+        calls += 1
+        return fetch(scanner)
+
+    monkeypatch.setattr(yaml.scanner.Scanner, "fetch_more_tokens", counted)
+    refused(folder_with(tmp_path, opening * (60_000 // len(opening))))
+    assert 0 < calls < 100
+
+
+class _Counted(io.BytesIO):
+    reads = 0
+
+    def read(self, size=-1):
+        self.reads += 1
+        return super().read(size)
+
+
+@pytest.mark.parametrize("filler", [b"#" + b"x" * 1_000_000 + b"\n", b"#\n" * 500_000, b" " * 1_000_000])
+@pytest.mark.parametrize("magic", [b"P5", b"P2"])
+def test_a_pgm_with_a_header_of_a_megabyte_is_refused(tmp_path, filler, magic):
+    image = magic + b"\n" + filler + b"\n4 3\n255\n" + b"1 " * 12
+    error = refused(folder_with(tmp_path, image=image))
+    assert (type(error), error.code) == (LimitError, "map.image_header")
+    assert "'m.pgm' has a header of more than 131072 bytes" in error.message
+    file = _Counted(image)
+    with pytest.raises(LimitError):
+        open_plain_image(file, "It")
+    assert file.reads == 1
+    long = magic + b"\n#" + b"x" * 10_000 + b"\n4 3\n255\n" + b"1 " * 12
+    assert load_map(folder_with(tmp_path, image=long)).grid.geometry.shape == (3, 4)
+
+
+def test_the_comments_in_a_pgm_as_text_are_left_out_before_pillow_sees_them(monkeypatch):
+    """Pillow copies a block of up to 1 MB for each: half a million of them took it half a minute."""
+    few = b"P2 # a\n4 #b\n 3\n255\n0 1# c\r 2 3 # 9 9\n\n 4 5 6 7 8 9 10 11 # end"
+    pixels = np.asarray(Image.open(io.BytesIO(few)))
+    assert pixels.tolist() == np.arange(12).reshape(3, 4).tolist()
+    comments = b"#" + b"y" * 1_500_000 + b"\n" + b"# x\n" * 300_000
+    many = few.replace(b"4 5", b"4 " + comments + b" 5")
+    blocks: list[bytes] = []
+
+    def seen(_: object, block: bytes) -> bytes:
+        blocks.append(block)
+        return block
+
+    monkeypatch.setattr(PpmImagePlugin.PpmPlainDecoder, "_ignore_comments", seen)
+    with open_plain_image(io.BytesIO(many), "It") as image:
+        assert np.asarray(image).tolist() == pixels.tolist()
+    assert blocks
+    assert not any(b"#" in block for block in blocks)

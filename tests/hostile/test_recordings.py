@@ -264,4 +264,4 @@ def test_a_message_of_absurdly_many_echoes_or_transforms_is_none(tmp_path):
             b"\x89MCAP0\r\n" + ended(builder) + struct.pack("<BQ", 5, len(content)) + content,
         )
         assert isinstance(error, ReadError)
-        assert "could not be decoded: 1 of 1 on /t" in error.message
+        assert "could not be read: 1 of 1 on /t" in error.message

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import pytest
 
 from server.library import Library, Record, StorageError
+from server.library.jobs import MOST_ATTEMPTS
 from server.library.reading import Reader
 from server.settings import Settings
 from tests.server.library import writes
@@ -93,10 +94,8 @@ async def test_a_process_that_is_killed_before_its_nth_write(
         logs = {r.name: r for r in await library.list("ann") if r.source == "upload"}
         assert set(logs) in ({"old.log"}, {"old.log", "new.log"}), before
         if "new.log" in logs:
-            new = logs["new.log"]
-            assert new.error is not None
-            assert new.error.code == "log.interrupted"
-            library.read_again("ann", new.id)
+            new = await ready(library, logs["new.log"].id)
+            assert new.state == "ready"
             assert (await library.load("ann", new.id)).n_scans == 900
             await library.delete("ann", new.id)
         assert kept(settings) == files_of((old.id, OLD)), before
@@ -105,3 +104,29 @@ async def test_a_process_that_is_killed_before_its_nth_write(
         if process.exitcode == 0:
             break
     assert seen == {(-9, False), (-9, True), (0, True)}
+
+
+async def test_a_log_whose_reading_ends_the_service_is_not_read_for_ever(
+    make_library: Callable[..., Library], settings: Settings
+) -> None:
+    first = make_library()
+    record = await first.put("ann", "bad.log", in_pieces(NEW))
+    await first.close()
+    server = multiprocessing.get_context("forkserver")
+    for _ in range(MOST_ATTEMPTS):
+        process = server.Process(target=writes.be_killed_by_a_reading, args=(settings.data_dir,))
+        process.start()
+        await asyncio.to_thread(process.join, 60)
+        assert process.exitcode == -9
+    for _ in range(2):
+        library = make_library()
+        await library.start()
+        failed = library.get("ann", record.id)
+        assert failed.error is not None
+        assert (failed.state, failed.error.code) == ("failed", "log.interrupted")
+        assert failed.error.message.startswith("The service ended 3 times while it read this log")
+        await library.close()
+    library = make_library()
+    await library.start()
+    library.read_again("ann", record.id)
+    assert (await ready(library, record.id)).state == "ready", "its owner may ask for it"

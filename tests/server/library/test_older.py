@@ -70,15 +70,11 @@ async def test_an_older_data_folder_is_taken_over(make_library: Callable[..., Li
     assert (ready.state, ready.progress, ready.public()["scans"]) == ("ready", 1.0, 5)
     assert (await library.load("ann", ready.id)).n_scans == 5
     assert (await library.load("bob", "df29cc71afc3d9b5849b")).n_scans == 5
-    assert library._reader.worker_pid == 0, "the packs are as good as they were"
     failed = library.get("ann", "295e4bca33e10b93cd42")
     assert failed.error is not None
     assert failed.error.code == "log.unknown_format"
-    cut = library.get("ann", "c602db6a40ebabcde6c6")
-    assert cut.error is not None
-    assert cut.error.code == "log.interrupted"
-    library.read_again("ann", cut.id)
-    await eventually(lambda: library.get("ann", cut.id).state == "ready")
+    # Its reading was interrupted: it is read now.
+    await eventually(lambda: library.get("ann", "c602db6a40ebabcde6c6").state == "ready")
     assert sorted(path.name for path in (root / "blobs").iterdir()) == sorted(
         hashlib.sha256(data).hexdigest() for data in (carmen(5), b"Dear all,\n", carmen(9))
     )

@@ -103,3 +103,20 @@ def upload_and_be_killed(folder: Path, data: bytes, writes_before: int) -> None:
 
     with counted(lambda: os.kill(os.getpid(), signal.SIGKILL)) as writes:
         asyncio.run(upload())
+
+
+def be_killed_by_a_reading(folder: Path) -> None:
+    """Run a library in a process that is killed when a reading begins."""
+
+    async def run() -> None:
+        library = Library(Settings(data_dir=folder))
+
+        async def kill(*_: object) -> None:
+            await library._catalogue._store.load()  # what was asked of the database before is done
+            os.kill(os.getpid(), signal.SIGKILL)
+
+        with patch.object(library._reader, "read", kill):
+            await library.start()
+            await asyncio.Event().wait()
+
+    asyncio.run(run())

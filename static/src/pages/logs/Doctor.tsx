@@ -120,7 +120,7 @@ function Told({ finding, store }: { readonly finding: Finding; readonly store: S
   return (
     <li class="finding" data-check={finding.check}>
       <p>
-        <span class="finding-sure">{surety(finding.sure)}</span> {finding.sentence}
+        <span class="finding-sure">{surety(finding)}</span> {finding.sentence}
       </p>
       <p class="quiet">{finding.advice}</p>
       <div class="finding-actions">

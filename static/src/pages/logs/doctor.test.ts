@@ -22,5 +22,7 @@ test("a refusal is the server's sentence", async () => {
 });
 
 test("surety in words", () => {
-  expect([1, 0.8, 0.6, 0.5].map(surety)).toEqual(["certain", "very likely", "likely", "perhaps"]);
+  const words = [1, 0.8, 0.7].map((sure) => surety({ sure, possible: false }));
+  expect(words).toEqual(["certain", "very likely", "likely"]);
+  expect(surety({ sure: 0.69, possible: true })).toBe("possible");
 });

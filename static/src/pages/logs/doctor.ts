@@ -8,6 +8,8 @@ export interface Finding {
   readonly advice: string;
   /** 0 … 1 */
   readonly sure: number;
+  /** Too unsure to be stated as a fact. */
+  readonly possible: boolean;
   /** Scan numbers, from 0. */
   readonly scans: readonly number[];
   /** Values of mapping parameters that would help. */
@@ -28,10 +30,10 @@ export async function examine(session: string): Promise<Examination> {
 }
 
 /** How sure a finding is, in a word. */
-export function surety(sure: number): string {
+export function surety({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
+  if (possible) return "possible";
   if (sure >= 0.95) return "certain";
-  if (sure >= 0.75) return "very likely";
-  return sure >= 0.6 ? "likely" : "perhaps";
+  return sure >= 0.8 ? "very likely" : "likely";
 }
 
 /** What an examination came to, in a few words. */

@@ -1,0 +1,192 @@
+"""The doctor's drift finding on logs of which it is known whether their walls are double: true and false positives.
+
+Known are: the logs of the test data with raw odometry and with poses that a SLAM program has corrected, simulated logs
+with their true poses, and both with drift added, where the true poses say by how much walls are displaced.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.doctor import drift_finding
+from mapper.doctor.finding import POSSIBLE
+from mapper.geometry import compose, inverse
+from mapper.logs import open_log
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog, Trajectory
+from mapper.world import WORLDS, sample_log
+from mapper.world.odometry import ALPHAS, TURN_BIAS, drifting_odometry
+
+DOUBLE_M, SINGLE_M = 0.3, 0.15  #: walls that are farther apart than the one are double, nearer than the other single
+REVISIT_M = 5.0  #: two scans from places nearer than this see the same walls
+SCALES = (0.25, 0.5, 1.0, 2.0, 4.0)  #: of the drift that is added
+SEEDS = (1, 2, 3)
+REAL = {  # log, trajectory, are walls double
+    ("carmen/intel-corrected.log.gz", "scan"): False,
+    ("carmen/aces-corrected.log.gz", "scan"): False,
+    ("carmen/fhw-corrected.log.gz", "scan"): False,
+    ("carmen/intel-robotlaser.log.gz", "scan"): False,
+    ("sonar", "exact"): False,
+    ("carmen/intel.log.gz", "scan"): True,
+    ("carmen/intel_merged.log.gz", "scan"): True,
+    ("carmen/intel-corrected.log.gz", "wheel"): True,
+    ("carmen/aces.log.gz", "scan"): True,
+    ("carmen/aces-corrected.log.gz", "wheel"): True,
+    ("carmen/fhw.log.gz", "scan"): True,
+    ("carmen/fhw-corrected.log.gz", "wheel"): True,
+    ("carmen/loop5.log.gz", "scan"): True,
+    ("breezyslam/exp1.dat.gz", "wheel"): True,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A log with one trajectory of which it is known whether its walls are ``double``."""
+
+    group: str
+    name: str
+    log: ScanLog
+    trajectory: str
+    double: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What the doctor said: ``sure`` is None where it found no drift."""
+
+    case: Case
+    sure: float | None
+
+
+def displaced(true: NDArray[np.float64], poses: NDArray[np.float64]) -> bool | None:
+    """Return whether ``poses`` (n, 3) draw walls double where ``true`` (n, 3) draws them once.
+
+    At each revisit, two scans at least an eighth of the log apart, the errors of the two poses put one point into two
+    places. Double: a quarter of the revisits by more than :data:`DOUBLE_M`; single: at most one in fifty by more than
+    :data:`SINGLE_M`; None for what lies between, and without revisits.
+    """
+    n = len(true)
+    chosen = np.unique(np.linspace(0, n - 1, min(n, 400)).astype(int))
+    error = compose(poses[chosen], inverse(true[chosen]))
+    at = true[chosen]
+    i, j = np.triu_indices(len(chosen), len(chosen) // 8)
+    close = np.hypot(*(at[i, :2] - at[j, :2]).T) < REVISIT_M
+    i, j = i[close], j[close]
+    if len(i) < 20:
+        return None
+    place = np.concatenate([at[j, :2], np.zeros((len(j), 1))], axis=1)
+    apart = np.hypot(*(compose(error[i], place) - compose(error[j], place))[:, :2].T)
+    if np.mean(apart > DOUBLE_M) >= 0.25:
+        return True
+    return False if np.mean(apart > SINGLE_M) <= 0.02 else None
+
+
+def part(log: ScanLog, trajectory: str, start: int, stop: int) -> ScanLog:
+    """Return some scans of a log with one trajectory."""
+    return replace(
+        log,
+        ranges=log.ranges[start:stop],
+        stamps_ns=log.stamps_ns[start:stop],
+        trajectories={trajectory: Trajectory(log.trajectory(trajectory).poses[start:stop])},
+    )
+
+
+def drifted(group: str, log: ScanLog, trajectory: str) -> Iterator[Case]:
+    """Yield a log of which the poses are right with drift added to them."""
+    true = log.trajectory(trajectory).poses
+    for scale in SCALES:
+        for seed in SEEDS:
+            alphas = (ALPHAS[0] * scale, ALPHAS[1] * scale, ALPHAS[2] * scale, ALPHAS[3] * scale)
+            poses = drifting_odometry(true, np.random.default_rng(seed), alphas, TURN_BIAS * scale)
+            double = displaced(true, poses)
+            if double is not None:
+                bad = replace(log, trajectories={"drifted": Trajectory(poses)})
+                yield Case(group, f"{log.name}, drift × {scale:g}, seed {seed}", bad, "drifted", double)
+
+
+def real_cases(data: Path) -> Iterator[Case]:
+    """Yield the logs of the test data; the halves of the corrected ones; and these with drift added."""
+    for (name, trajectory), double in REAL.items():
+        log = open_log(data / name)
+        yield Case("real logs", f"{name} {trajectory}", log, trajectory, double)
+        if double or log.beam_width:
+            continue
+        middle = log.n_scans // 2
+        for half in (part(log, trajectory, 0, middle), part(log, trajectory, middle, log.n_scans)):
+            yield Case("halves of real logs", f"half of {name}", half, trajectory, double=False)
+        yield from drifted("real logs with drift added", log, trajectory)
+
+
+def simulated_cases() -> Iterator[Case]:
+    """Yield logs of every world with true poses, and with drift added."""
+    for world in sorted(WORLDS):
+        for n, seed in ((300, 5), (900, 6)):
+            log = replace(sample_log(n, world, seed), name=f"{world}, {n} scans")
+            yield Case("simulated logs", log.name, log, "true", double=False)
+            yield from drifted("simulated logs with drift added", log, "true")
+
+
+def judged(case: Case) -> Judged:
+    """Have the doctor look at a case."""
+    finding = drift_finding(case.log, case.trajectory, MappingConfig())
+    return Judged(case, None if finding is None else finding.sure)
+
+
+def table(results: Sequence[Judged]) -> str:
+    """Return the confusion table in Markdown: for each group of logs what was found, and how surely."""
+    columns = (
+        "logs", "double walls", "found", "of these possible", "missed", "single walls", "found in error",
+        "of these possible",
+    )  # fmt: skip
+    lines = [f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
+    groups = list(dict.fromkeys(one.case.group for one in results))
+    for group in [*groups, "all"]:
+        numbers: list[int] = []
+        for double in (True, False):
+            those = [one for one in results if one.case.double == double and group in (one.case.group, "all")]
+            found = [one.sure for one in those if one.sure is not None]
+            numbers += [len(those), len(found), sum(sure < POSSIBLE for sure in found)]
+            numbers += [len(those) - len(found)] if double else []
+        lines.append(f"| {group} | {' | '.join(map(str, numbers))} |")
+    return "\n".join(lines)
+
+
+def calibration(results: Sequence[Judged]) -> str:
+    """Return in Markdown how often drift that was stated with some confidence was there."""
+    lines = ["| stated confidence | findings | true |", "|---|---|---|"]
+    for low, high in pairwise((0.0, 0.35, 0.5, POSSIBLE, 0.9, 1.0)):
+        those = [one for one in results if one.sure is not None and low <= one.sure < high]
+        if those:
+            true = sum(one.case.double for one in those)
+            lines.append(f"| {100 * low:.0f} … {100 * high:.0f} % | {len(those)} | {true} |")
+    return "\n".join(lines)
+
+
+def single_logs(results: Sequence[Judged]) -> str:
+    """Return in Markdown what was found in each log as it was recorded or corrected, without drift added."""
+    lines = ["| log | walls | drift found |", "|---|---|---|"]
+    for one in results:
+        if "added" not in one.case.group:
+            said = "–" if one.sure is None else f"{100 * one.sure:.0f} %"
+            lines.append(f"| {one.case.name} | {'double' if one.case.double else 'single'} | {said} |")
+    return "\n".join(lines)
+
+
+def doctor() -> None:
+    """Print the tables of docs/doctor.md."""
+    folder = Path(os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data"))
+    real: Iterable[Case] = ()
+    if folder.is_dir():
+        real = real_cases(folder)
+    else:
+        print("The real logs are left out: GRIDBLOOM_TEST_DATA names no folder.", file=sys.stderr)
+    results = [judged(case) for case in chain(real, simulated_cases())]
+    print(table(results), calibration(results), single_logs(results), sep="\n\n")
