@@ -49,6 +49,7 @@ class Downloads:
         self.folder = folder  #: for temporary files, which have no names there
         self.places = Places()
         self.moments = Moments()
+        self.export_turn = asyncio.Lock()  #: held while a log is exported: that takes a grid of its own
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download")
         self._long = ThreadPoolExecutor(1, thread_name_prefix="export")
 

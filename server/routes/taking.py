@@ -36,14 +36,15 @@ async def run_mcap(request: Request, session_id: str) -> Response:
     downloads: Downloads = request.app.state.downloads
 
     async def make() -> Content:
-        grid = await session.snapshot()
         file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
-
-        def work(check: Callable[[], None]) -> None:
-            write_mcap(file, session.log, grid, session.trajectory, lambda _: check())
-
         try:
-            await downloads.run(work, takes_long=True)
+            async with downloads.export_turn:
+                grid = await session.snapshot()
+
+                def work(check: Callable[[], None]) -> None:
+                    write_mcap(file, session.log, grid, session.trajectory, lambda _: check())
+
+                await downloads.run(work, takes_long=True)
         except BaseException:
             file.close()
             raise
