@@ -15,7 +15,7 @@ MAX_AT_ONCE = 8  #: downloads of all visitors that are being made or sent
 MAX_OF_GUESTS = 4  #: of them those of all who came by a link
 MAX_OF_PARTY = 2  #: of one visitor, of one address, of one link
 MAX_LINE = 8  #: requests of one party that wait for a place
-WAIT_S = 20.0  #: a request waits no longer than this
+WAIT_S = 30.0  #: a request waits no longer than this
 
 
 class BusyError(LimitError):
