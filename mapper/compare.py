@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid, log_odds
 from mapper.kernels.comparing import count_cells, sum_edges
-from mapper.merge import on_one_lattice
+from mapper.merge import Part, on_one_lattice
 
 STATES = ("free", "occupied", "unknown")  #: in the order of :attr:`Comparison.states`
 
@@ -95,11 +95,15 @@ def compare(a: OccupancyGrid, b: OccupancyGrid) -> Comparison:
     )
 
 
-def difference(a: OccupancyGrid, b: OccupancyGrid) -> Difference:
-    """Return ℓ_b − ℓ_a of every cell, one that a map lacks holding its prior. Raises as :func:`compare`."""
+def difference(a: OccupancyGrid, b: OccupancyGrid, rows: slice | None = None) -> Difference:
+    """Return ℓ_b − ℓ_a of every cell, or of ``rows.start`` … ``rows.stop`` of the lattice that holds both maps.
+
+    A cell that a map lacks holds its prior. Raises as :func:`compare`.
+    """
     geometry, parts = on_one_lattice(a, b)
-    sides = [_placed(grid, geometry, part) for grid, part in zip((a, b), parts, strict=True)]
-    return Difference(geometry, sides[1].log_odds - sides[0].log_odds, sides[0].observed, sides[1].observed)
+    band = slice(0, geometry.rows) if rows is None else rows
+    sides = [_placed(grid, geometry, part, band) for grid, part in zip((a, b), parts, strict=True)]
+    return Difference(sides[0].geometry, sides[1].log_odds - sides[0].log_odds, sides[0].observed, sides[1].observed)
 
 
 def wall_contrast(grid: OccupancyGrid) -> float:
@@ -113,7 +117,12 @@ def wall_contrast(grid: OccupancyGrid) -> float:
     return float(total[0]) / count if count else 0.0
 
 
-def _placed(grid: OccupancyGrid, geometry: GridGeometry, part: tuple[slice, slice]) -> OccupancyGrid:
-    out = OccupancyGrid(geometry, grid.log_odds_prior)
-    out.log_odds[part], out.observed[part] = grid.log_odds, grid.observed
+def _placed(grid: OccupancyGrid, geometry: GridGeometry, part: Part, band: slice) -> OccupancyGrid:
+    """Return the rows ``band`` of a lattice of which ``grid`` is a ``part``."""
+    out = OccupancyGrid(geometry.band(band), grid.log_odds_prior)
+    rows, cols = part
+    first, stop = max(rows.start, band.start), min(rows.stop, band.stop)
+    if first < stop:
+        own, into = slice(first - rows.start, stop - rows.start), slice(first - band.start, stop - band.start)
+        out.log_odds[into, cols], out.observed[into, cols] = grid.log_odds[own], grid.observed[own]
     return out

@@ -129,6 +129,11 @@ class GridGeometry:
         rc = np.asarray(cells_rc)
         return np.asarray((rc[..., 0] >= 0) & (rc[..., 0] < self.rows) & (rc[..., 1] >= 0) & (rc[..., 1] < self.cols))
 
+    def band(self, rows: slice) -> GridGeometry:
+        """Return the geometry of the rows ``rows.start`` … ``rows.stop`` alone, over all columns."""
+        corner = self.cell_to_world((rows.start - 0.5, -0.5))
+        return replace(self, rows=rows.stop - rows.start, origin=(float(corner[0]), float(corner[1]), self.origin[2]))
+
     @staticmethod
     def to_image(cells: NDArray[np.generic]) -> NDArray[np.generic]:
         """Flip (rows, cols, ...) between grid order (row 0 at the smallest y) and image order (top row first)."""
@@ -222,6 +227,14 @@ class OccupancyGrid:
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry, self.log_odds_prior, None
         shared.log_odds, shared.observed, shared.tallies = self.tallies[index], self.observed, None
+        shared.tally_prior = self.tally_prior
+        return shared
+
+    def band(self, rows: slice) -> OccupancyGrid:
+        """Return the rows ``rows.start`` … ``rows.stop`` as a grid that shares their log-odds and what was observed."""
+        shared = object.__new__(OccupancyGrid)
+        shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry.band(rows), self.log_odds_prior, None
+        shared.log_odds, shared.observed, shared.tallies = self.log_odds[rows], self.observed[rows], None
         shared.tally_prior = self.tally_prior
         return shared
 

@@ -12,9 +12,10 @@ import structlog
 from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
+from server.downloads import Downloads
 from server.library import Library
 from server.metrics import Metrics
-from server.routes import comparing, docs, doctor, health, links, logs, pages, scenes, sessions, stream, taking
+from server.routes import comparing, docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream, taking
 from server.routes.errors import CatchAll, Ending, install_error_handlers
 from server.scenes import Scenes
 from server.security import Security
@@ -40,6 +41,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         state.library = await asyncio.to_thread(Library, settings)
         await state.library.start()
         stack.push_async_callback(state.library.close)
+        state.downloads = Downloads(settings.data_dir)
+        stack.push_async_callback(state.downloads.close)
         state.scenes = Scenes()
         stack.push_async_callback(state.scenes.close)
         yield
@@ -75,13 +78,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.metrics = Metrics()
-    app.state.taken = Counter()  #: files that are being taken away, by visitor
     install_error_handlers(app)
     for part in (
         health,
         sessions,
         doctor,
         comparing,
+        maps,
         taking,
         stream,
         logs,

@@ -99,7 +99,7 @@ def make_server(settings: Settings) -> Server:
             access_log=False,  # its lines would hold the token of the first address
             log_config=None,
             server_header=False,
-            timeout_graceful_shutdown=5,
+            timeout_graceful_shutdown=2,
         ),
         connections,
     )

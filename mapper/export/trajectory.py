@@ -5,6 +5,8 @@ Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, second
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from mapper.scan import ScanLog
@@ -15,10 +17,15 @@ def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
 
     Raises :class:`ConfigError` for a trajectory that the log lacks.
     """
+    return "".join(tum_lines(log, trajectory))
+
+
+def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
+    """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
     poses = log.trajectory(trajectory).poses
     half = poses[:, 2] / 2.0
-    rows = zip(log.stamps_ns.tolist(), poses[:, :2].tolist(), np.sin(half).tolist(), np.cos(half).tolist(), strict=True)
-    return "".join(f"{_seconds(ns)} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in rows)
+    rows = zip(log.stamps_ns, poses[:, :2], np.sin(half), np.cos(half), strict=True)
+    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in rows)
 
 
 def _seconds(stamp_ns: int) -> str:

@@ -1,12 +1,12 @@
 """Map files, as ROS map servers write and read them: a yaml that describes an image."""
 
+from mapper.maps.pixels import occupancy_values
 from mapper.maps.reading import LoadedMap, load_map
-from mapper.maps.writing import Mode, difference_png_bytes, occupancy_values, pgm_bytes, png_bytes, save_map, yaml_text
+from mapper.maps.writing import Mode, pgm_bytes, png_bytes, save_map, yaml_text
 
 __all__ = [
     "LoadedMap",
     "Mode",
-    "difference_png_bytes",
     "load_map",
     "occupancy_values",
     "pgm_bytes",

@@ -25,8 +25,8 @@ from mapper.errors import LimitError, ReadError
 from mapper.grid import FREE, OCCUPIED, UNKNOWN, GridGeometry, OccupancyGrid, log_odds
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.maps.description import MapDescription, image_path, parse_description
+from mapper.maps.pixels import GREY_UNKNOWN
 from mapper.maps.plain_images import open_plain_image
-from mapper.maps.writing import GREY_UNKNOWN
 
 #: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
 _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (

@@ -73,7 +73,7 @@ def compare(
         grids.append(grid)
     with refusing(sides[1][0]):
         found = compare_maps(*grids)
-        apart = difference(*grids).log_odds
+        apart = difference(grids[0], grids[1]).log_odds
     facts = {
         "same": found.same,
         "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in found.changed.items()],

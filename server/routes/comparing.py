@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -10,7 +9,10 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.errors import MapperError
-from mapper.maps import difference_png_bytes
+from mapper.maps.images import png_pieces
+from mapper.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
+from server.downloads import Content, Download, file_name
+from server.routes.maps import asker_of, snapshot, stem_of
 from server.sessions import LogSession
 from server.sessions.other_side import Wanted, numbers
 
@@ -75,7 +77,13 @@ async def _told(session: LogSession) -> dict[str, Any]:
 @router.get("/{session_id}/compare.png")
 async def picture(request: Request, session_id: str) -> Response:
     """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
-    apart = await _session(request, session_id).difference()
-    content = await asyncio.to_thread(difference_png_bytes, apart)
-    headers = {"Content-Disposition": 'attachment; filename="difference.png"', "Cache-Control": "no-store"}
-    return Response(content, media_type="image/png", headers=headers)
+    session = _session(request, session_id)
+    downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        async with session.still():
+            image = await snapshot(downloads, lambda: difference_pixels(*session.compared_grids()))
+        name = file_name(stem_of(session), "png", "difference")
+        return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))
+
+    return Download(downloads, asker_of(request, session), make, "image/png")

@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.errors import ConfigError, LimitError, MapperError, ReadError
+from server.downloads import MomentGoneError
 from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 
@@ -25,6 +26,7 @@ _log = structlog.get_logger(__name__)
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
     (LinkGoneError, 404),
+    (MomentGoneError, 410),
     (LogNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
@@ -35,6 +37,8 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (MapperError, 409),
 )
 _STATUS_OF_CODE = {
+    "download.busy": 503,
+    "download.too_many": 429,
     "session.full": 503,
     "session.memory": 503,
     "session.not_yours": 403,

@@ -1,8 +1,7 @@
-"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: begin, see, end sessions, and take their maps away."""
+"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: begin, see and end sessions."""
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
@@ -11,7 +10,6 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.errors import MapperError
-from mapper.maps import pgm_bytes, png_bytes, yaml_text
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS
 from server.sessions import LogView, Session, WorldSession
@@ -127,32 +125,6 @@ async def story(request: Request, session_id: str) -> dict[str, Any]:
     if not isinstance(session, WorldSession):
         raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
     return await session.story()
-
-
-@router.get("/sessions/{session_id}/map.yaml")
-async def map_yaml(request: Request, session_id: str) -> Response:
-    """Return the map's description for map_server, which names map.pgm as its image."""
-    session = request.app.state.sessions.get(session_id)
-    return _download(yaml_text(session.view().geometry, "map.pgm").encode(), "map.yaml", "application/yaml")
-
-
-@router.get("/sessions/{session_id}/map.pgm")
-async def map_pgm(request: Request, session_id: str) -> Response:
-    """Return the map as an image that map_server reads."""
-    grid = await request.app.state.sessions.get(session_id).snapshot()
-    return _download(await asyncio.to_thread(pgm_bytes, grid), "map.pgm", "image/x-portable-graymap")
-
-
-@router.get("/sessions/{session_id}/map.png")
-async def map_png(request: Request, session_id: str) -> Response:
-    """Return the map as a picture for people."""
-    grid = await request.app.state.sessions.get(session_id).snapshot()
-    return _download(await asyncio.to_thread(png_bytes, grid), "map.png", "image/png")
-
-
-def _download(content: bytes, name: str, media_type: str) -> Response:
-    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
-    return Response(content, media_type=media_type, headers=headers)
 
 
 @router.get("/worlds")

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import asyncio
 import tempfile
-from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import IO
 
 from fastapi import APIRouter, Request
-from fastapi.responses import Response, StreamingResponse
-from starlette.types import Receive, Scope, Send
+from fastapi.responses import Response
 
-from mapper.errors import LimitError, MapperError
-from mapper.export import tum_text, write_mcap
+from mapper.errors import MapperError
+from mapper.export import tum_lines, write_mcap
+from server.downloads import Content, Download, Downloads, file_name
+from server.routes.maps import asker_of, stem_of
 from server.sessions import LogSession
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-MAX_AT_ONCE = 8  #: files of all visitors that are being made or fetched: each may be as large as its log
-MAX_OF_VISITOR = 4  #: of them: who fetches slowly keeps nobody else from fetching
 PIECE = 1 << 18
 
 
@@ -36,51 +33,27 @@ def _log_session(request: Request, session_id: str) -> LogSession:
 async def run_mcap(request: Request, session_id: str) -> Response:
     """Return the log with its map as it is now, as an MCAP file of ROS 2 messages."""
     session = _log_session(request, session_id)
-    state, visitor = request.app.state, request.state.visitor
-    if state.taken.total() >= MAX_AT_ONCE or state.taken[visitor] >= MAX_OF_VISITOR:
-        raise LimitError("library.busy", "Too many files are being taken away; try again in a moment.")
-    state.taken[visitor] += 1
+    downloads: Downloads = request.app.state.downloads
 
-    def give_back() -> None:
-        state.taken -= Counter([visitor])
-
-    try:
-        grid = await session.snapshot()
-        file: IO[bytes] = tempfile.TemporaryFile(dir=state.settings.data_dir)  # noqa: SIM115 - ends with the answer
+    async def make() -> Content:
+        file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
         try:
-            await asyncio.to_thread(write_mcap, file, session.log, grid, session.trajectory)
-        except OSError as error:
-            file.close()
-            raise LimitError("log.storage", "The server could not make the file; its disk may be full.") from error
+            async with downloads.export_turn:
+                grid = await session.snapshot()
+
+                def work(check: Callable[[], None]) -> None:
+                    write_mcap(file, session.log, grid, session.trajectory, lambda _: check())
+
+                await downloads.run(work, takes_long=True)
         except BaseException:
             file.close()
             raise
-    except BaseException:
-        give_back()
-        raise
-    headers = {
-        "Content-Disposition": 'attachment; filename="run.mcap"',
-        "Cache-Control": "no-store",
-        "Content-Length": str(file.tell()),
-        "Content-Encoding": "identity",  # it is compressed already
-    }
-    return _FileResponse(file, give_back, headers)
+        name = file_name(stem_of(session), "mcap", title=session.title)
+        return Content(name, _pieces(file), file.tell(), file.close)
 
-
-class _FileResponse(StreamingResponse):
-    """Sends a file that has no name, and lets go of it however the answer ends."""
-
-    def __init__(self, file: IO[bytes], give_back: Callable[[], None], headers: dict[str, str]) -> None:
-        super().__init__(_pieces(file), media_type="application/octet-stream", headers=headers)
-        self._file = file
-        self._give_back = give_back
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        try:
-            await super().__call__(scope, receive, send)
-        finally:
-            self._file.close()
-            self._give_back()
+    response = Download(downloads, asker_of(request, session), make, "application/octet-stream")
+    response.headers["Content-Encoding"] = "identity"  # it is compressed already
+    return response
 
 
 def _pieces(file: IO[bytes]) -> Iterator[bytes]:
@@ -93,6 +66,9 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 async def trajectory_tum(request: Request, session_id: str) -> Response:
     """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
     session = _log_session(request, session_id)
-    text = await asyncio.to_thread(tum_text, session.log, session.trajectory)
-    headers = {"Content-Disposition": 'attachment; filename="trajectory.tum"', "Cache-Control": "no-store"}
-    return Response(text, media_type="text/plain; charset=utf-8", headers=headers)
+
+    async def make() -> Content:
+        name = file_name(stem_of(session), "tum", title=session.title)
+        return Content(name, (line.encode() for line in tum_lines(session.log, session.trajectory)))
+
+    return Download(request.app.state.downloads, asker_of(request, session), make, "text/plain; charset=utf-8")

@@ -6,9 +6,10 @@ from abc import abstractmethod
 from dataclasses import replace
 from typing import Any
 
-from mapper.compare import Comparison, Difference, difference
+from mapper.compare import Comparison
 from mapper.course import UnwantedError
 from mapper.errors import MapperError
+from mapper.grid import OccupancyGrid
 from mapper.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
@@ -80,12 +81,11 @@ class ComparedSession(Session):
             found = await self._loop.run_in_executor(self._pool, other.compared, self.grid)
             return other.description(), found
 
-    async def difference(self) -> Difference:
-        """Return ℓ of B less that of A, between two ticks. Raises as :meth:`compared`."""
-        async with self._lock:
-            other = self._compared_with()
-            await self._loop.run_in_executor(self._pool, other.compared, self.grid)  # raises where they lie apart
-            return await self._loop.run_in_executor(self._pool, difference, other.replay.grid, self.grid)
+    def compared_grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
+        """Return the maps A and B, to be read while the session is :meth:`still`. Raises as :meth:`compared`."""
+        other = self._compared_with()
+        other.check_lattice(self.grid)
+        return other.replay.grid, self.grid
 
     def _compared_with(self) -> OtherSide:
         if self._other is None:

@@ -11,6 +11,7 @@ from mapper.errors import MapperError
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
 from mapper.logs.summary import recorded_seconds
+from mapper.merge import on_one_lattice
 from mapper.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.scan import ScanLog
@@ -91,8 +92,13 @@ class OtherSide:
 
     def compared(self, grid: OccupancyGrid) -> Comparison:
         """Compare with the session's map. Raises :class:`MapperError` where the two have no lattice in common."""
+        self.check_lattice(grid)
+        return compare(self.replay.grid, grid)
+
+    def check_lattice(self, grid: OccupancyGrid) -> None:
+        """Raise :class:`MapperError` where this map and the session's have no lattice in common."""
         try:
-            return compare(self.replay.grid, grid)
+            on_one_lattice(self.replay.grid, grid)
         except MapperError as error:
             raise MapperError("compare.lattice", apart(self.replay.grid, grid, error)) from error
 

@@ -174,6 +174,10 @@ class Session(Content):
         except ProtocolError as error:
             _log.info("command refused", code=error.code)
 
+    def still(self) -> AbstractAsyncContextManager[None]:
+        """Return a context in which nothing computes in the session, so that its maps can be read (event loop)."""
+        return self._lock
+
     async def snapshot(self) -> OccupancyGrid:
         """Return a copy of the map between two ticks."""
         async with self._lock:

@@ -44,12 +44,12 @@ def test_a_session_from_beginning_to_end(service: Service) -> None:
 
 def test_the_map_can_be_taken_away(service: Service, tmp_path: Path) -> None:
     session_id = service.begin(kind="world", world="room", seed=5)
-    for name in ("map.yaml", "map.pgm"):
-        answer = service.http.get(f"/api/sessions/{session_id}/{name}")
-        assert name in answer.headers["content-disposition"]
-        (tmp_path / name).write_bytes(answer.content)
+    for ending in ("yaml", "pgm"):
+        answer = service.http.get(f"/api/sessions/{session_id}/map.{ending}")
+        assert answer.headers["content-disposition"] == f'attachment; filename="room.{ending}"'
+        (tmp_path / f"room.{ending}").write_bytes(answer.content)
     grid = service.state.sessions.get(session_id).grid
-    loaded = load_map(tmp_path / "map.yaml").grid
+    loaded = load_map(tmp_path / "room.yaml").grid
     assert loaded.geometry == grid.geometry
     np.testing.assert_array_equal(loaded.classify(), grid.classify())
     picture = Image.open(io.BytesIO(service.http.get(f"/api/sessions/{session_id}/map.png").content))

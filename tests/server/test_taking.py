@@ -7,9 +7,8 @@ import pytest
 
 from mapper.export import tum_text
 from mapper.logs import open_log
-from server.routes.taking import MAX_AT_ONCE, MAX_OF_VISITOR
 from server.sessions import LogSession
-from tests.server.service import Service
+from tests.server.service import Service, until
 
 
 @pytest.fixture
@@ -22,7 +21,7 @@ def session(service: Service) -> LogSession:
 def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -> None:
     answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
     assert answer.status_code == 200
-    assert answer.headers["content-disposition"] == 'attachment; filename="run.mcap"'
+    assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.mcap"'
     assert int(answer.headers["content-length"]) == len(answer.content)
     path = tmp_path / "run.mcap"
     path.write_bytes(answer.content)
@@ -31,14 +30,14 @@ def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -
     poses = session.log.trajectory(session.trajectory).poses
     np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
     assert "/map" in {topic.name for topic in again.topics}
-    assert service.state.taken.total() == 0
+    until(lambda: service.state.downloads.places.taken == 0)
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
 
 
 def test_the_trajectory(service: Service, session: LogSession) -> None:
     answer = service.http.get(f"/api/sessions/{session.id}/trajectory.tum")
     assert answer.text == tum_text(session.log, session.trajectory)
-    assert "trajectory.tum" in answer.headers["content-disposition"]
+    assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.tum"'
 
 
 def test_a_world_has_no_run_to_take_away(service: Service) -> None:
@@ -49,24 +48,12 @@ def test_a_world_has_no_run_to_take_away(service: Service) -> None:
     assert service.http.get("/api/sessions/none/run.mcap").status_code == 404
 
 
-def test_only_so_many_files_at_once(service: Service, session: LogSession) -> None:
-    for of_all in (True, False):
-        who = "another" if of_all else service.http.cookies["gridbloom_visitor"]
-        service.state.taken[who] = MAX_AT_ONCE if of_all else MAX_OF_VISITOR
-        try:
-            answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
-            assert (answer.status_code, answer.json()["code"]) == (503, "library.busy")
-            service.state.taken["another"] = MAX_AT_ONCE - 1
-            del service.state.taken[service.http.cookies["gridbloom_visitor"]]
-            assert service.http.get(f"/api/sessions/{session.id}/run.mcap").status_code == 200
-        finally:
-            service.state.taken.clear()
-
-
 def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: LogSession) -> None:
-    for _ in range(MAX_AT_ONCE + 1):
+    for _ in range(9):
         with service.http.stream("GET", f"/api/sessions/{session.id}/run.mcap") as answer:
             assert answer.status_code == 200
             next(answer.iter_raw(1000))
     answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
     assert answer.status_code == 200
+    until(lambda: service.state.downloads.places.taken == 0)
+    assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()]

@@ -28,7 +28,13 @@ export function Button({ onClick, icon, label, kind, size, pressed, disabled, hr
   const name = label === undefined ? {} : { "aria-label": label, title: label };
   if (href !== undefined) {
     return (
-      <a class={className} href={href} {...name} {...(download === undefined ? {} : { download })}>
+      <a
+        class={className}
+        href={href}
+        {...name}
+        {...(download === undefined ? {} : { download })}
+        {...(onClick ? { onClick } : {})}
+      >
         {inside}
       </a>
     );

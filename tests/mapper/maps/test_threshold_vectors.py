@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
 from mapper.maps.reading import load_map
-from mapper.maps.writing import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN, pgm_bytes, yaml_text
+from mapper.maps.writing import pgm_bytes, yaml_text
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "thresholds" / "thresholds.vectors.json"
 GEOMETRY = GridGeometry(0.05, 3, 7, (-2.0, 1.25, 0.0))

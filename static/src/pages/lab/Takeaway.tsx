@@ -1,5 +1,6 @@
 import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
+import { MapFiles } from "../../ui/MapFiles";
 import { Panel } from "../../ui/Panel";
 import { toast } from "../../ui/Toast";
 import { liveAddress, momentAddress } from "./session";
@@ -25,15 +26,10 @@ export async function share(id: string, store: Store): Promise<void> {
 
 /** The map as files, and the world as a link to it while it lives. */
 export function Takeaway({ id }: { readonly id: string }) {
-  const file = (kind: string): string => `/api/sessions/${encodeURIComponent(id)}/map.${kind}`;
   return (
     <Panel title="Take it away">
       <div class="lab-downloads">
-        {["pgm", "yaml", "png"].map((kind) => (
-          <Button key={kind} icon="download" href={file(kind)} download>
-            {kind}
-          </Button>
-        ))}
+        <MapFiles session={id} />
         <Button
           icon="link"
           onClick={() =>
@@ -47,8 +43,8 @@ export function Takeaway({ id }: { readonly id: string }) {
         </Button>
       </div>
       <p class="panel-note">
-        pgm and yaml together open in map_server and Nav2; png is for people. Share copies this moment; the live link
-        lets others watch and steer this very world.
+        pgm and yaml together open in map_server and Nav2: both are of the moment when you download the first of them.
+        png is for people. Share copies this moment; the live link lets others watch and steer this very world.
       </p>
     </Panel>
   );

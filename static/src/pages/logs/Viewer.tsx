@@ -15,6 +15,7 @@ import type { Store } from "../../state";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
+import { MapFiles } from "../../ui/MapFiles";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
@@ -195,8 +196,7 @@ function Remade({ store }: { store: Store }) {
   );
 }
 
-/** What can be taken away of the map, and of the run by whoever has the log. */
-const MAP_FILES = ["map.pgm", "map.yaml", "map.png"];
+/** What can be taken away of the run by whoever has the log. */
 const RUN_FILES = ["run.mcap", "trajectory.tum"];
 
 function Side({ store, session, isGuest }: { store: Store; session: string; isGuest: boolean }) {
@@ -237,14 +237,16 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
       />
       <Panel title="Take it away">
         <div class="downloads">
-          {[...MAP_FILES, ...(isGuest ? [] : RUN_FILES)].map((name) => (
+          <MapFiles session={session} />
+          {(isGuest ? [] : RUN_FILES).map((name) => (
             <Button key={name} icon="download" href={of(name)} download>
               {name.split(".").at(-1)}
             </Button>
           ))}
         </div>
         <p class="quiet">
-          pgm and yaml together open in map_server and Nav2; png is for people.
+          pgm and yaml together open in map_server and Nav2: both are of the moment when you download the first of them.
+          png is for people.
           {!isGuest &&
             " mcap is the whole run with this map: Rerun draws it and ROS 2 plays it as it is, Foxglove and Lichtblick draw what is switched on in their 3D panel (/map, /scan, /pose); tum is the way of the robot."}
         </p>

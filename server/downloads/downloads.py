@@ -1,0 +1,86 @@
+"""The threads that make downloads, and what all downloads of a service share."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from mapper.errors import LimitError
+from server.downloads.moments import Moments
+from server.downloads.places import Places
+
+T = TypeVar("T")
+
+THREADS = 2  #: that take snapshots and encode images
+
+Check = Callable[[], None]
+
+
+class StoppedError(Exception):
+    """Nobody waits any more for what a worker thread makes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """A file: its name, its bytes in pieces, each made on a worker thread when it is sent, and their number if known.
+
+    ``close`` frees what it holds.
+    """
+
+    name: str
+    pieces: Iterator[bytes]
+    nbytes: int | None = None
+    close: Callable[[], None] = lambda: None
+
+
+#: Makes the content of a download, on the event loop, once there is a place.
+Make = Callable[[], Awaitable[Content]]
+
+
+class Downloads:
+    """What all downloads of one service share. Lives on the event loop."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder  #: for temporary files, which have no names there
+        self.places = Places()
+        self.moments = Moments()
+        self.export_turn = asyncio.Lock()  #: held while a log is exported: that takes a grid of its own
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download")
+        self._long = ThreadPoolExecutor(1, thread_name_prefix="export")
+
+    async def run(self, work: Callable[[Check], T], *, takes_long: bool = False) -> T:
+        """Return ``work(check)`` from a worker thread, from one of its own kind if it ``takes_long``.
+
+        ``work`` calls ``check`` often: it raises :class:`StoppedError` once this call was cancelled. A cancelled call
+        returns only when the thread has ended, so that what it held is free. Raises :class:`LimitError` where a
+        temporary file cannot be written.
+        """
+        stopped = threading.Event()
+
+        def check() -> None:
+            if stopped.is_set():
+                raise StoppedError
+
+        executor: Executor = self._long if takes_long else self._threads
+        job = executor.submit(work, check)
+        waiting = asyncio.wrap_future(job)
+        try:
+            return await asyncio.shield(waiting)
+        except OSError as error:
+            raise LimitError("log.storage", "The server could not make the file; its disk may be full.") from error
+        except asyncio.CancelledError:
+            stopped.set()
+            job.cancel()  # where it has not begun
+            while not waiting.done():
+                await asyncio.wait([waiting])
+            raise
+
+    async def close(self) -> None:
+        """End the threads; nothing is downloaded any more."""
+        for executor in (self._threads, self._long):
+            await asyncio.to_thread(executor.shutdown, cancel_futures=True)

@@ -1,0 +1,97 @@
+"""Maps as they were at a named instant, kept for a while, so that the files of one map come from one instant."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from mapper.errors import MapperError
+from mapper.grid import GridGeometry
+from server.downloads.snapshot import Snapshot
+
+MAX_KEPT_BYTES = 64 << 20  #: of all sessions
+MAX_KEPT = 4  #: maps of one session
+MAX_NAMES = 256  #: of one session whose geometry is still known
+
+
+class MomentGoneError(MapperError):
+    """The map of a named instant is no longer kept."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A map at one instant: what its files are called, where it lies, and its image."""
+
+    stem: str
+    geometry: GridGeometry
+    image: Snapshot | None  #: None once it is no longer kept
+
+
+@dataclass(slots=True, eq=False)
+class _Entry:
+    made: asyncio.Lock = field(default_factory=asyncio.Lock)
+    moment: Moment | None = None
+
+
+class MomentsSession(Protocol):
+    """What is needed of a session: its id, and to be called when it ends."""
+
+    id: str
+    closed: bool
+    on_close: list[Callable[[], None]]
+
+
+class Moments:
+    """The named instants of all sessions. Lives on the event loop."""
+
+    def __init__(self) -> None:
+        self._sessions: dict[str, dict[str, _Entry]] = {}
+
+    async def get(self, session: MomentsSession, name: str, make: Callable[[], Awaitable[Moment]]) -> Moment:
+        """Return the map of the instant ``name`` of a session: where the name is new, the one that ``make`` returns."""
+        if session.id not in self._sessions:
+            self._sessions[session.id] = {}
+            session.on_close.append(lambda: self._forget(session.id))
+        entries = self._sessions[session.id]
+        while name not in entries and len(entries) >= MAX_NAMES:
+            del entries[next(iter(entries))]
+        entry = entries.setdefault(name, _Entry())
+        async with entry.made:
+            if entry.moment is None:
+                entry.moment = await make()
+                self._bound(entries)
+                if session.closed:
+                    self._forget(session.id)
+            return entry.moment
+
+    def _forget(self, session: str) -> None:
+        self._sessions.pop(session, None)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all images that are kept."""
+        return sum(_nbytes(entries) for entries in self._sessions.values())
+
+    def _bound(self, newest: dict[str, _Entry]) -> None:
+        """Drop the oldest images of the session whose are most, until few enough are kept."""
+        while len(_kept(newest)) > MAX_KEPT:
+            _drop_oldest(newest)
+        while self.nbytes > MAX_KEPT_BYTES:
+            _drop_oldest(max(self._sessions.values(), key=_nbytes))
+
+
+def _kept(entries: dict[str, _Entry]) -> list[_Entry]:
+    return [entry for entry in entries.values() if entry.moment is not None and entry.moment.image is not None]
+
+
+def _nbytes(entries: dict[str, _Entry]) -> int:
+    images = [entry.moment.image for entry in entries.values() if entry.moment is not None]
+    return sum(image.nbytes for image in images if image is not None)
+
+
+def _drop_oldest(entries: dict[str, _Entry]) -> None:
+    entry = _kept(entries)[0]
+    assert entry.moment is not None  # noqa: S101 - for the type checker: it is kept
+    entry.moment = Moment(entry.moment.stem, entry.moment.geometry, None)

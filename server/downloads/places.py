@@ -1,0 +1,134 @@
+"""How many downloads run at one time: of all, of guests, of each visitor, address and link; and who waits in line."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+from collections import Counter
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from mapper.errors import LimitError
+
+MAX_AT_ONCE = 8  #: downloads of all visitors that are being made or sent
+MAX_OF_GUESTS = 4  #: of them those of all who came by a link
+MAX_OF_PARTY = 2  #: of one visitor, of one address, of one link
+MAX_LINE = 8  #: requests of one party that wait for a place
+WAIT_S = 30.0  #: a request waits no longer than this
+
+
+class BusyError(LimitError):
+    """There is no place for another download now."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asker:
+    """Who asks for a download: each of ``parties`` (a visitor, an address, a link) has only so many places."""
+
+    parties: tuple[str, ...]
+    is_guest: bool
+
+
+def asker(visitor: str, address: str | None, link: str | None) -> Asker:
+    """Return who asks, by visitor and by address, since cookies can be dropped; a guest by the link too."""
+    parties = [f"visitor {visitor}"]
+    if address is not None:
+        parties.append(f"address {_network(address)}")
+    if link is not None:
+        parties.append(f"link {link}")
+    return Asker(tuple(parties), link is not None)
+
+
+def _network(address: str) -> str:
+    """Return an address, and of one of IPv6 the /64 network: a single machine has all of its addresses."""
+    try:
+        found = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    if found.version == 4:
+        return str(found)
+    mapped = found.ipv4_mapped
+    return str(mapped or ipaddress.ip_network((found, 64), strict=False))
+
+
+class Places:
+    """The places of the service. Lives on the event loop."""
+
+    def __init__(self, wait_s: float = WAIT_S) -> None:
+        self._wait_s = wait_s
+        self._taken: Counter[str] = Counter()
+        self._all = self._guests = 0
+        self._line: list[tuple[Asker, asyncio.Future[None]]] = []
+
+    @property
+    def taken(self) -> int:
+        """Downloads that have a place."""
+        return self._all
+
+    @asynccontextmanager
+    async def place(self, who: Asker) -> AsyncIterator[None]:
+        """Hold a place in the block; wait for one where there is none, first come first served.
+
+        Raises :class:`BusyError` where none gets free in time, or too many requests of one party wait already.
+        """
+        if self._fits(who):
+            self._take(who)
+        else:
+            await self._wait(who)
+        try:
+            yield
+        finally:
+            self._give_back(who)
+
+    async def _wait(self, who: Asker) -> None:
+        for party in who.parties:
+            if sum(party in other.parties for other, _ in self._line) >= MAX_LINE:
+                raise BusyError(
+                    "download.too_many", f"{MAX_LINE} of your downloads wait already; try again when they are done."
+                )
+        entry = (who, asyncio.get_running_loop().create_future())
+        self._line.append(entry)
+        try:
+            await asyncio.wait([entry[1]], timeout=self._wait_s)
+        except asyncio.CancelledError:
+            if entry[1].done():
+                self._give_back(who)
+            raise
+        finally:
+            if entry in self._line:
+                self._line.remove(entry)
+        if not entry[1].done():
+            raise self._refusal(who)
+
+    def _refusal(self, who: Asker) -> BusyError:
+        if any(self._taken[party] >= MAX_OF_PARTY for party in who.parties):
+            return BusyError(
+                "download.too_many",
+                f"{MAX_OF_PARTY} downloads of yours, of your address or by this link run, as many as may at one time; "
+                "try again when one of them is done.",
+            )
+        return BusyError("download.busy", "Too many downloads run at this moment; try again in a minute.")
+
+    def _fits(self, who: Asker) -> bool:
+        return (
+            self._all < MAX_AT_ONCE
+            and not (who.is_guest and self._guests >= MAX_OF_GUESTS)
+            and all(self._taken[party] < MAX_OF_PARTY for party in who.parties)
+        )
+
+    def _take(self, who: Asker) -> None:
+        self._all += 1
+        self._guests += who.is_guest
+        self._taken.update(who.parties)
+
+    def _give_back(self, who: Asker) -> None:
+        self._all -= 1
+        self._guests -= who.is_guest
+        self._taken -= Counter(who.parties)  # forgets those of whom none is left
+        for entry in (*self._line,):
+            waiting, turn = entry
+            if self._fits(waiting):
+                self._take(waiting)
+                turn.set_result(None)
+                self._line.remove(entry)

@@ -1,0 +1,90 @@
+"""A download on its way: waits for a place, is made and sent piece by piece, and ends with its client."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine, Iterator
+from typing import Any
+
+import structlog
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
+
+from server.downloads.downloads import Content, Downloads, Make
+from server.downloads.names import disposition
+from server.downloads.places import Asker
+
+PIECE_BYTES = 1 << 18  #: that are sent at once, at least
+STALLED_S = 30.0  #: in which a client has to take in a piece
+
+_log = structlog.get_logger(__name__)
+
+
+class Download(Response):
+    """A file that is made once there is a place for it, and sent as it is made.
+
+    What fails before the first byte is answered as every error is: :class:`server.downloads.BusyError` too.
+    """
+
+    def __init__(self, downloads: Downloads, who: Asker, make: Make, media_type: str) -> None:
+        self.status_code, self.media_type, self.background = 200, media_type, None
+        self.init_headers({"Cache-Control": "no-store"})
+        self._downloads, self._who, self._make = downloads, who, make
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI
+        """Answer a request."""
+        await _while_connected(receive, self._answer(send))
+
+    async def _answer(self, send: Send) -> None:
+        async with self._downloads.places.place(self._who):
+            content = await self._make()
+            try:
+                await self._send(content, send)
+            finally:
+                content.close()
+
+    async def _send(self, content: Content, send: Send) -> None:
+        self.headers["Content-Disposition"] = disposition(content.name)
+        if content.nbytes is not None:
+            self.headers["Content-Length"] = str(content.nbytes)
+        # The first piece may fail: nothing has been said until then.
+        piece = await self._downloads.run(lambda _: _next(content.pieces))
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        while piece:
+            try:
+                async with asyncio.timeout(STALLED_S):
+                    await send({"type": "http.response.body", "body": piece, "more_body": True})
+            except TimeoutError:
+                _log.info("a download stalled and was ended")
+                return  # before its end: uvicorn breaks the connection, so that the client does not take it for whole
+            piece = await self._downloads.run(lambda _: _next(content.pieces))
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+def _next(pieces: Iterator[bytes]) -> bytes:
+    """Return the next pieces, until they are enough to be sent; nothing at the end."""
+    found = bytearray()
+    for piece in pieces:
+        found += piece
+        if len(found) >= PIECE_BYTES:
+            break
+    return bytes(found)
+
+
+async def _while_connected(receive: Receive, answering: Coroutine[Any, Any, None]) -> None:
+    """Await ``answering``; cancel it once the client has gone."""
+    answer = asyncio.ensure_future(answering)
+    gone = asyncio.ensure_future(_disconnected(receive))
+    try:
+        await asyncio.wait({answer, gone}, return_when=asyncio.FIRST_COMPLETED)
+        if answer.done():
+            answer.result()
+    finally:
+        for task in (answer, gone):
+            task.cancel()
+        await asyncio.gather(answer, gone, return_exceptions=True)
+
+
+async def _disconnected(receive: Receive) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass

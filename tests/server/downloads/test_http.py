@@ -1,0 +1,167 @@
+"""Map files over HTTP: a pair is of one instant however the map grows, and ends with its client."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import re
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+import yaml
+
+from mapper.maps import load_map, pgm_bytes
+from mapper.maps.images import Bands
+from server.downloads import file_stem
+from tests.server.library.small_logs import carmen
+from tests.server.service import Service, Watcher, once_read, until
+
+
+def saved(folder: Path, answer: httpx.Response) -> Path:
+    """Save a download under the name that it states, as a browser does."""
+    assert answer.status_code == 200, answer.text
+    found = re.fullmatch(r'attachment; filename="([^"/]+)"', answer.headers["content-disposition"])
+    assert found
+    path = folder / found[1]
+    assert not path.exists(), "nothing is overwritten"
+    path.write_bytes(answer.content)
+    return path
+
+
+async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Service, tmp_path: Path) -> None:
+    session_id = service.begin(kind="world", world="office", seed=5)
+    session = service.state.sessions.get(session_id)
+    pairs = []
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        for number, kinds in enumerate((("pgm", "yaml"), ("yaml", "pgm"))):
+            paths = {}
+            for kind in kinds:
+                address = f"/api/sessions/{session_id}/map.{kind}?at=take-{number}"
+                paths[kind] = saved(tmp_path, await asyncio.to_thread(service.http.get, address))
+                if kind == kinds[0]:
+                    shape, cells = session.grid.geometry.shape, int(session.grid.observed.sum())
+                    # The sensor reaches farther: the map grows and moves its corner.
+                    await watcher.send("parameters", values={"resolution": 0.05 - 0.01 * (number + 1)})
+                    await watcher.until(lambda: session.grid.geometry.shape != shape)  # noqa: B023
+                    frames = watcher.frames
+                    await watcher.until(lambda: watcher.frames > frames + 3)  # noqa: B023
+                    assert int(session.grid.observed.sum()) != cells
+            assert (paths["pgm"].name, paths["yaml"].name) == (
+                f"office_take-{number}.pgm",
+                f"office_take-{number}.yaml",
+            )
+            pairs.append(paths)
+    for paths in pairs:
+        loaded = load_map(paths["yaml"])
+        assert yaml.safe_load(paths["yaml"].read_text())["image"] == paths["pgm"].name
+        assert pgm_bytes(loaded.grid) == paths["pgm"].read_bytes()
+    first, second = (load_map(paths["yaml"]).grid.geometry for paths in pairs)
+    assert (first.resolution, second.resolution) == (0.05, 0.04)
+
+
+def test_names_are_those_of_the_log(service: Service) -> None:
+    answer = service.http.put("/api/logs?name=Büro 2.log.gz", content=carmen(10))
+    log = once_read(service.http, answer.json()["id"])
+    session = service.begin(kind="log", log=log["id"])
+    for ending in ("pgm", "yaml", "png"):
+        answer = service.http.get(f"/api/sessions/{session}/map.{ending}")
+        expected = f"attachment; filename=\"Buro_2.{ending}\"; filename*=UTF-8''B%C3%BCro_2.{ending}"
+        assert answer.headers["content-disposition"] == expected
+    answer = service.http.get(f"/api/sessions/{session}/map.pgm", headers={"Accept-Encoding": "identity"})
+    assert int(answer.headers["content-length"]) == len(answer.content)
+    image = yaml.safe_load(service.http.get(f"/api/sessions/{session}/map.yaml").text)["image"]
+    assert image == f"{file_stem(log['name'])}.pgm" == "Büro_2.pgm"
+
+
+def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
+    session = service.begin(kind="world", world="room", seed=6)
+    address = f"/api/sessions/{session}/map"
+    for number in range(5):
+        assert service.http.get(f"{address}.pgm?at=n{number}").status_code == 200
+    answer = service.http.get(f"{address}.pgm?at=n0")
+    assert (answer.status_code, answer.json()["code"]) == (410, "map.moment_gone")
+    assert yaml.safe_load(service.http.get(f"{address}.yaml?at=n0").text)["image"] == "room_n0.pgm"
+    answer = service.http.get(f"{address}.pgm?at=../../x")
+    assert (answer.status_code, answer.json()["code"]) == (422, "request.invalid")
+
+
+def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    session = service.begin(kind="world", world="room", seed=7)
+    asked, bands = threading.Event(), []
+
+    def endless(_: object) -> Bands:
+        def made() -> Iterator[np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]:
+            while True:
+                bands.append(np.zeros((1, 10), np.uint8))
+                asked.set()
+                yield bands[-1]
+
+        return made()
+
+    places = service.state.downloads.places
+    monkeypatch.setattr("server.routes.maps.probability_pixels", endless)
+    with httpx.Client(base_url=service.http.base_url) as leaving:
+        with pytest.raises(httpx.ReadTimeout):
+            leaving.get(f"/api/sessions/{session}/map.png", timeout=1.0)
+        assert asked.is_set()
+    until(lambda: places.taken == 0)
+    made = len(bands)
+    assert service.http.get(f"/api/sessions/{session}/map.pgm").status_code == 200, "its session goes on"
+    assert len(bands) == made
+
+
+def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = service.begin(kind="world", world="room", seed=8)
+    places = service.state.downloads.places
+    release = threading.Event()
+
+    def slow(_: object) -> Bands:
+        release.wait(60.0)
+        return [np.zeros((1, 10), np.uint8)]
+
+    monkeypatch.setattr("server.routes.maps.probability_pixels", slow)
+    monkeypatch.setattr(places, "_wait_s", 0.2)
+    answers: list[httpx.Response] = []
+
+    def take() -> None:
+        with httpx.Client(base_url=service.http.base_url, timeout=60.0) as visitor:  # of the same address
+            answers.append(visitor.get(f"/api/sessions/{session}/map.png"))
+
+    threads = [threading.Thread(target=take) for _ in range(2)]
+    try:
+        for thread in threads:
+            thread.start()
+        until(lambda: places.taken == 2)
+        answer = service.http.get(f"/api/sessions/{session}/map.pgm")
+        assert (answer.status_code, answer.json()["code"]) == (429, "download.too_many")
+        assert answer.headers["retry-after"]
+        monkeypatch.setattr(places, "_wait_s", 60.0)
+        threads.append(threading.Thread(target=take))
+        threads[-1].start()
+        until(lambda: len(places._line) == 1)
+    finally:
+        release.set()
+        for thread in threads:
+            thread.join()
+    assert [answer.status_code for answer in answers] == [200] * 3
+
+
+def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    session = service.begin(kind="world", world="room", seed=9)
+    noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
+    monkeypatch.setattr("server.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
+    monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)
+    places = service.state.downloads.places
+    with service.http.stream("GET", f"/api/sessions/{session}/map.png") as answer:
+        assert answer.status_code == 200
+        assert places.taken == 1
+        until(lambda: places.taken == 0)
+        with pytest.raises(httpx.RemoteProtocolError):  # it cannot be taken for the whole file
+            answer.read()
