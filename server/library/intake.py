@@ -17,7 +17,7 @@ from server.library.blobs import Blobs, Incoming
 from server.library.storage import StorageError
 
 BATCH_BYTES = 1 << 20  #: bytes that go to the store at a time
-LEAST_BYTES_PER_S = 256  #: of an upload; what is slower is given up
+RESUMED = ("log.stalled", "library.busy")  #: errors after which the sender may go on with the upload
 KEEP_PARTIAL_S = 3600.0  #: seconds after its last byte at which a cut upload is forgotten
 MAX_PARTIALS_PER_OWNER = 4
 MAX_PARTIALS = 64
@@ -64,10 +64,9 @@ class Received:
 class Intake:
     """The uploads that are under way, or were cut and may go on. Used from the event loop only."""
 
-    def __init__(self, blobs: Blobs, *, max_bytes: int, idle_s: float) -> None:
+    def __init__(self, blobs: Blobs, *, max_bytes: int) -> None:
         self._blobs = blobs
         self._max_bytes = max_bytes
-        self._idle_s = idle_s
         self._partial: dict[tuple[str, str], Received] = {}  #: by owner and key
         self._leaving: set[asyncio.Task[None]] = set()
 
@@ -95,7 +94,7 @@ class Intake:
         """Take ``chunks`` in and hand the whole upload over, or None while parts of it are missing.
 
         On leaving with a whole one it was given its place, or is gone. Raises :class:`UploadOffsetError`;
-        :class:`LimitError` as soon as there is more than there may be, and when nothing comes for some seconds;
+        :class:`LimitError` as soon as there is more than there may be, and as the chunks do;
         :class:`StorageError` where the store refuses; and :class:`ReadError` for an upload without a byte, or one with
         more bytes than it said.
         """
@@ -110,7 +109,7 @@ class Intake:
                 raise ReadError("log.empty", "The upload holds no bytes.")
             yield upload if finished else None
         except LimitError as error:
-            finished = finished or error.code != "log.stalled"  # nothing else gets better by going on
+            finished = finished or error.code not in RESUMED  # nothing else gets better by going on
             raise
         except (ReadError, StorageError):
             finished = True
@@ -156,7 +155,7 @@ class Intake:
         """Append the chunks; after a cut, too, all that came is taken in."""
         batch = bytearray()
         try:
-            async for chunk in _with_patience(chunks, self._idle_s):
+            async for chunk in chunks:
                 coming = upload.size + len(batch) + len(chunk)
                 if coming > self._max_bytes:
                     batch.clear()
@@ -189,24 +188,3 @@ class Intake:
 def too_large(max_bytes: int) -> LimitError:
     """Return the error for an upload over the cap."""
     return LimitError("log.too_large", f"A log may have at most {max_bytes / 1e6:,.0f} MB; this one has more.")
-
-
-async def _with_patience(chunks: AsyncIterator[bytes], idle_s: float) -> AsyncIterator[bytes]:
-    """Yield the chunks; raise where it takes ``idle_s`` seconds of waiting until some have come.
-
-    A few bytes now and then are not enough: who sends them would keep a place for ever.
-    """
-    waited, come = 0.0, 0
-    while True:
-        began = time.monotonic()
-        try:
-            async with asyncio.timeout(idle_s - waited):
-                chunk = await anext(chunks)
-        except StopAsyncIteration:
-            return
-        except TimeoutError:
-            raise LimitError("log.stalled", f"Next to nothing of the upload came for {idle_s:g} s.") from None
-        waited, come = waited + time.monotonic() - began, come + len(chunk)
-        if come >= LEAST_BYTES_PER_S * idle_s:
-            waited, come = 0.0, 0
-        yield chunk

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections import Counter
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -22,6 +21,7 @@ from server.library.intake import Intake, Part, Received, too_large
 from server.library.jobs import Jobs, full, unstored
 from server.library.names import display_name
 from server.library.packed import StalePackError
+from server.library.places import Places
 from server.library.reading import Reader
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
@@ -52,7 +52,7 @@ class LibraryLimits:
     max_uploads_at_once: int = 8
     max_uploads_of_owner: int = 4  #: at once: who sends slowly keeps nobody else from sending
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
-    idle_s: float = 30.0  #: seconds without a byte after which an upload is given up
+    idle_s: float = 30.0  #: seconds of next to nothing after which an upload is given up
     read_timeout_s: float = 120.0
     read_cpu_s: float = 100.0  #: seconds of processor time
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
@@ -91,7 +91,7 @@ class Library:
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._uploads: Counter[str] = Counter()  #: under way, by owner
+        self._places = Places(self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s)
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
         self._sample = Sample(self._cache)
@@ -109,7 +109,7 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
-        self._intake = Intake(blobs, max_bytes=self._max_upload_bytes, idle_s=self._limits.idle_s)
+        self._intake = Intake(blobs, max_bytes=self._max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
@@ -163,26 +163,35 @@ class Library:
         size: int | None = None,
         *,
         sha256: str | None = None,
+        address: str = "",
     ) -> Record:
         """Store an upload of ``owner``, queue it for reading and return its record.
 
-        ``size`` is what the sender says the upload has, so that one that is too large is refused at once. Bytes that
-        the owner has uploaded before give the record that is there; one that failed is read again. Raises
-        :class:`LimitError` for an upload over a cap and :class:`ReadError` for an empty one, and for one whose digest
-        is not the ``sha256`` that was stated, and :class:`StorageError`; nothing is left of it.
+        ``size`` is what the sender says the upload has, so that one that is too large is refused at once; ``address``
+        is the sender's, which has its share of the places. Bytes that the owner has uploaded before give the record
+        that is there; one that failed is read again. Raises :class:`LimitError` for an upload over a cap and
+        :class:`ReadError` for an empty one, and for one whose digest is not the ``sha256`` that was stated, and
+        :class:`StorageError`; nothing is left of it.
         """
-        record = await self._put(owner, name, chunks, size, None, sha256)
+        record = await self._put(owner, name, chunks, size, None, sha256, address)
         assert record is not None  # noqa: S101 - for the type checker: without parts an upload is whole
         return record
 
     async def put_part(
-        self, owner: str, name: str, chunks: AsyncIterator[bytes], part: Part, *, sha256: str | None = None
+        self,
+        owner: str,
+        name: str,
+        chunks: AsyncIterator[bytes],
+        part: Part,
+        *,
+        sha256: str | None = None,
+        address: str = "",
     ) -> Record | None:
         """Store a part of an upload, as :meth:`put`; return the record once it is whole, None before.
 
         What came before a cut stays for a while. Raises :class:`UploadOffsetError` for a part from another place.
         """
-        return await self._put(owner, name, chunks, part.total, part, sha256)
+        return await self._put(owner, name, chunks, part.total, part, sha256, address)
 
     async def _put(
         self,
@@ -192,14 +201,12 @@ class Library:
         size: int | None,
         part: Part | None,
         sha256: str | None,
+        address: str,
     ) -> Record | None:
         limits = self._limits
         await self._expire()
         if size is not None and size > self._max_upload_bytes:
             raise too_large(self._max_upload_bytes)
-        is_many = self._uploads[owner] >= limits.max_uploads_of_owner
-        if is_many or self._uploads.total() >= limits.max_uploads_at_once:
-            raise LimitError("library.busy", "Too many uploads are under way; try again in a moment.")
         own = [record for record in self._catalogue.uploaded() if record.owner == owner]
         if len(own) >= limits.max_logs_per_owner:
             raise LimitError(
@@ -210,16 +217,15 @@ class Library:
             raise full()
         if sum(record.bytes + record.packed_bytes for record in own) + (size or 0) > limits.max_owner_bytes:
             raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
-        self._uploads[owner] += 1
-        try:
-            async with self._intake.receive(owner, chunks, part) as received:
-                if received is None:
-                    return None
-                if sha256 is not None and received.incoming.sha256 != sha256.lower():
-                    raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
-                return await self._take(owner, display_name(name), received)
-        finally:
-            self._uploads -= Counter([owner])
+        async with (
+            self._places.take(owner, address) as place,
+            self._intake.receive(owner, place.read(chunks), part) as received,
+        ):
+            if received is None:
+                return None
+            if sha256 is not None and received.incoming.sha256 != sha256.lower():
+                raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
+            return await self._take(owner, display_name(name), received)
 
     async def _take(self, owner: str, name: str, received: Received) -> Record:
         """Give the received bytes their place, unless the owner has them."""

@@ -37,16 +37,19 @@ async def upload(
     part that is not the last is 200 with that place.
     """
     library: Library = request.app.state.library
+    address = request.client.host if request.client is not None else ""
     part = None if upload is None else _part(upload, request.headers.get("content-range", ""))
     try:
         if part is None:
             declared = request.headers.get("content-length", "")
             size = int(declared) if declared.isascii() and declared.isdigit() else None
             record: Record | None = await library.put(
-                request.state.visitor, name, request.stream(), size, sha256=sha256
+                request.state.visitor, name, request.stream(), size, sha256=sha256, address=address
             )
         else:
-            record = await library.put_part(request.state.visitor, name, request.stream(), part, sha256=sha256)
+            record = await library.put_part(
+                request.state.visitor, name, request.stream(), part, sha256=sha256, address=address
+            )
     except ClientDisconnect:
         return Response(status_code=400)  # nobody is there to read it
     if record is None:

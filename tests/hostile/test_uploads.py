@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gzip
 import hashlib
+import socket
+import threading
 import zlib
 from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, ExitStack
 from typing import Any
 
 import httpx
 import pytest
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, Watcher, once_read
+from tests.server.service import PATIENCE_S, Service, Watcher, once_read, until
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 LINE = b"FLASER 4 1.0 2.0 3.0 4.0 0.1 0.2 0.3 0.1 0.2 0.3 12.5 host 12.5\n"
@@ -140,3 +143,53 @@ def test_a_name_of_four_thousand_letters_is_refused(service: Service) -> None:
     answer = service.http.put("/api/logs", params={"name": "x" * 4096}, content=LINE)
     assert (answer.status_code, answer.json()["code"]) == (422, "request.invalid")
     assert left(service) == []
+
+
+def test_eight_uploads_that_trickle_keep_no_honest_one_out(service: Service) -> None:
+    """At 300 bytes a second from one address, under the cookies of two visitors."""
+    total = 1_000_000
+    ended = threading.Event()
+    with ExitStack() as held:
+        slow = [
+            held.enter_context(socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S))
+            for _ in range(8)
+        ]
+        for number, connection in enumerate(slow):
+            connection.sendall(
+                f"PUT /api/logs?name=slow&upload={number:020} HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n"
+                f"Cookie: gridbloom_visitor={number // 4:024}\r\nContent-Length: {total}\r\n"
+                f"Content-Range: bytes 0-{total - 1}/{total}\r\n\r\n".encode()
+            )
+        places = service.state.library._places
+        until(lambda: len(places) == 8)
+
+        def trickle() -> None:
+            while not ended.wait(0.1):
+                for connection in slow:
+                    with contextlib.suppress(OSError):
+                        connection.send(b"x" * 30)
+
+        sender = threading.Thread(target=trickle)
+        sender.start()
+        try:
+            assert sent(service, carmen(20))["state"] == "ready"
+        finally:
+            ended.set()
+            sender.join()
+        offsets = []
+        for number, connection in enumerate(slow):
+            connection.settimeout(0.05)
+            with contextlib.suppress(TimeoutError):
+                answer = connection.recv(1000)
+                assert answer.startswith(b"HTTP/1.1 503")
+                assert b"library.busy" in answer
+                offsets.append(
+                    httpx.get(
+                        f"http://127.0.0.1:{service.port}/api/logs/uploads/{number:020}",
+                        cookies={"gridbloom_visitor": f"{number // 4:024}"},
+                        timeout=PATIENCE_S,
+                    ).json()["offset"]
+                )
+        assert len(offsets) == 1, "one of them made room"
+        assert offsets[0] > 0, "its sender may go on with it"
+    until(lambda: len(places) == 0)

@@ -87,12 +87,12 @@ async def test_one_visitors_uploads_leave_places_and_room_to_others(make_library
         return caught.value.code, caught.value.message
 
     slow = [asyncio.create_task(library.put("eve", "slow", waits(5 + n))) for n in range(2)]
-    await eventually(lambda: library._uploads["eve"] == 2)
+    await eventually(lambda: library._places.of("eve") == 2)
     assert (await refused("eve", in_pieces(carmen(9))))[0] == "library.busy"
     assert (await library.put("ann", "run.log", in_pieces(carmen(10)))).state == "queued"
     go_on.set()
     await asyncio.gather(*slow)
-    assert library._uploads.total() == 0
+    assert len(library._places) == 0
     assert await refused("eve", in_pieces(carmen(9)), 3900) == (
         "library.too_many",
         "Your logs take all the room that one visitor has here: delete one.",

@@ -1,0 +1,165 @@
+"""Places of uploads: how many come in at once, and who makes room when all are taken.
+
+An upload's speed is what came of it per second of waiting for it: what the store takes does not count. One that comes
+too slowly is given up; where others wait for a place, slower ones make room sooner, those of the address with the most
+uploads first. The sender of an upload that comes in parts goes on with it later.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import Counter
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from mapper.errors import LimitError
+
+LEAST_BYTES_PER_S = (
+    4096  #: of an upload, on average over the seconds in which nothing may come; slower ones are given up
+)
+SLOW_BYTES_PER_S = 32_768  #: an upload that is slower makes room for one that waits
+MEASURED_S = 2.0  #: seconds of waiting over which an upload's speed is measured
+WAIT_S = 10.0  #: seconds that an upload waits for a place
+LOOK_EVERY_S = 0.2
+
+
+class Place:
+    """One upload's place. It is given up when next to nothing comes for ``idle_s`` seconds."""
+
+    def __init__(self, owner: str, address: str, idle_s: float) -> None:
+        self.owner = owner
+        self.address = address
+        self.is_given_up = False
+        self._idle_s = idle_s
+        self._clock = asyncio.get_running_loop().time
+        self._limit: asyncio.Timeout | None = None  #: of the wait for bytes that is under way
+        self._since_s = 0.0  #: when it began
+        self._waited_s, self._bytes = 0.0, 0  #: since the speed was last measured
+        self._speed = math.inf
+
+    def speed(self) -> float:
+        """Return how many bytes come per second; infinitely many while that is not known."""
+        waited = self._waited_s + (0.0 if self._limit is None else self._clock() - self._since_s)
+        return self._bytes / waited if waited >= MEASURED_S else self._speed
+
+    def give_up(self) -> None:
+        """Make room: :meth:`read` raises as soon as it can."""
+        self.is_given_up = True
+        if self._limit is not None and not self._limit.expired():
+            self._limit.reschedule(self._clock())
+
+    async def read(self, chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+        """Yield the chunks. Raises :class:`LimitError` where they come too slowly, and where others need the place."""
+        waited, come = 0.0, 0
+        while True:
+            if self.is_given_up:
+                raise self._too_slow()
+            self._since_s = self._clock()
+            try:
+                async with asyncio.timeout(self._idle_s - waited) as self._limit:
+                    chunk = await anext(chunks)
+            except StopAsyncIteration:
+                return
+            except TimeoutError:
+                raise self._too_slow() from None
+            finally:
+                self._limit = None
+            took = self._clock() - self._since_s
+            waited, come = waited + took, come + len(chunk)
+            if come >= LEAST_BYTES_PER_S * self._idle_s:
+                waited, come = 0.0, 0
+            self._measure(took, len(chunk))
+            yield chunk
+
+    def _too_slow(self) -> LimitError:
+        if self.is_given_up:
+            message = "The upload came slowly, and others wait for its place; try again in a moment."
+            return LimitError("library.busy", message)
+        return LimitError("log.stalled", f"Next to nothing of the upload came for {self._idle_s:g} s.")
+
+    def _measure(self, took: float, size: int) -> None:
+        self._waited_s += took
+        self._bytes += size
+        if self._waited_s >= MEASURED_S:
+            self._speed = self._bytes / self._waited_s
+            self._waited_s, self._bytes = 0.0, 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Waiting:
+    owner: str
+    address: str
+    place: asyncio.Future[Place]
+
+
+class Places:
+    """At most ``most`` uploads at once, ``most_of_owner`` of one owner. Used from the event loop only."""
+
+    def __init__(self, most: int, most_of_owner: int, idle_s: float) -> None:
+        self._most = most
+        self._most_of_owner = most_of_owner
+        self._idle_s = idle_s
+        self._taken: list[Place] = []
+        self._waiting: list[_Waiting] = []
+        self._timer: asyncio.TimerHandle | None = None
+
+    def __len__(self) -> int:
+        return len(self._taken)
+
+    def of(self, owner: str) -> int:
+        """Return how many uploads of ``owner`` have a place or wait for one."""
+        return [one.owner for one in self._taken].count(owner) + [one.owner for one in self._waiting].count(owner)
+
+    @asynccontextmanager
+    async def take(self, owner: str, address: str) -> AsyncIterator[Place]:
+        """Wait for a place, and hold it. Raises :class:`LimitError` where there is none."""
+        if self.of(owner) >= self._most_of_owner:
+            raise _busy()
+        waiting = _Waiting(owner, address, asyncio.get_running_loop().create_future())
+        self._waiting.append(waiting)
+        self._share_out()
+        try:
+            await asyncio.wait([waiting.place], timeout=WAIT_S)
+            if not waiting.place.done():
+                raise _busy()
+            yield waiting.place.result()
+        finally:
+            if waiting.place.done():
+                self._taken.remove(waiting.place.result())
+            else:
+                self._waiting.remove(waiting)
+            self._share_out()
+
+    def _share_out(self) -> None:
+        """Give free places to those who wait, fewest uploads of an address first, and have slow uploads make room."""
+        uploads = Counter(one.address for one in self._taken)
+        for waiting in sorted(self._waiting, key=lambda one: uploads[one.address]):
+            if len(self._taken) < self._most:
+                place = Place(waiting.owner, waiting.address, self._idle_s)
+                self._taken.append(place)
+                self._waiting.remove(waiting)
+                waiting.place.set_result(place)
+        leaving = sum(one.is_given_up for one in self._taken)
+        for waiting in self._waiting[leaving:]:
+            slow = [one for one in self._taken if self._makes_room(one, uploads[waiting.address], uploads)]
+            if slow:
+                min(slow, key=lambda one: (-uploads[one.address], one.speed())).give_up()
+        if self._waiting and self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
+
+    def _makes_room(self, one: Place, newcomers: int, uploads: Counter[str]) -> bool:
+        """Whether an upload makes room for one from an address with ``newcomers`` uploads."""
+        if one.is_given_up:
+            return False
+        speed = one.speed()
+        return speed < SLOW_BYTES_PER_S or (speed < math.inf and uploads[one.address] >= newcomers + 2)
+
+    def _look(self) -> None:
+        self._timer = None
+        self._share_out()
+
+
+def _busy() -> LimitError:
+    return LimitError("library.busy", "Too many uploads are under way; try again in a moment.")
