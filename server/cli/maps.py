@@ -101,7 +101,7 @@ def map_log(
         return
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
     typer.echo(
-        f"  {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
@@ -152,7 +152,7 @@ def view(
         pictures = three_state(loaded.grid, across), density(loaded.grid, across)
     geometry = loaded.grid.geometry
     typer.echo(
-        f"{map_yaml.name}: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{map_yaml.name}: {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     for note in loaded.notes:

@@ -45,7 +45,7 @@ def merge(
         print_json(facts)
         return
     typer.echo(
-        f"{len(maps)} maps: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{len(maps)} maps: {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
