@@ -201,3 +201,35 @@ def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
     assert box["y"] + box["height"] <= 844.5
     page.locator(".why").get_by_role("button", name="Close").click()
     expect(page.locator(".why")).to_have_count(0)
+
+
+# Each control of the settings, scrolled to, and whether it is what lies under its own middle, in the viewport.
+_COVERED = """() => {
+  const controls = [...document.querySelectorAll(".viewer-side :is(a, button, select, summary, input:not([hidden]))")];
+  const seen = controls.filter((one) => one.checkVisibility({ opacityProperty: true, visibilityProperty: true }));
+  const found = [];
+  for (const control of seen) {
+    control.scrollIntoView({ block: "center", behavior: "instant" });
+    const { x, y, width, height } = control.getBoundingClientRect();
+    const top = document.elementFromPoint(x + width / 2, y + height / 2);
+    const isFree = top && (control.contains(top) || top.closest("label")?.contains(control));
+    if (!isFree) found.push(control.textContent.trim() || control.getAttribute("aria-label") || control.outerHTML);
+  }
+  return { count: seen.length, covered: found };
+}"""
+
+
+@pytest.mark.parametrize("context", ["desktop", "laptop", "phone"], indirect=True)
+def test_the_panel_covers_no_control_of_the_log(viewer: Page) -> None:
+    ask(viewer)
+    expect(viewer.locator(".why .why-chart")).to_be_visible()
+    checked = viewer.evaluate(_COVERED)
+    assert checked["count"] > 10
+    assert checked["covered"] == []
+    assert viewer.locator(".downloads a").count() == 5
+    viewer.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+    panel, size = viewer.locator(".why").bounding_box(), viewer.viewport_size
+    assert panel is not None
+    assert size is not None
+    assert panel["y"] >= 0
+    assert panel["y"] + panel["height"] <= size["height"]

@@ -125,9 +125,11 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
         )}
       </div>
       <Compare store={store} session={session} comparison={comparison} isGuest={guest !== undefined} />
-      <Side store={store} session={session} isGuest={guest !== undefined} />
+      <div class="viewer-column">
+        <Side store={store} session={session} isGuest={guest !== undefined} />
+        <Why store={store} side="right" />
+      </div>
       <ProfileBox store={store} />
-      <Why store={store} side="right" />
     </div>
   );
 }
