@@ -22,5 +22,5 @@ test("a refusal is the server's sentence", async () => {
 });
 
 test("surety in words", () => {
-  expect([1, 0.8, 0.6, 0.5].map(surety)).toEqual(["certain", "very likely", "likely", "perhaps"]);
+  expect([1, 0.8, 0.6, 0.5].map(surety)).toEqual(["certain", "very likely", "likely", "possible"]);
 });

@@ -31,11 +31,11 @@ export async function examine(session: string): Promise<Examination> {
 export function surety(sure: number): string {
   if (sure >= 0.95) return "certain";
   if (sure >= 0.75) return "very likely";
-  return sure >= 0.6 ? "likely" : "perhaps";
+  return sure >= 0.6 ? "likely" : "possible";
 }
 
 /** What an examination came to, in a few words. */
 export function verdict({ findings }: Examination): string {
-  if (findings.length === 0) return "Nothing wrong found";
-  return findings.length === 1 ? "1 finding: show it" : `${findings.length} findings: show them`;
+  if (findings.length === 0) return "No problems found";
+  return findings.length === 1 ? "Show 1 finding" : `Show ${findings.length} findings`;
 }
