@@ -105,7 +105,7 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     pose = frame(lab)["pose"]
     why = check_answer(lab, ask(lab))
     assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
-    scrub = lab.get_by_role("slider", name="Touches of this cell")
+    scrub = lab.get_by_role("slider", name="Beams through this cell")
     assert int(scrub.input_value()) == why["total"] > 3
     equation = lab.locator(".why-equation output")
     newest = equation.inner_text()
@@ -114,7 +114,7 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     lab.keyboard.press("Home")
     expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
     assert store(lab, "touch")["n"] == 1
-    lab.get_by_role("button", name="Next touch").click()
+    lab.get_by_role("button", name="Next beam").click()
     until("the second touch", lambda: store(lab, "touch")["n"] == 2)
     expect(lab.locator(".why-touch")).to_contain_text(f"2 of {why['total']}")
     expect(lab.get_by_role("button", name="Go to this scan")).to_have_count(0)
@@ -139,7 +139,7 @@ def test_the_keyboard_asks_and_comes_back(lab: Page) -> None:
     lab.keyboard.press("Shift+ArrowUp")
     lab.keyboard.press("?")
     until("the answer", lambda: store(lab, "why"))
-    expect(lab.get_by_role("slider", name="Touches of this cell")).to_be_focused()
+    expect(lab.get_by_role("slider", name="Beams through this cell")).to_be_focused()
     expect(lab.locator(".why [role=status]")).to_contain_text(re.compile("beam"))
     lab.keyboard.press("Escape")
     expect(picture).to_be_focused()
@@ -167,12 +167,12 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
 
 def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
     why = check_answer(viewer, ask(viewer))
-    scrub = viewer.get_by_role("slider", name="Touches of this cell")
+    scrub = viewer.get_by_role("slider", name="Beams through this cell")
     scrub.focus()
     viewer.keyboard.press("Home")
     first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
     assert first["scan"] == why["first_scan"]
-    viewer.get_by_role("button", name="Next touch").click()
+    viewer.get_by_role("button", name="Next beam").click()
     second = until("the second touch", lambda: (t := store(viewer, "touch")) and t["n"] == 2 and t)
     viewer.get_by_role("button", name="Go to this scan").click()
     until("the map of that scan", lambda: frame(viewer)["index"] == second["scan"] + 1)
