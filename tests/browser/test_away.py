@@ -57,7 +57,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         # A server that begins anew knows no views: the log opens again by itself, and the page says so.
         logs.bring_to_front()
         end_session(logs)
-        says(logs, ".toast", "Here is the log again")
+        says(logs, ".toast", "The log was opened again")
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
 
 

@@ -50,7 +50,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
     lab.get_by_role("button", name="Draw furniture").click()
-    expect(lab.locator(".plate").first).to_contain_text("a box stands between")
+    expect(lab.locator(".plate").first).to_contain_text("Drag to draw a box")
     stroke(lab, [5.0, 5.0], [5.6, 5.4])
     until("the box", lambda: edits(lab)["added"])
     assert edits(lab)["added"] == [["box", *(pytest.approx(v, abs=10) for v in (500, 500, 560, 540))]]

@@ -99,7 +99,7 @@ def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Pag
 def test_share_copies_a_link_to_a_world_of_its_own(lab: Page, visitor: BrowserContext, server: str) -> None:
     lab.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=server)
     lab.get_by_role("button", name="Share").click()
-    expect(lab.locator(".toast").first).to_contain_text("The link is copied")
+    expect(lab.locator(".toast").first).to_contain_text("Link copied")
     link = lab.evaluate("() => navigator.clipboard.readText()")
     assert "session=" not in link
     other = opened(visitor, link)

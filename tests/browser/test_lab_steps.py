@@ -57,9 +57,9 @@ def test_scans_and_seconds_go_on_and_back(lab: Page) -> None:
     until("the scan again", lambda: frame(lab)["index"] == index)
     assert settled_digest(lab) == before
     by(lab, "second")
-    lab.get_by_role("button", name="One second back").click()
+    lab.get_by_role("button", name="Back one second").click()
     until("a second less", lambda: frame(lab)["index"] == index - 10)
-    lab.get_by_role("button", name="One second on").click()
+    lab.get_by_role("button", name="Forward one second").click()
     until("the second again", lambda: frame(lab)["index"] == index)
     assert settled_digest(lab) == before
 

@@ -95,9 +95,9 @@ def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> No
     section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
     page.wait_for_timeout(400)
-    expect(caption).to_contain_text("0 scans since it went")
+    expect(caption).to_contain_text("0 scans since it was removed")
     section.get_by_role("button", name="Forward one scan").click()
-    expect(caption).to_contain_text("1 scan since it went")
+    expect(caption).to_contain_text("1 scan since it was removed")
     section.get_by_role("button", name="To the end").click()
     expect(caption).to_contain_text("forgotten after 84")
 
