@@ -50,16 +50,21 @@ class GridGeometry:
             )
         if self.rows < 1 or self.cols < 1:
             raise ConfigError(
-                "grid.size", f"A grid needs at least one row and one column, not {self.rows} × {self.cols}."
+                "grid.size", f"A grid must be at least one cell wide and one cell high, not {self.size_text}."
             )
         if np.shape(self.origin) != (3,) or not np.all(np.isfinite(self.origin)):
             raise ConfigError("grid.origin", f"The origin must be three finite numbers, not {self.origin!r}.")
         if max(self.rows, self.cols) > self.limits.max_side or self.rows * self.cols > self.limits.max_cells:
             raise LimitError(
                 "grid.too_large",
-                f"A grid of {self.rows} × {self.cols} cells at {self.resolution:g} m is larger than the limit of "
+                f"A grid of {self.size_text} cells at {self.resolution:g} m is larger than the limit of "
                 f"{self.limits.max_cells} cells and {self.limits.max_side} a side; choose a coarser resolution.",
             )
+
+    @property
+    def size_text(self) -> str:
+        """Width × height in cells, in the order of a map server and of an image's header, for sentences."""
+        return f"{self.cols} × {self.rows}"
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -68,7 +68,8 @@ def provenance(
     row, col = (int(n) for n in cell)
     if not geometry.contains((row, col)):
         raise ConfigError(
-            "provenance.cell", f"Cell ({row}, {col}) lies outside the grid of {geometry.rows} × {geometry.cols}."
+            "provenance.cell",
+            f"Cell (row {row}, column {col}) lies outside the grid of {geometry.size_text} cells (width × height).",
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")

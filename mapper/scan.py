@@ -208,11 +208,13 @@ def _check_width(width: float) -> None:
 class Trajectory:
     """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_map_base``, metres and radians.
 
-    ``description`` is one sentence on where the poses come from.
+    ``description`` is one sentence on where the poses come from. ``frame`` is the frame that they are stated in, as
+    ``map`` or ``odom`` (REP 105); None where the log does not say it.
     """
 
     poses: NDArray[np.float64]
     description: str = ""
+    frame: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))

@@ -6,7 +6,6 @@ import asyncio
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
-from importlib.metadata import PackageNotFoundError, version
 
 import structlog
 from fastapi import FastAPI
@@ -21,6 +20,7 @@ from server.scenes import Scenes
 from server.security import Security
 from server.sessions import SessionRegistry
 from server.settings import Settings
+from server.version import package_version
 
 END_S = 2.0  #: seconds that the end of the service waits for sessions that compute, or whose kernels compile
 
@@ -57,20 +57,13 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
         _log.warning("sessions still compute and are left behind", seconds=seconds)
 
 
-def _version() -> str:
-    try:
-        return version("gridbloom")
-    except PackageNotFoundError:  # run from a checkout that is not installed
-        return "0+checkout"
-
-
 def create_app(settings: Settings | None = None) -> FastAPI:
     """Return the service for these settings (None: those of the environment)."""
     settings = (Settings() if settings is None else settings).with_token()
     app = FastAPI(
         title="Gridbloom",
         description="Occupancy grid maps that fill in: live worlds and robot logs.",
-        version=_version(),
+        version=package_version(),
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,

@@ -7,14 +7,18 @@ import gzip
 import io
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from fastapi.routing import APIRoute
 from pydantic_core import PydanticUndefined
 from typer.testing import CliRunner
 
 from mapper.parameters import PARAMETERS
+from server.app import create_app
 from server.cli import app
 from server.settings import Settings
 
@@ -46,7 +50,17 @@ def settings_table() -> str:
     return "\n".join(lines)
 
 
-TABLES = {"parameters": parameters_table, "settings": settings_table}
+def routes_table() -> str:
+    """The public routes as Markdown, each with the first sentence of its description."""
+    lines = ["| request | what it does |", "|---|---|"]
+    for path, methods in create_app(Settings()).openapi()["paths"].items():
+        for method, operation in methods.items():
+            sentence = re.split(r"(?<=\.)\s", operation["description"], maxsplit=1)[0]
+            lines.append(f"| `{method.upper()} {path}` | {sentence} |")
+    return "\n".join(lines)
+
+
+TABLES = {"parameters": parameters_table, "routes": routes_table, "settings": settings_table}
 
 
 def with_tables(text: str) -> str:
@@ -61,6 +75,31 @@ def with_tables(text: str) -> str:
 def test_the_tables_are_those_of_the_code() -> None:
     text = README.read_text()
     assert with_tables(text) == text, "write them anew: python tests/test_docs.py --write"
+
+
+def _routes(router: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield method and path of every route in the OpenAPI schema, found without that schema."""
+    for route in router.routes:
+        inner = getattr(route, "original_router", None)
+        if inner is not None:
+            yield from _routes(inner, prefix)
+        elif isinstance(route, APIRoute) and route.include_in_schema:
+            yield from ((method, prefix + route.path) for method in route.methods or ())
+
+
+def test_every_public_route_is_named() -> None:
+    routes = set(_routes(create_app(Settings())))
+    assert ("PUT", "/api/logs") in routes
+    text = README.read_text()
+    assert [f"{method} {path}" for method, path in sorted(routes) if f"| `{method} {path}` |" not in text] == []
+
+
+@pytest.mark.parametrize("command", re.findall(r"^    curl (.+)$", README.read_text(), re.MULTILINE))
+def test_every_address_that_the_readme_gives_curl_is_a_route(command: str) -> None:
+    (address,) = re.findall(r"http://127\.0\.0\.1:8000(/[^\s\"?]*)", command)
+    method = "PUT" if " -T " in f" {command}" else "POST" if " --json " in f" {command}" else "GET"
+    routes = _routes(create_app(Settings()))
+    assert any(m == method and re.fullmatch(re.sub(r"\{\w+\}", "ID", path), address) for m, path in routes)
 
 
 @pytest.mark.parametrize("name", Settings.model_fields)

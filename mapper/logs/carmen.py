@@ -23,7 +23,7 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,7 @@ FRONT = ("ROBOTLASER1", "FLASER")
 WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "RAWLASER1", "VERTEX2", "EDGE2"})
 _MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
 _SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
+_NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,7 +317,7 @@ class CarmenReader:
         scan = compose(sensor.laser_poses, inverse(np.array(mount)))
         found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
         if not _same_pose(scan, sensor.robot_poses):
-            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line")
+            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line", "odom")
         if len(self.odometry):
             poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
             restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
@@ -324,11 +325,15 @@ class CarmenReader:
             if restart.any():
                 poses = without_restarts(poses, restart)
                 text += ", chained where the log starts them again from a corrected pose"
-            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text)
+            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
+            if _is_near(scan, found["wheel"].poses):
+                # Nothing has corrected the scans' poses: they are the odometry.
+                found["scan"] = replace(found["scan"], frame="odom")
         if len(self.truth):
             found["truepos"] = Trajectory(
                 poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps),
                 "the simulator's true pose at the time of each scan",
+                "map",
             )
         return found
 
@@ -343,6 +348,11 @@ _PARAMETERS = frozenset(
 def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     position = np.abs(a[..., :2] - b[..., :2]).max()
     return bool(position < _SAME_M and np.abs(wrap_angle(a[..., 2] - b[..., 2])).max() < _SAME_RAD)
+
+
+def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    """Return whether nine tenths of the poses (n, 3) lie within :data:`_NEAR_M` of one another."""
+    return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
 
 
 def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Beams:

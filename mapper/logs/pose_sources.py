@@ -19,7 +19,7 @@ STILL = "standing still"
 
 @dataclass(frozen=True, slots=True)
 class PoseSource:
-    """Poses: ``at`` n times, as far as the source ``covers`` (n,) them.
+    """Poses: ``at`` n times, as far as the source ``covers`` (n,) them, in the frame ``frame`` (None: not stated).
 
     Its clock is ``ahead_ns`` ahead of the scans' one, as far as the recorder tells.
     """
@@ -29,6 +29,7 @@ class PoseSource:
     at: Callable[[Int64Array], Poses3]
     covers: Callable[[Int64Array], NDArray[np.bool_]]
     ahead_ns: int
+    frame: str | None
 
 
 def trajectories_at(
@@ -81,4 +82,4 @@ def _at(stamps_ns: Int64Array, source: PoseSource, limits: Limits) -> tuple[Traj
         notes.append(f"1 scan lies before the first or after the last pose of {name}; it gets the nearest.")
     elif outside:
         notes.append(f"{outside} scans lie before the first or after the last pose of {name}; they get the nearest.")
-    return Trajectory(planar, source.sentence), notes
+    return Trajectory(planar, source.sentence, source.frame), notes

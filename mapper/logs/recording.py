@@ -55,7 +55,7 @@ class Recording:
         self._channels: dict[int, _Channel] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], _Channel] = {}  #: of all files: topic, type, cdr, readable
         self._sensors: dict[str, SensorScans] = {}
-        self._poses: dict[str, tuple[str, Timeline, Clock]] = {}  #: topic → type, poses, their clock
+        self._poses: dict[str, tuple[str, Timeline, Clock, str]] = {}  #: topic → type, poses, their clock, their frame
         self._children: set[str] = set()
         self._tf = FrameTree(limits)
         self._tf_clock = Clock()
@@ -161,8 +161,9 @@ class Recording:
     def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in POSES[channel.kind](data, cdr=channel.cdr):
             if channel.topic not in self._poses:
-                self._poses[channel.topic] = (channel.kind, Timeline(self.limits), Clock())
-            _, timeline, clock = self._poses[channel.topic]
+                frame = printable(one.frame[:200])
+                self._poses[channel.topic] = (channel.kind, Timeline(self.limits), Clock(), frame)
+            _, timeline, clock, _ = self._poses[channel.topic]
             at = _stamp(one.stamp_ns, stamp_ns)
             timeline.add(at, one.pose)
             clock.add(at, _stamp(stamp_ns, 0))
@@ -281,12 +282,13 @@ class Recording:
             way = chain[: chain.index(world) + 1]
             sentence = f"tf from {world} to {chain[0]}, at the time of each scan"
             at, covers = partial(self._tf.lookup, way), partial(self._tf.covers, way)
-            yield PoseSource(f"tf/{world}", sentence, at, covers, self._tf_clock.ahead_of(clock))
+            yield PoseSource(f"tf/{world}", sentence, at, covers, self._tf_clock.ahead_of(clock), world)
         for topic in sorted(self._poses, key=lambda topic: self._poses[topic][0] != "nav_msgs/Odometry"):
-            kind, line, theirs = self._poses[topic]
+            kind, line, theirs, frame = self._poses[topic]
             if len(line):
                 sentence = f"the {kind.split('/')[-1]} messages on {topic}, at the time of each scan"
-                yield PoseSource(topic.lstrip("/"), sentence, line.at, line.covers, theirs.ahead_of(clock))
+                ahead_ns = theirs.ahead_of(clock)
+                yield PoseSource(topic.lstrip("/"), sentence, line.at, line.covers, ahead_ns, frame or None)
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]

@@ -16,17 +16,21 @@ import yaml
 
 from mapper.errors import LimitError, ReadError
 from mapper.limits import Limits
-from mapper.maps.writing import Mode
+from mapper.maps.writing import FRAME_KEY, Mode
 
 MOST_LEVELS = 10  #: of lists and keys inside one another; a map's yaml has two
 TOO_DEEP = "it is nested too deeply"
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
+LONGEST_FRAME = 255  #: characters of a frame's name
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
 
 
 @dataclass(frozen=True, slots=True)
 class MapDescription:
-    """What the yaml says: metres, radians; ``image`` is a path relative to the yaml's folder."""
+    """What the yaml says: metres, radians; ``image`` is a path relative to the yaml's folder.
+
+    ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.maps.save_map` writes do.
+    """
 
     image: str
     resolution: float
@@ -35,6 +39,7 @@ class MapDescription:
     occupied_thresh: float
     free_thresh: float
     mode: Mode
+    frame: str | None = None
 
 
 class _Loader(yaml.SafeLoader):
@@ -87,6 +92,7 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
         negate=_negate(nodes["negate"]),
         **_thresholds(nodes),
         mode=_mode(nodes.get("mode")),
+        frame=_frame(nodes.get(FRAME_KEY)),
     )
 
 
@@ -164,6 +170,15 @@ def _mode(node: yaml.Node | None) -> Mode:
         if text == mode:
             return mode  # type: ignore[no-any-return] # get_args gives Any
     raise ReadError("map.mode", f"The map's mode must be trinary, scale or raw, not {text!r:.40}.")
+
+
+def _frame(node: yaml.Node | None) -> str | None:
+    if node is None:
+        return None
+    name = _scalar(node, FRAME_KEY)
+    if not name or not name.isprintable() or len(name) > LONGEST_FRAME:
+        raise ReadError("map.frame", f"The key {FRAME_KEY!r} of the map's yaml must name a frame, not {name!r:.40}.")
+    return name
 
 
 def _image(node: yaml.Node) -> str:

@@ -34,6 +34,7 @@ STATED_THRESHOLDS: dict[Mode, tuple[float, float]] = {
     "scale": (1.0, 0.0),
     "raw": (OCCUPIED_THRESHOLD, FREE_THRESHOLD),
 }
+FRAME_KEY = "gridbloom_frame"  #: of the yaml, which by itself has no place for the map's frame
 _PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]*\Z")
 
 
@@ -81,20 +82,27 @@ def yaml_text(
     *,
     occupied_thresh: float | None = None,
     free_thresh: float | None = None,
+    frame: str | None = None,
 ) -> str:
     """Return the yaml for an image beside it: resolution in m, origin as the pose (x, y, yaw) of the lower-left corner.
 
     The thresholds are those to read the image with, not those it was made with: :data:`STATED_THRESHOLDS` unless given.
+    ``frame`` is the map's frame (None: not stated). It stands under a key of our own, :data:`FRAME_KEY`; map_server and
+    Nav2 read the keys that they know and ignore others.
     """
     stated = STATED_THRESHOLDS[mode]
     occupied = stated[0] if occupied_thresh is None else occupied_thresh
     free = stated[1] if free_thresh is None else free_thresh
-    name = image_name if _PLAIN_NAME.match(image_name) else _quoted(image_name)
     origin = ", ".join(_number(value) for value in geometry.origin)
+    stated_frame = "" if frame is None else f"{FRAME_KEY}: {_word(frame)}\n"
     return (
-        f"image: {name}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\nnegate: 0\n"
-        f"occupied_thresh: {_number(occupied)}\nfree_thresh: {_number(free)}\n"
+        f"image: {_word(image_name)}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\n"
+        f"negate: 0\noccupied_thresh: {_number(occupied)}\nfree_thresh: {_number(free)}\n{stated_frame}"
     )
+
+
+def _word(text: str) -> str:
+    return text if _PLAIN_NAME.match(text) else _quoted(text)
 
 
 def _quoted(text: str) -> str:
@@ -115,11 +123,12 @@ def save_map(
     mode: Mode = "trinary",
     occupied_threshold: float = OCCUPIED_THRESHOLD,
     free_threshold: float = FREE_THRESHOLD,
+    frame: str | None = None,
 ) -> tuple[Path, Path]:
     """Write ``prefix.yaml`` and its image, ``prefix.pgm`` (``prefix.png`` in mode scale); return both paths.
 
-    Folders are made. Each file appears whole or not at all, the image before the yaml. Raises :class:`ConfigError`
-    where a file cannot be written.
+    ``frame`` is the frame that the map is in, where it is known. Folders are made. Each file appears whole or not at
+    all, the image before the yaml. Raises :class:`ConfigError` where a file cannot be written.
     """
     base = Path(prefix)
     if not base.name:
@@ -130,7 +139,7 @@ def save_map(
         base.parent.mkdir(parents=True, exist_ok=True)
         for path, pieces in (
             (image_path, image_pieces(grid, occupied_threshold, free_threshold, mode)),
-            (yaml_path, [yaml_text(grid.geometry, image_path.name, mode).encode()]),
+            (yaml_path, [yaml_text(grid.geometry, image_path.name, mode, frame=frame).encode()]),
         ):
             with whole_file(path) as file:
                 file.writelines(pieces)

@@ -14,18 +14,17 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
-    Prior,
     TopicName,
     TrajectoryName,
     configured,
     given_parameters,
-    given_prior,
     place,
     print_json,
     read_log,
     refusing,
     with_parameter_options,
 )
+from server.cli.prior import Prior, PriorFrame, given_prior
 
 
 @app.command()
@@ -37,6 +36,7 @@ def why(
     trajectory: TrajectoryName = None,
     mount: Mount = None,
     prior: Prior = None,
+    prior_frame: PriorFrame = None,
     first_scans: FirstScans = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
@@ -46,11 +46,12 @@ def why(
     from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
     point = place(at)
-    given, prior_map = given_prior(prior, given_parameters(parameters, mount))
+    given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     scans = read_log(log, topic)
+    notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
     config = configured(suited_parameters(scans.beam_width, given))
     with refusing(log):
-        replay = Replay(scans, config, trajectory, prior=prior_map)
+        replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)
         row, col = (int(n) for n in replay.grid.geometry.world_to_cell(point))
         told = replay.provenance(row, col)
@@ -83,6 +84,7 @@ def why(
         "p_occ": round(float(replay.grid.p_occ[row, col]), 6),
         "hits": int(told.hits.sum()),
         "touches": touches,
+        "notes": list(notes),
     }
     if as_json:
         print_json(facts)
@@ -99,3 +101,5 @@ def why(
         typer.echo(
             f"  {touch['scan']:6} {touch['beam']:5} {reading:>10} {touch['increment']:+10.3f} {touch['log_odds']:9.3f}"
         )
+    for note in notes:
+        typer.echo(f"  note: {note}")

@@ -16,7 +16,6 @@ from mapper.errors import MapperError
 from mapper.parameters import BY_NAME, MappingConfig, Parameter
 
 if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
     from mapper.scan import ScanLog
 
 BAD_INPUT = 2  #: exit status
@@ -40,15 +39,6 @@ TrajectoryName = Annotated[
 Mount = Annotated[
     str | None,
     typer.Option("--mount", metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad)."),
-]
-Prior = Annotated[
-    str | None,
-    typer.Option(
-        "--prior",
-        "--log-odds-prior",
-        metavar="NUMBER|MAP.yaml",
-        help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
-    ),
 ]
 FirstScans = Annotated[
     int | None, typer.Option("--scans", metavar="N", help="Map only the first N scans. [all that the log has]")
@@ -125,29 +115,6 @@ def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[s
         given |= zip(MOUNT, _numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
     configured(given)
     return given
-
-
-def given_prior(text: str | None, given: dict[str, Any]) -> tuple[dict[str, Any], OccupancyGrid | None]:
-    """Return the parameters with a prior that is a number or a map file, and the map.
-
-    Where nobody has said another, the resolution is the map's.
-    """
-    if text is None:
-        return given, None
-    number = value_of(BY_NAME["log_odds_prior"], text)
-    if isinstance(number, float):
-        given = given | {"log_odds_prior": number}
-        configured(given)
-        return given, None
-    from mapper.integrate import check_resolution  # noqa: PLC0415 - start-up
-    from mapper.maps import load_map  # noqa: PLC0415 - start-up
-
-    path = Path(text)
-    with refusing(path):
-        grid = load_map(path).grid
-        given = {"resolution": grid.geometry.resolution} | given
-        check_resolution(grid, MappingConfig().with_values(given))
-    return given, grid
 
 
 def configured(given: dict[str, Any]) -> MappingConfig:

@@ -23,12 +23,17 @@ def check_mode(mode: str) -> None:
         fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
 
 
-def save(grid: OccupancyGrid, prefix: Path, mode: Any) -> list[Path]:  # noqa: ANN401 - checked by the caller
-    """Write a map; return the paths of its image and its yaml."""
+def save(
+    grid: OccupancyGrid,
+    prefix: Path,
+    mode: Any,  # noqa: ANN401 - checked by the caller
+    frame: str | None = None,
+) -> list[Path]:
+    """Write a map, with the name of its frame where that is known; return the paths of its image and its yaml."""
     from mapper.maps import save_map  # noqa: PLC0415 - start-up
 
     with refusing(prefix):
-        yaml_path, image_path = save_map(grid, prefix, mode)
+        yaml_path, image_path = save_map(grid, prefix, mode, frame=frame)
     return [image_path, yaml_path]
 
 

@@ -17,20 +17,20 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
-    Prior,
     TopicName,
     TrajectoryName,
     configured,
     fail,
     given_parameters,
-    given_prior,
     print_json,
     progress_bar,
     read_log,
     refusing,
     with_parameter_options,
 )
+from server.cli.drift import Quiet, drift_note
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
+from server.cli.prior import Prior, PriorFrame, given_prior
 
 if TYPE_CHECKING:
     from mapper.grid import OccupancyGrid
@@ -45,6 +45,7 @@ def map_log(
     trajectory: TrajectoryName = None,
     mount: Mount = None,
     prior: Prior = None,
+    prior_frame: PriorFrame = None,
     first_scans: FirstScans = None,
     out: Annotated[Path | None, typer.Option(metavar="PREFIX", help=OUT_HELP)] = None,
     mcap: Annotated[
@@ -52,6 +53,7 @@ def map_log(
     ] = None,
     tum: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the trajectory in TUM format.")] = None,
     mode: MapMode = "trinary",
+    quiet: Quiet = False,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
@@ -59,12 +61,17 @@ def map_log(
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
     from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
-    given, prior_map = given_prior(prior, given_parameters(parameters, mount))
+    given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
     scans = read_log(log, topic)
+    with refusing(log):
+        frame = scans.trajectory(trajectory).frame
+    notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
+    if prior_map is not None:
+        frame = prior_map.frame
     config = configured(suited_parameters(scans.beam_width, given))
     with refusing(log):
-        grid = grid_for(scans, config, trajectory, prior=prior_map)
+        grid = grid_for(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
         integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
@@ -78,12 +85,14 @@ def map_log(
                 progress=bar and (lambda done, total: bar(done / max(1, total))),
             )
             seconds = time.perf_counter() - start
-    written = save(grid, out, mode) if out is not None else []
+    drift = None if quiet else drift_note(scans, trajectory, config)
+    written = save(grid, out, mode, frame) if out is not None else []
     written += _export(scans, grid, trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
         "trajectory": trajectory or scans.default_trajectory,
+        "frame": frame,
         "scans": scans.n_scans if first_scans is None else first_scans,
         "beams": scans.n_beams,
         "cells_updated": updated,
@@ -94,14 +103,16 @@ def map_log(
         "origin": list(geometry.origin),
         **states(grid),
         "files": [str(path) for path in written],
-        "notes": list(scans.notes),
+        "notes": notes,
     }
+    if not quiet:
+        facts["drift"] = drift
     if as_json:
         print_json(facts)
         return
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
     typer.echo(
-        f"  {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
@@ -111,7 +122,9 @@ def map_log(
     typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
     for path in written:
         typer.echo(f"  wrote {path}")
-    for note in scans.notes:
+    if quiet:
+        return
+    for note in [*notes, *([drift] if drift else [])]:
         typer.echo(f"  note: {note}")
 
 
@@ -152,7 +165,7 @@ def view(
         pictures = three_state(loaded.grid, across), density(loaded.grid, across)
     geometry = loaded.grid.geometry
     typer.echo(
-        f"{map_yaml.name}: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{map_yaml.name}: {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     for note in loaded.notes:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, print_json, refusing
+from server.cli.common import AsJson, fail, print_json, refusing
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 
 
@@ -24,13 +24,17 @@ def merge(
     from mapper.merge import merged  # noqa: PLC0415 - start-up
 
     check_mode(mode)
-    whole = None
+    whole, frames = None, []
     for path in maps:
         with refusing(path):
-            grid = load_map(path).grid
-            whole = grid if whole is None else merged(whole, grid)
+            loaded = load_map(path)
+            whole = loaded.grid if whole is None else merged(whole, loaded.grid)
+        frames.append(loaded.description.frame)
+        stated = {frame for frame in frames if frame is not None}
+        if len(stated) > 1:
+            fail(f"{path}: The maps are in different frames: {' and '.join(map(repr, sorted(stated)))}.")
     assert whole is not None  # noqa: S101 - the command asks for one map at least
-    written = save(whole, out, mode)
+    written = save(whole, out, mode, frames[0] if len(set(frames)) == 1 else None)
     geometry = whole.geometry
     facts: dict[str, Any] = {
         "maps": [str(path) for path in maps],
@@ -45,7 +49,7 @@ def merge(
         print_json(facts)
         return
     typer.echo(
-        f"{len(maps)} maps: {geometry.rows} × {geometry.cols} cells of {geometry.resolution:g} m, "
+        f"{len(maps)} maps: {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")

@@ -17,7 +17,7 @@ import numpy as np
 from mapper.errors import MapperError
 from mapper.scan import ScanLog, Topic, Trajectory
 
-VERSION = 2
+VERSION = 3
 
 
 class StalePackError(Exception):
@@ -40,7 +40,9 @@ def write_pack(log: ScanLog, path: Path) -> None:
         "format": log.format,
         "notes": list(log.notes),
         "topics": [asdict(topic) for topic in log.topics],
-        "trajectories": [[name, trajectory.description] for name, trajectory in log.trajectories.items()],
+        "trajectories": [
+            [name, trajectory.description, trajectory.frame] for name, trajectory in log.trajectories.items()
+        ],
     }
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
     try:
@@ -73,8 +75,8 @@ def read_pack(path: Path) -> ScanLog:
                 range_max=float("inf") if range_max is None else range_max,
                 stamps_ns=arrays["stamps_ns"],
                 trajectories={
-                    name: Trajectory(poses, description)
-                    for (name, description), poses in zip(about["trajectories"], arrays["poses"], strict=True)
+                    name: Trajectory(poses, description, frame)
+                    for (name, description, frame), poses in zip(about["trajectories"], arrays["poses"], strict=True)
                 },
                 mount=tuple(about["mount"]),
                 upside_down=about["upside_down"],

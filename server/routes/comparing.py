@@ -39,7 +39,7 @@ def _session(request: Request, session_id: str) -> LogSession:
 
 @router.put("/{session_id}/compare")
 async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, Any]:
-    """Compare the session's map, B, with another one, A; answer as GET does. Whoever watches sees it."""
+    """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
     session = _session(request, session_id)
     log, title = None, ""
     if wanted.log is not None:
@@ -59,13 +59,13 @@ async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, A
 
 @router.delete("/{session_id}/compare", status_code=204)
 async def end(request: Request, session_id: str) -> None:
-    """Compare no longer."""
+    """End the comparison."""
     await _session(request, session_id).compare(None)
 
 
 @router.get("/{session_id}/compare")
 async def told(request: Request, session_id: str) -> dict[str, Any]:
-    """Tell how the session's map, B, differs from A: what A is, and :class:`mapper.compare.Comparison`'s numbers."""
+    """Return A and the numbers of the comparison of the two maps (:class:`mapper.compare.Comparison`)."""
     return await _told(_session(request, session_id))
 
 

@@ -14,10 +14,10 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 
 @router.get("/sessions/{session_id}/doctor")
 async def doctor(request: Request, session_id: str) -> dict[str, Any]:
-    """Examine the session's log with the trajectory of the moment; see :class:`mapper.doctor.Finding`."""
+    """Return the doctor's findings on the session's log with its current trajectory."""
     session = request.app.state.sessions.get(session_id)
     if not isinstance(session, LogSession):
-        raise MapperError("session.not_a_log", "Only a log can be examined; a live world has nothing to hide.")
+        raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")
     trajectory = session.trajectory  # which may be another one when the examination is over
     findings = await session.examined()
     return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

@@ -12,7 +12,7 @@ router = APIRouter(tags=["health"])
 
 @router.get("/livez")
 async def livez() -> dict[str, str]:
-    """Tell that the process answers."""
+    """Return 200 while the process runs."""
     return {"status": "alive"}
 
 
@@ -24,5 +24,5 @@ async def readyz() -> dict[str, str]:
 
 @router.get("/metrics", response_class=Response)
 async def metrics(request: Request) -> Response:
-    """Figures for a Prometheus server."""
+    """Return the metrics of the service for Prometheus."""
     return Response(request.app.state.metrics.text(), media_type=CONTENT_TYPE)

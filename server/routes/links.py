@@ -59,9 +59,9 @@ def _public(request: Request, link: Link) -> dict[str, Any]:
 
 @router.post("/api/links", status_code=201)
 async def make(request: Request, wanted: NewLink) -> dict[str, Any]:
-    """Make a link that opens what a session of a log shows, read-only, until it is revoked.
+    """Make a read-only link to what a session of a log shows now.
 
-    Only who may open the log may make one.
+    It is valid until it is revoked. Only visitors who may open the log may make one.
     """
     library: Library = request.app.state.library
     session = request.app.state.sessions.get(wanted.session)
@@ -78,14 +78,14 @@ async def make(request: Request, wanted: NewLink) -> dict[str, Any]:
 
 @router.get("/api/links")
 async def mine(request: Request, log: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
-    """List this visitor's links to a log, the newest first."""
+    """List the links of this visitor to a log, newest first."""
     library: Library = request.app.state.library
     return {"links": [_public(request, link) for link in library.links.of(request.state.visitor, log)]}
 
 
 @router.delete("/api/links/{token}", status_code=204)
 async def revoke(request: Request, token: str) -> None:
-    """Revoke a link of this visitor's: it opens nothing any more, and the sessions of all who came by it end."""
+    """Revoke a link; the sessions that were begun with it end."""
     library: Library = request.app.state.library
     await library.links.revoke(request.state.visitor, token)
     await request.app.state.sessions.end_linked(token)
@@ -93,7 +93,7 @@ async def revoke(request: Request, token: str) -> None:
 
 @router.get("/api/shared/{token}")
 async def shared(request: Request, token: str) -> dict[str, Any]:
-    """Tell what a link opens."""
+    """Return the title and the view of a link."""
     library: Library = request.app.state.library
     link = library.links.get(token)
     return {"title": _record_name(library, link), "look": link.view["look"]}
@@ -101,7 +101,7 @@ async def shared(request: Request, token: str) -> dict[str, Any]:
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
 async def begin(request: Request, token: str) -> Response:
-    """Begin a session of one's own of what a link opens."""
+    """Begin a session on what a link shows."""
     library: Library = request.app.state.library
     link = library.links.get(token)
     title = _record_name(library, link)

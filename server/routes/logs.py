@@ -26,11 +26,11 @@ async def upload(
     request: Request,
     name: Annotated[str, Query(max_length=1000)] = "log",
     upload: Annotated[
-        Key | None, Query(description="What the sender calls this upload, which may come in parts.")
+        Key | None, Query(description="Key of an upload that is sent in parts, chosen by the sender.")
     ] = None,
     sha256: Annotated[Digest | None, Query(description="Digest of the whole log, to be checked.")] = None,
 ) -> Response:
-    """Store the raw body of the request as a log of this visitor's and queue it for reading.
+    """Store the raw body of the request as a log of this visitor and queue it for reading.
 
     With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` it may come
     in parts, one after the other: after a cut, ``GET /api/logs/uploads/KEY`` tells where to go on. The answer to a
@@ -70,42 +70,42 @@ def _part(key: str, content_range: str) -> Part:
 
 @router.get("/uploads/{key}")
 async def uploaded(request: Request, key: Key) -> dict[str, int]:
-    """Tell how many bytes have come of an upload of this visitor's: the next part begins there."""
+    """Return how many bytes of an upload have arrived: the next part starts there."""
     library: Library = request.app.state.library
     return {"offset": library.uploaded(request.state.visitor, key)}
 
 
 @router.get("")
 async def list_logs(request: Request) -> dict[str, Any]:
-    """List the logs that this visitor may open: own uploads, the server's folder, the sample."""
+    """List the logs that this visitor may open: their uploads, the folder of the server, the sample."""
     library: Library = request.app.state.library
     return {"logs": [record.public() for record in await library.list(request.state.visitor)]}
 
 
 @router.get("/{log_id}")
 async def one(request: Request, log_id: str) -> dict[str, Any]:
-    """Tell what is known of one log: its state, and once it was read, what it holds."""
+    """Return the state of one log and, once it was read, its contents in figures."""
     library: Library = request.app.state.library
     return library.get(request.state.visitor, log_id).public()
 
 
 @router.post("/{log_id}/cancel")
 async def cancel(request: Request, log_id: str) -> dict[str, Any]:
-    """Stop reading an upload of this visitor's; it stays, and can be read again."""
+    """Stop reading an uploaded log, which is kept and can be read again."""
     library: Library = request.app.state.library
     return (await library.cancel(request.state.visitor, log_id)).public()
 
 
 @router.post("/{log_id}/read", status_code=202)
 async def read_again(request: Request, log_id: str) -> dict[str, Any]:
-    """Read an upload of this visitor's again, if that failed."""
+    """Read an uploaded log again after reading it failed."""
     library: Library = request.app.state.library
     return library.read_again(request.state.visitor, log_id).public()
 
 
 @router.delete("/{log_id}", status_code=204)
 async def delete(request: Request, log_id: str) -> None:
-    """Delete an upload of this visitor's and the links to it. Sessions of it go on, but those of guests."""
+    """Delete an uploaded log and its links. Sessions of guests on it end; other sessions go on."""
     library: Library = request.app.state.library
     await library.delete(request.state.visitor, log_id)
     for token in library.links.drop(log_id):

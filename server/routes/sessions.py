@@ -79,7 +79,7 @@ def public(session: Session) -> dict[str, Any]:
 
 @router.post("/sessions", status_code=201)
 async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")]) -> Response:
-    """Begin a session of a live world, or of a log."""
+    """Begin a session on a live world or on a log."""
     sessions, visitor = request.app.state.sessions, request.state.visitor
     session: Session
     if isinstance(wanted, NewWorld):
@@ -105,22 +105,22 @@ async def mine(request: Request) -> dict[str, Any]:
 
 @router.get("/sessions/{session_id}")
 async def one(request: Request, session_id: str) -> dict[str, Any]:
-    """Tell what a session does."""
+    """Return the state of a session."""
     return public(request.app.state.sessions.get(session_id))
 
 
 @router.delete("/sessions/{session_id}", status_code=204)
 async def end(request: Request, session_id: str) -> None:
-    """End a session. Only who began it may: others merely leave."""
+    """End a session that this visitor began."""
     session = request.app.state.sessions.get(session_id)
     if session.owner != request.state.visitor:
-        raise MapperError("session.not_yours", "Only who began a session may end it.")
+        raise MapperError("session.not_yours", "A session can only be ended by the visitor who began it.")
     await request.app.state.sessions.close(session_id)
 
 
 @router.get("/sessions/{session_id}/story")
 async def story(request: Request, session_id: str) -> dict[str, Any]:
-    """Tell what happened in a live world, so that another session can begin where this one is."""
+    """Return the history of a live world, from which another session can begin."""
     session = request.app.state.sessions.get(session_id)
     if not isinstance(session, WorldSession):
         raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
@@ -129,7 +129,7 @@ async def story(request: Request, session_id: str) -> dict[str, Any]:
 
 @router.get("/worlds")
 async def worlds() -> dict[str, Any]:
-    """List the worlds."""
+    """List the simulated worlds."""
     return {
         "worlds": [{"name": w.name, "title": w.title, "bounds": [float(v) for v in w.bounds]} for w in WORLDS.values()]
     }
@@ -137,5 +137,5 @@ async def worlds() -> dict[str, Any]:
 
 @router.get("/parameters")
 async def parameters() -> dict[str, Any]:
-    """Return the table of mapping parameters, and that of the simulated sensor's."""
+    """Return the tables of mapping parameters and of the simulated sensor's parameters."""
     return {"parameters": [asdict(row) for row in PARAMETERS], "sensor": [asdict(row) for row in SENSOR_PARAMETERS]}

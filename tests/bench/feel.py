@@ -138,7 +138,7 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
     alone = _slid(page)
-    page.get_by_role("button", name="Keep these as A").click()
+    page.get_by_role("button", name="Save as A").click()
     page.locator(".compare-look .choice-option", has_text="Difference").click()
     until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
     settled_digest(page)

@@ -57,7 +57,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         # A server that begins anew knows no views: the log opens again by itself, and the page says so.
         logs.bring_to_front()
         end_session(logs)
-        says(logs, ".toast", "Here is the log again")
+        says(logs, ".toast", "The log was opened again")
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
 
 
@@ -70,7 +70,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         await_map(page)
         page.get_by_role("button", name="Pause").click()
         page.get_by_text("What goes wrong").click()
-        expect(page.get_by_role("switch", name="Wheels that drift")).to_be_visible()
+        expect(page.get_by_role("switch", name="Odometry drift")).to_be_visible()
         address = "() => location.href"
         until("the address to tell of the world", lambda: "#s=" in page.evaluate(address))
         session = page.evaluate(address).split("session=")[1].split("#")[0]
@@ -79,7 +79,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         slider = page.locator(".lab-settings").get_by_role("slider", name="Hit increment")
         slider.focus()
         page.keyboard.press("ArrowRight")
-        page.get_by_role("switch", name="Wheels that drift").click()
+        page.get_by_role("switch", name="Odometry drift").click()
         page.evaluate("() => gridbloom.connection.store.look({ x: 5, y: 5, scale: 0.02 })")
         set_here = "() => { const s = gridbloom.connection.store;"
         set_here += " return [s.mapping.values.peek().log_odds_hit, s.faults.peek().drift, s.view.peek()]; }"
@@ -93,7 +93,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         confirmed += " return Object.keys({ ...s.mapping.pending(), ...s.robot.pending() }).length === 0; }"
         until("the server to have it", lambda: page.evaluate(confirmed))
         assert page.evaluate(set_here) == before
-        expect(page.get_by_role("switch", name="Wheels that drift")).to_have_attribute("aria-checked", "true")
+        expect(page.get_by_role("switch", name="Odometry drift")).to_have_attribute("aria-checked", "true")
 
 
 def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, server: str) -> None:
@@ -104,7 +104,7 @@ def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, se
         proxy.cut()
         section = page.locator("#rays")
         section.scroll_into_view_if_needed()
-        section.get_by_role("button", name="One cell on").click()
+        section.get_by_role("button", name="Forward one cell").click()
         expect(section.locator("figcaption")).to_contain_text("Cell 11 of 19")
         page.locator("#log").scroll_into_view_if_needed()
         page.locator("#log input[type=file]").set_input_files(

@@ -98,7 +98,7 @@ def open_cells(page: Page, geometry: dict[str, Any], found: NDArray[np.bool_], n
 
 
 def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server: str) -> None:
-    viewer.get_by_role("button", name="Keep these as A").click()
+    viewer.get_by_role("button", name="Save as A").click()
     until("the numbers", lambda: numbers(viewer).get("max_difference") == 0.0)
     kept = store(viewer, "mapping.values")["log_odds_miss"]
     before = settled_digest(viewer)
@@ -235,7 +235,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     until("the same numbers", lambda: store_is_there(viewer) and numbers(viewer) == told_before)
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")
     assert store(viewer, "compared")["values"]["log_odds_miss"] == kept
-    viewer.get_by_role("button", name="End comparing").click()
+    viewer.get_by_role("button", name="End comparison").click()
     expect(viewer.locator(".compare-name")).to_have_count(0)
     until("a clean address", lambda: "#" not in address(viewer))
 

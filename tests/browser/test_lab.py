@@ -110,7 +110,7 @@ def test_each_handle_on_the_curve_changes_the_profile_and_the_map_and_answers_to
         horizontal = handle.get_attribute("aria-orientation") == "horizontal"
         lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
         until(f"{name} to answer", lambda before=before, value=value: value() != before)  # type: ignore[misc]
-        lab.get_by_role("button", name="Everything as at first").last.click()
+        lab.get_by_role("button", name="Reset to defaults").last.click()
         assert settled_digest(lab) == first, name
 
 
@@ -183,7 +183,7 @@ def test_the_page_recovers_from_a_lost_connection_without_a_reload(context, serv
         page.evaluate("() => { window.notReloaded = true; }")
         session = page.url.partition("#")[0]
         proxy.cut()
-        expect(page.locator(".lab-status")).to_have_text("The server does not answer; this page goes on trying.")
+        expect(page.locator(".lab-status")).to_have_text("The server does not answer. The page tries again by itself.")
         seen = frame(page)["index"]
         proxy.mend()
         expect(page.locator(".lab-status")).to_have_text("live")

@@ -50,7 +50,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
     lab.get_by_role("button", name="Draw furniture").click()
-    expect(lab.locator(".plate").first).to_contain_text("a box stands between")
+    expect(lab.locator(".plate").first).to_contain_text("Drag to draw a box")
     stroke(lab, [5.0, 5.0], [5.6, 5.4])
     until("the box", lambda: edits(lab)["added"])
     assert edits(lab)["added"] == [["box", *(pytest.approx(v, abs=10) for v in (500, 500, 560, 540))]]
@@ -87,7 +87,7 @@ def test_erasing_and_taking_it_back(lab: Page) -> None:
     until("it to be back", lambda: edits(lab)["erased"] == [])
     lab.get_by_role("button", name="Redo").click()
     until("it to be gone again", lambda: len(edits(lab)["erased"]) == 1)
-    lab.get_by_role("button", name="Everything as at first").click()
+    lab.get_by_role("button", name="Reset to defaults").click()
     until("the world as it was built", lambda: edits(lab) == {"added": [], "erased": []})
 
 
@@ -127,9 +127,9 @@ def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     send_robot(lab, [4.3, 5.2])
     lab.get_by_text("The moving table").click()
     figure = lab.locator(".table-figure")
-    figure.get_by_role("button", name="Put a table there").click()
+    figure.get_by_role("button", name="Add a table").click()
     until("the table", lambda: len(edits(lab)["added"]) == 1)
-    go = figure.get_by_role("button", name="Take the table away")
+    go = figure.get_by_role("button", name="Remove the table")
     expect(go).to_be_disabled()  # nobody has guessed yet
     guess = figure.get_by_role("slider", name="My guess")
     guess.focus()
@@ -145,6 +145,6 @@ def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     assert told["with_clamp"] < told["without_clamp"]
     expect(outcome).to_contain_text(f"With the clamp: {told['with_clamp']}. ")
     expect(figure.locator("svg path.clamped")).to_have_count(1)
-    figure.get_by_role("button", name="Walk on").click()
+    figure.get_by_role("button", name="Continue").click()
     expect(lab.get_by_role("region", name="Without the clamp")).to_have_count(0)
     until("the robot to walk", lambda: frame(lab)["auto"] is True)

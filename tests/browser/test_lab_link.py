@@ -74,13 +74,13 @@ def test_the_address_opens_what_was_there_after_the_session_has_ended(lab: Page,
 
 def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Page, visitor: BrowserContext) -> None:
     lab.get_by_text("What goes wrong").click()
-    lab.get_by_role("switch", name="Laser mounted askew").click()
-    lab.get_by_role("switch", name="Right beside wrong").click()
+    lab.get_by_role("switch", name="Laser mounted at an angle").click()
+    lab.get_by_role("switch", name="Show the correct map").click()
     lab.evaluate(
         "() => { const s = gridbloom.connection.store; const [x, y] = s.frame.peek().pose;"
         " s.pinned.value = [x + 0.5, y]; s.ask([x + 0.5, y]); }"
     )
-    lab.get_by_role("button", name="Touch before").click()
+    lab.get_by_role("button", name="Previous beam").click()
     seen = "() => { const s = gridbloom.connection.store; return s.compared.peek() && s.why.peek() && s.touch.peek()"
     seen += " && [s.compared.peek().values, s.pinned.peek(), s.why.peek(), s.touch.peek()]; }"
     settled_digest(lab)
@@ -99,14 +99,14 @@ def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Pag
 def test_share_copies_a_link_to_a_world_of_its_own(lab: Page, visitor: BrowserContext, server: str) -> None:
     lab.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=server)
     lab.get_by_role("button", name="Share").click()
-    expect(lab.locator(".toast").first).to_contain_text("The link is copied")
+    expect(lab.locator(".toast").first).to_contain_text("Link copied")
     link = lab.evaluate("() => navigator.clipboard.readText()")
     assert "session=" not in link
     other = opened(visitor, link)
     assert settled_digest(other) == settled_digest(lab)
     # Two worlds: what happens in one does not happen in the other.
     before = map_digest(lab)
-    other.get_by_role("button", name="One scan on").click()
+    other.get_by_role("button", name="Forward one scan").click()
     until("a scan more", lambda: map_digest(other) != before)
     assert settled_digest(lab) == before
 

@@ -37,7 +37,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 def by(page: Page, unit: str) -> None:
     """Choose how far a step goes."""
-    page.get_by_label("How far a step goes").select_option(unit)
+    page.get_by_label("Step size").select_option(unit)
 
 
 def walk(page: Page) -> dict[str, Any] | None:
@@ -51,15 +51,15 @@ def walk(page: Page) -> dict[str, Any] | None:
 
 def test_scans_and_seconds_go_on_and_back(lab: Page) -> None:
     index, before = frame(lab)["index"], settled_digest(lab)
-    lab.get_by_role("button", name="One scan back").click()
+    lab.get_by_role("button", name="Back one scan").click()
     until("a scan less", lambda: frame(lab)["index"] == index - 1)
-    lab.get_by_role("button", name="One scan on").click()
+    lab.get_by_role("button", name="Forward one scan").click()
     until("the scan again", lambda: frame(lab)["index"] == index)
     assert settled_digest(lab) == before
     by(lab, "second")
-    lab.get_by_role("button", name="One second back").click()
+    lab.get_by_role("button", name="Back one second").click()
     until("a second less", lambda: frame(lab)["index"] == index - 10)
-    lab.get_by_role("button", name="One second on").click()
+    lab.get_by_role("button", name="Forward one second").click()
     until("the second again", lambda: frame(lab)["index"] == index)
     assert settled_digest(lab) == before
 
@@ -67,7 +67,7 @@ def test_scans_and_seconds_go_on_and_back(lab: Page) -> None:
 def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> None:
     index = frame(lab)["index"]
     by(lab, "cell")
-    lab.get_by_role("button", name="One cell on").click()
+    lab.get_by_role("button", name="Forward one cell").click()
     until("the first cell of the next scan", lambda: (w := walk(lab)) and w["done"] == 1)
     assert frame(lab)["index"] == index
     note = lab.locator(".steps-note")
@@ -75,32 +75,32 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     expect(note).to_contain_text(re.compile(r"Beam \d+ of 360, cell 1 of"))
     expect(note).to_contain_text("Error term")
     expect(note).to_contain_text("Passed: −2.00 − 0.40 = −2.40, clamped to −2.00")  # the robot's own cell
-    lab.get_by_role("button", name="One cell on").click()
+    lab.get_by_role("button", name="Forward one cell").click()
     expect(note).to_contain_text("cell 2 of")
-    lab.get_by_role("button", name="One cell back").click()
+    lab.get_by_role("button", name="Back one cell").click()
     expect(note).to_contain_text("cell 1 of")
-    # From near by a cell is large, and afterwards everything is seen again.
+    # Zoom in a cell is large, and afterwards everything is seen again.
     cell_px = "() => { const s = gridbloom.connection.store;"
     cell_px += " return Math.round(s.map.peek().geometry.resolution / s.view.peek().scale); }"
     far = lab.evaluate(cell_px)
-    near = lab.get_by_role("button", name="From near by")
+    near = lab.get_by_role("button", name="Zoom in")
     near.click()
     until("large cells", lambda: lab.evaluate(cell_px) == 16)
     near.click()
     until("the whole again", lambda: lab.evaluate(cell_px) == far)
     by(lab, "beam")
-    lab.get_by_role("button", name="One beam on").click()
+    lab.get_by_role("button", name="Forward one beam").click()
     until("the end of the first beam", lambda: (w := walk(lab)) and w["now"]["place"] == w["now"]["of"] - 1)
     expect(note).to_contain_text("Hit: ")
     first = walk(lab)
-    lab.get_by_role("button", name="One beam on").click()
+    lab.get_by_role("button", name="Forward one beam").click()
     until("another beam", lambda: (w := walk(lab)) and first and w["now"]["beam"] > first["now"]["beam"])
     # All of it: what the page has painted is what the mapper makes of the scan.
     lab.evaluate("() => { const s = gridbloom.connection.store; const w = s.walk.peek();"
                  " s.walk.value = { ...w, done: w.steps.length }; }")  # fmt: skip
     held = lab.evaluate(_HELD)
     assert len(held) > 300
-    lab.get_by_role("button", name="One beam on").click()
+    lab.get_by_role("button", name="Forward one beam").click()
     until("the scan in the map", lambda: frame(lab)["index"] == index + 1 and walk(lab) is None)
     settled_digest(lab)
     after = map_bytes(lab)
@@ -116,7 +116,7 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
 def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_walk(lab: Page) -> None:
     index = frame(lab)["index"]
     by(lab, "beam")
-    lab.get_by_role("button", name="One beam back").click()
+    lab.get_by_role("button", name="Back one beam").click()
     until("the last beam to be out", lambda: (w := walk(lab)) and w["done"] < w["of"])
     assert frame(lab)["index"] == index - 1
     lab.get_by_role("button", name="Play").click()
@@ -128,6 +128,6 @@ def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_walk(l
 def test_what_has_no_order_of_cells_says_so(lab: Page) -> None:
     lab.evaluate("() => gridbloom.connection.store.setParameter('update', 'per_scan')")
     by(lab, "cell")
-    lab.get_by_role("button", name="One cell on").click()
+    lab.get_by_role("button", name="Forward one cell").click()
     expect(lab.locator(".toast").first).to_contain_text("update per beam")
     assert walk(lab) is None

@@ -11,9 +11,9 @@ from playwright.sync_api import Page, expect
 from tests.browser.looking import frame, map_digest, settled_digest, until
 
 FAULTS: dict[str, dict[str, Any]] = {
-    "Laser mounted askew": {"mount_yaw": 0.15},
+    "Laser mounted at an angle": {"mount_yaw": 0.15},
     "Laser upside down": {"mount_upside_down": True},
-    "Wheels that drift": {},
+    "Odometry drift": {},
     "No return taken as a hit": {"no_return": "hit", "range_max": 4},
     "Polished walls": {"no_return": "free"},
     "Each beam counts": {"clamp": False},
@@ -60,7 +60,7 @@ def test_each_switch_changes_the_map_and_gives_back_what_was_there(lab: Page) ->
 
 
 def test_a_slider_ends_a_fault_and_undo_brings_it_back(lab: Page) -> None:
-    switch = lab.get_by_role("switch", name="Laser mounted askew")
+    switch = lab.get_by_role("switch", name="Laser mounted at an angle")
     switch.click()
     expect(switch).to_have_attribute("aria-checked", "true")
     lab.wait_for_timeout(800)  # a later change of the same parameter is one of its own
@@ -79,12 +79,12 @@ def test_right_stands_beside_wrong(lab: Page) -> None:
     right = settled_digest(lab)
     lab.get_by_role("switch", name="Laser upside down").click()
     until("the wrong map", lambda: map_digest(lab) != right)
-    lab.get_by_role("switch", name="Right beside wrong").click()
-    plate = lab.get_by_role("region", name="Made right")
+    lab.get_by_role("switch", name="Show the correct map").click()
+    plate = lab.get_by_role("region", name="Correct map")
     expect(plate).to_be_visible()
     assert store(lab, "compared") == {"values": {"mount_upside_down": False}, "with_faults": False}
     # Another fault with it: the second map is right of both.
-    lab.get_by_role("switch", name="Wheels that drift").click()
+    lab.get_by_role("switch", name="Odometry drift").click()
     until("the drift", lambda: store(lab, "faults") == {"drift": True, "specular": False})
     lab.get_by_role("switch", name="No clamp").click()
     until("both set right", lambda: store(lab, "compared")["values"] == {"mount_upside_down": False, "clamp": True})
@@ -95,7 +95,7 @@ def test_right_stands_beside_wrong(lab: Page) -> None:
 
 
 def test_a_drifting_robot_is_drawn_where_the_map_has_it(lab: Page) -> None:
-    lab.get_by_role("switch", name="Wheels that drift").click()
+    lab.get_by_role("switch", name="Odometry drift").click()
     lab.get_by_role("button", name="Play").click()
     lab.evaluate("() => gridbloom.connection.store.send({ type: 'speed', value: 8 })")
     until(

@@ -133,7 +133,7 @@ def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
 
 def test_the_page_leads_into_the_lecturers_mode_and_the_front_page_here(page: Page, server: str) -> None:
     page.goto(server)
-    page.get_by_role("link", name="The whole lecture").click()
+    page.get_by_role("link", name="Open the lecture").click()
     expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_visible()
     page.get_by_role("button", name="Present").click()
     expect(page.locator(".presenter")).to_be_visible()

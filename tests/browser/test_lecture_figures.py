@@ -116,7 +116,7 @@ def test_the_line_goes_round_and_needs_its_fixes(page: Page, server: str) -> Non
     section = open_section(page, server, "rays")
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("Octant 1: a = 18, b = 7. Cell 10 of 19: ∇ = −22 < 0, so straight")
-    section.get_by_role("button", name="One cell on").click()
+    section.get_by_role("button", name="Forward one cell").click()
     expect(caption).to_contain_text("Cell 11 of 19: ∇ = −8")
     end = section.get_by_role("slider", name="Where the beam ends")
     stage = section.locator(".stage").bounding_box()

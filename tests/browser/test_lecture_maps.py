@@ -59,24 +59,24 @@ def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str
 
 def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
-    say = section.get_by_role("slider", name="I say: with the clamp, forgotten after")
+    say = section.get_by_role("slider", name="My guess, with the clamp")
     say.focus()
     page.keyboard.press("Home")
     for _ in range(9):
         page.keyboard.press("ArrowRight")
-    section.get_by_role("button", name="Take the table away").click()
+    section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
-    expect(caption).to_contain_text("You said 10")
+    expect(caption).to_contain_text("Your guess: 10")
     # (3.5 − log 0.65/0.35) / 0.4 is 7.2, and (40 · 0.85 − …) / 0.4 is 83.5.
     expect(caption).to_contain_text("With the clamp it was forgotten after 8")
     expect(caption).to_contain_text("without it it was forgotten after 84. You were 2 over.")
-    section.get_by_role("button", name="Put it back").click()
+    section.get_by_role("button", name="Put the table back").click()
     expect(caption).to_contain_text("How many will the map need")
 
 
 def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
-    section.get_by_role("button", name="Take the table away").click()
+    section.get_by_role("button", name="Remove the table").click()
     page.locator("#grid").scroll_into_view_if_needed()
     caption = section.locator("figcaption")
 
@@ -92,12 +92,12 @@ def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
 def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
     section = open_section(page, server, "forgetting")
-    section.get_by_role("button", name="Take the table away").click()
+    section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
     page.wait_for_timeout(400)
-    expect(caption).to_contain_text("0 scans since it went")
-    section.get_by_role("button", name="One scan on").click()
-    expect(caption).to_contain_text("1 scan since it went")
+    expect(caption).to_contain_text("0 scans since it was removed")
+    section.get_by_role("button", name="Forward one scan").click()
+    expect(caption).to_contain_text("1 scan since it was removed")
     section.get_by_role("button", name="To the end").click()
     expect(caption).to_contain_text("forgotten after 84")
 

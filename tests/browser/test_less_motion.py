@@ -25,7 +25,7 @@ def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> No
     await_map(page)
     stands(page)
     index = frame(page)["index"]
-    page.get_by_role("button", name="One scan on").click()
+    page.get_by_role("button", name="Forward one scan").click()
     until("one scan more", lambda: frame(page)["index"] == index + 1)
     stands(page)
     # Also the moving table goes by steps: it is seen, taken away and forgotten.
@@ -33,12 +33,12 @@ def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> No
     page.evaluate("() => gridbloom.connection.store.send({ type: 'teleport', x: 4, y: 5, yaw: 0 })")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
     page.get_by_text("The moving table").click()
-    page.get_by_role("button", name="Put a table there").click()
+    page.get_by_role("button", name="Add a table").click()
     page.get_by_role("slider", name="My guess").press("ArrowRight")
-    page.get_by_role("button", name="Take the table away").click()
+    page.get_by_role("button", name="Remove the table").click()
     outcome = page.locator(".table-outcome")
     settled_digest(page)
-    page.get_by_role("button", name="20 scans on").click()
+    page.get_by_role("button", name="Forward 20 scans").click()
     expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"))
     stands(page)
 
@@ -48,7 +48,7 @@ def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> No
     before = facts.inner_text()
     page.wait_for_timeout(500)
     assert facts.inner_text() == before
-    page.get_by_role("button", name="10 scans on").click()
+    page.get_by_role("button", name="Forward 10 scans").click()
     expect(facts).not_to_have_text(before)
 
     page.goto(f"{server}/logs.html")
@@ -67,15 +67,15 @@ def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
     # Three of them run for who does not ask for less motion; each has its steps instead.
     expect(page.get_by_role("button", name="Play")).to_have_count(0)
     for section, step, told in (
-        ("rays", "One cell on", "figcaption"),
+        ("rays", "Forward one cell", "figcaption"),
         ("algorithm", "On", ".figure-controls output"),
-        ("forgetting", "One scan on", "figcaption"),
+        ("forgetting", "Forward one scan", "figcaption"),
     ):
         figure = page.locator(f"#{section} figure")
         figure.scroll_into_view_if_needed()
         if section == "forgetting":
-            figure.get_by_role("button", name="Take the table away").click()
-            expect(figure.get_by_role("button", name="Go on")).to_have_count(0)
+            figure.get_by_role("button", name="Remove the table").click()
+            expect(figure.get_by_role("button", name="Continue")).to_have_count(0)
         words = figure.locator(told)
         before = words.inner_text()
         page.wait_for_timeout(600)

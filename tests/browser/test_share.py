@@ -32,7 +32,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
 
     page.get_by_role("button", name="Share this view").click()
     dialog = page.get_by_role("dialog", name="Share this view")
-    dialog.get_by_role("button", name="Make a link").click()
+    dialog.get_by_role("button", name="Create link").click()
     row = dialog.get_by_role("listitem")
     expect(row).to_contain_text("25 of 60 scans")
     address = row.get_by_role("textbox").input_value()
@@ -53,7 +53,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     for name in ("Share this view", "All logs", "mcap"):
         expect(guest.get_by_role("button", name=name)).to_have_count(0)
     # It is theirs to play with.
-    guest.get_by_role("button", name="One scan on").click()
+    guest.get_by_role("button", name="Forward one scan").click()
     until("one scan more", lambda: frame(guest)["index"] == 26)
     assert frame(page)["index"] == 25
     assert watched.problems == []

@@ -246,9 +246,9 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
 
     page.get_by_role("button", name="Move the robot").tap()
     page.get_by_text("The moving table").tap()
-    page.get_by_role("button", name="Put a table there").tap()
+    page.get_by_role("button", name="Add a table").tap()
     guess = page.get_by_role("slider", name="My guess")
     guess.wait_for()
     assert moves(fingers, guess.element_handle())
-    page.get_by_role("button", name="Take the table away").tap()
-    expect(page.locator(".table-outcome")).to_contain_text("You said")
+    page.get_by_role("button", name="Remove the table").tap()
+    expect(page.locator(".table-outcome")).to_contain_text("Your guess:")

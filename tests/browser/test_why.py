@@ -105,7 +105,7 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     pose = frame(lab)["pose"]
     why = check_answer(lab, ask(lab))
     assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
-    scrub = lab.get_by_role("slider", name="Touches of this cell")
+    scrub = lab.get_by_role("slider", name="Beams through this cell")
     assert int(scrub.input_value()) == why["total"] > 3
     equation = lab.locator(".why-equation output")
     newest = equation.inner_text()
@@ -114,7 +114,7 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     lab.keyboard.press("Home")
     expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
     assert store(lab, "touch")["n"] == 1
-    lab.get_by_role("button", name="Next touch").click()
+    lab.get_by_role("button", name="Next beam").click()
     until("the second touch", lambda: store(lab, "touch")["n"] == 2)
     expect(lab.locator(".why-touch")).to_contain_text(f"2 of {why['total']}")
     expect(lab.get_by_role("button", name="Go to this scan")).to_have_count(0)
@@ -139,7 +139,7 @@ def test_the_keyboard_asks_and_comes_back(lab: Page) -> None:
     lab.keyboard.press("Shift+ArrowUp")
     lab.keyboard.press("?")
     until("the answer", lambda: store(lab, "why"))
-    expect(lab.get_by_role("slider", name="Touches of this cell")).to_be_focused()
+    expect(lab.get_by_role("slider", name="Beams through this cell")).to_be_focused()
     expect(lab.locator(".why [role=status]")).to_contain_text(re.compile("beam"))
     lab.keyboard.press("Escape")
     expect(picture).to_be_focused()
@@ -167,12 +167,12 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
 
 def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
     why = check_answer(viewer, ask(viewer))
-    scrub = viewer.get_by_role("slider", name="Touches of this cell")
+    scrub = viewer.get_by_role("slider", name="Beams through this cell")
     scrub.focus()
     viewer.keyboard.press("Home")
     first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
     assert first["scan"] == why["first_scan"]
-    viewer.get_by_role("button", name="Next touch").click()
+    viewer.get_by_role("button", name="Next beam").click()
     second = until("the second touch", lambda: (t := store(viewer, "touch")) and t["n"] == 2 and t)
     viewer.get_by_role("button", name="Go to this scan").click()
     until("the map of that scan", lambda: frame(viewer)["index"] == second["scan"] + 1)
@@ -201,3 +201,35 @@ def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
     assert box["y"] + box["height"] <= 844.5
     page.locator(".why").get_by_role("button", name="Close").click()
     expect(page.locator(".why")).to_have_count(0)
+
+
+# Each control of the settings, scrolled to, and whether it is what lies under its own middle, in the viewport.
+_COVERED = """() => {
+  const controls = [...document.querySelectorAll(".viewer-side :is(a, button, select, summary, input:not([hidden]))")];
+  const seen = controls.filter((one) => one.checkVisibility({ opacityProperty: true, visibilityProperty: true }));
+  const found = [];
+  for (const control of seen) {
+    control.scrollIntoView({ block: "center", behavior: "instant" });
+    const { x, y, width, height } = control.getBoundingClientRect();
+    const top = document.elementFromPoint(x + width / 2, y + height / 2);
+    const isFree = top && (control.contains(top) || top.closest("label")?.contains(control));
+    if (!isFree) found.push(control.textContent.trim() || control.getAttribute("aria-label") || control.outerHTML);
+  }
+  return { count: seen.length, covered: found };
+}"""
+
+
+@pytest.mark.parametrize("context", ["desktop", "laptop", "phone"], indirect=True)
+def test_the_panel_covers_no_control_of_the_log(viewer: Page) -> None:
+    ask(viewer)
+    expect(viewer.locator(".why .why-chart")).to_be_visible()
+    checked = viewer.evaluate(_COVERED)
+    assert checked["count"] > 10
+    assert checked["covered"] == []
+    assert viewer.locator(".downloads a").count() == 5
+    viewer.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+    panel, size = viewer.locator(".why").bounding_box(), viewer.viewport_size
+    assert panel is not None
+    assert size is not None
+    assert panel["y"] >= 0
+    assert panel["y"] + panel["height"] <= size["height"]

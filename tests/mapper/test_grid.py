@@ -88,6 +88,13 @@ def test_an_impossible_geometry_is_refused(arguments: tuple[object, ...], code: 
 def test_a_grid_above_the_limits_is_refused() -> None:
     with pytest.raises(LimitError, match="coarser"):
         GridGeometry(0.05, 1 << 15, 1 << 15)
+
+
+def test_errors_state_sizes_as_width_by_height() -> None:
+    with pytest.raises(LimitError, match="65536 × 1024 cells"):
+        GridGeometry(0.05, rows=1 << 10, cols=1 << 16)
+    with pytest.raises(ConfigError, match="not 7 × 0"):
+        GridGeometry(0.05, rows=0, cols=7)
     with pytest.raises(LimitError, match="coarser"):
         GridGeometry(0.05, 1, 40_000)
     with pytest.raises(LimitError, match="coarser"):

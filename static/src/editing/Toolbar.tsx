@@ -14,7 +14,7 @@ const TOOLS: readonly { readonly tool: Tool; readonly icon: IconName; readonly l
 export function Toolbar({ store }: { readonly store: Store }) {
   const now = store.editing.tool.value;
   return (
-    <div class="toolbar" role="toolbar" aria-label="Tools on the world">
+    <div class="toolbar" role="toolbar" aria-label="Editing tools">
       {TOOLS.map(({ tool, icon, label }) => (
         <button
           key={tool}
@@ -36,15 +36,15 @@ export function Toolbar({ store }: { readonly store: Store }) {
 export function ToolHint({ store }: { readonly store: Store }) {
   switch (store.editing.tool.value) {
     case "wall":
-      return <p class="hint">Drag: a wall stands from where you begin to where you let go.</p>;
+      return <p class="hint">Drag to draw a wall.</p>;
     case "box":
-      return <p class="hint">Drag: a box stands between the two corners.</p>;
+      return <p class="hint">Drag to draw a box between two corners.</p>;
     case "erase":
-      return <p class="hint">Click what is to go. The outer wall stays.</p>;
+      return <p class="hint">Click a wall or a box to erase it. The outer wall cannot be erased.</p>;
     default:
       return (
         <p class="hint">
-          Click: the robot goes there. Or drag it
+          Click to move the robot there, or drag it
           <span class="hint-keys">
             , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
           </span>

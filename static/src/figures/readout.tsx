@@ -123,7 +123,7 @@ export function Readout({ store }: { readonly store: Store }) {
 function WhyButton({ store }: { readonly store: Store }) {
   const isNowhere = useMemo(() => computed(() => !store.pinned.value || !store.cell.value), [store]);
   return (
-    <span class="readout-why" title="Click a cell, then ask; or Shift+click it, or hold a finger on it">
+    <span class="readout-why" title="Click a cell first. Or Shift+click the cell, or press and hold it.">
       <Button disabled={isNowhere.value} onClick={() => store.ask(store.probe.peek())}>
         Why?
       </Button>

@@ -34,7 +34,9 @@ async function begin(): Promise<void> {
     connection.value = fresh;
   } catch (error) {
     trouble.value =
-      error instanceof TypeError ? "The server does not answer; this page goes on trying." : (error as Error).message;
+      error instanceof TypeError
+        ? "The server does not answer. The page tries again by itself."
+        : (error as Error).message;
     setTimeout(() => void begin(), 3000);
   }
 }
@@ -55,22 +57,22 @@ function Hero() {
       <div class="hero-map">
         {store && <Belief store={store} onTap={(point) => store.teleport(point)} />}
         <p class={`hero-hint${store?.teleported.value ? " used" : ""}`}>
-          <Icon name="target" /> Click anywhere: the robot goes there
+          <Icon name="target" /> Click to move the robot
         </p>
       </div>
       <div class="hero-text">
-        <h1>Watch a map bloom</h1>
+        <h1>Watch a map fill in</h1>
         <p class="prose">
-          A <b class="noun-robot">robot</b> walks through rooms that it has never seen. Each{" "}
-          <b class="noun-beam">laser beam</b> is evidence: what it passes is probably <b class="noun-miss">free</b>,
-          what it hits is probably <b class="noun-hit">occupied</b>. Cell by cell, the two add up to a map.
+          A <b class="noun-robot">robot</b> drives through unknown rooms. Each <b class="noun-beam">laser beam</b> is
+          evidence: the cells that it passes are probably <b class="noun-miss">free</b>, the cell that it hits is
+          probably <b class="noun-hit">occupied</b>. The sum of this evidence in each cell is the map.
         </p>
         <div class="actions">
           <Button kind="primary" size="large" href={lab}>
             Open the lab
           </Button>
           <Button size="large" href="/logs.html">
-            Map a robot’s log
+            Open a robot log
           </Button>
         </div>
         <Facts />
@@ -88,7 +90,7 @@ function Steps({ store }: { readonly store: Store }) {
   return (
     <div class="actions">
       <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: STRIDE })}>
-        {STRIDE} scans on
+        Forward {STRIDE} scans
       </Button>
     </div>
   );
@@ -100,7 +102,7 @@ function Facts() {
   const status = connection.value?.status.value;
   if (trouble.value) return <p class="hero-facts">{trouble.value}</p>;
   if (status === "reconnecting")
-    return <p class="hero-facts">The server does not answer; the map goes on when it does.</p>;
+    return <p class="hero-facts">The server does not answer. The page reconnects by itself.</p>;
   if (!frame) return <p class="hero-facts" />;
   const readings = frame.index * frame.ranges.length;
   return (
@@ -136,8 +138,8 @@ function Stubborn() {
   return (
     <>
       Without them, a cell that was hit 1,000 times{" "}
-      {needed ? `would need ${needed} misses` : "could never be talked out of it,"}{" "}
-      {needed ? "to forget it." : "whatever came."}
+      {needed ? `would need ${needed} misses` : "would never become free again,"}{" "}
+      {needed ? "to become free again." : "whatever is measured later."}
     </>
   );
 }
@@ -153,13 +155,13 @@ function Page() {
         <div class="prose">
           <h2>What one beam says</h2>
           <p>
-            A reading of <b class="noun-beam">z</b> metres speaks about every cell along its beam. Those{" "}
-            <b class="noun-miss">before z</b> let the light through. Those <b class="noun-hit">around z</b> sent it
-            back. Of those <b class="noun-prior">beyond</b>, it knows nothing.
+            A reading of <b class="noun-beam">z</b> metres is evidence about every cell along its beam. Cells{" "}
+            <b class="noun-miss">before z</b> let the light through. Cells <b class="noun-hit">around z</b> reflected
+            it. About cells <b class="noun-prior">beyond</b>, it says nothing.
           </p>
           <p>
-            This curve is the whole rule, and every part of it can be dragged. Make hits weaker, or the window wider,
-            and the map above is made anew by your rule.
+            This curve is the inverse sensor model. Drag any part of it: make hits weaker or the window wider, and the
+            map above is computed again with the new model.
           </p>
         </div>
         <div class="figure-box">
@@ -178,11 +180,12 @@ function Page() {
           <h2>What one cell believes</h2>
           <p>
             Each cell keeps one number, the log-odds ℓ of being occupied. A <b class="noun-hit">hit</b> adds to it, a{" "}
-            <b class="noun-miss">miss</b> takes away, and that is all: adding log-odds is multiplying odds, so the sum
-            is Bayes’ rule.
+            <b class="noun-miss">miss</b> subtracts from it. Adding log-odds is multiplying odds, so the sum is Bayes’
+            rule.
           </p>
           <p>
-            The dashed lines clamp it. <Stubborn /> With the clamp, a table that is carried away also leaves the map.
+            The dashed lines clamp it. <Stubborn /> With the clamp, a table that is removed also disappears from the
+            map.
           </p>
         </div>
         <div class="figure-box small">
@@ -192,18 +195,18 @@ function Page() {
       <section class="home-section">
         <div class="home-words">
           <div class="prose">
-            <h2>All of it, step by step</h2>
+            <h2>The lecture, step by step</h2>
             <p>
-              From one cell to the file that a navigation stack reads: one page, a live figure in every section.
-              Lecturers can show one figure at a time.
+              From one cell to the map file that a navigation stack reads: one page with an interactive figure in every
+              section. In presentation mode it shows one figure at a time.
             </p>
           </div>
           <div class="actions">
             <Button kind="primary" size="large" href="/lecture.html">
-              The whole lecture
+              Open the lecture
             </Button>
             <Button size="large" href="/lecture.html?present">
-              Present it
+              Presentation mode
             </Button>
           </div>
         </div>
@@ -211,10 +214,10 @@ function Page() {
       </section>
       <section class="home-section">
         <div class="prose">
-          <h2>Now your robot</h2>
+          <h2>Your robot’s log</h2>
           <p>
-            Drop a log of a real robot and watch <em>its</em> map fill in. Then move a slider: the whole map is made
-            again, from every reading, while your hand is still moving.
+            Open a log of a real robot and watch its map fill in. When a slider moves, the whole map is computed again
+            from every reading.
           </p>
         </div>
         <div class="actions">

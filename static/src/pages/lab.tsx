@@ -55,7 +55,9 @@ async function begin(): Promise<void> {
     if (notice) toast(notice);
   } catch (error) {
     trouble.value =
-      error instanceof TypeError ? "The server does not answer; this page goes on trying." : (error as Error).message;
+      error instanceof TypeError
+        ? "The server does not answer. The page tries again by itself."
+        : (error as Error).message;
     setTimeout(() => void begin(), RETRY_MS);
   }
 }
@@ -91,7 +93,7 @@ function Model({ store }: { readonly store: Store }) {
           set={(name, value) => store.setParameter(name, value)}
         />
         <Button kind="quiet" icon="restart" onClick={() => store.reset()}>
-          Everything as at first
+          Reset to defaults
         </Button>
       </>
     )
@@ -155,10 +157,10 @@ function Lab() {
       {store?.asked.value && <Why store={store} side="left" />}
       {store && (
         <div class="lab-experiments">
-          <Disclosure title="What goes wrong" note="seven faults, one switch each">
+          <Disclosure title="What goes wrong" note="seven faults to switch on">
             <Faults store={store} />
           </Disclosure>
-          <Disclosure title="The moving table" note="how long does a map remember?">
+          <Disclosure title="The moving table" note="how long does it stay in the map?">
             <MovingTable store={store} />
           </Disclosure>
         </div>

@@ -55,7 +55,7 @@ async function open(log: string, topic: string | null, replace: boolean): Promis
     if (place.peek().log === log && place.peek().topic === topic) go({ log, topic, session }, true);
   } catch (error) {
     const isAway = error instanceof TypeError;
-    failure.value = isAway ? "The server does not answer. This page tries again by itself." : (error as Error).message;
+    failure.value = isAway ? "The server does not answer. The page tries again by itself." : (error as Error).message;
     if (isAway) setTimeout(resume, AGAIN_MS);
   }
 }

@@ -36,6 +36,18 @@ def test_map_as_json_has_the_figures_that_programs_need(run, log, tmp_path):
     assert facts["files"] == [str(tmp_path / "out" / "room.pgm"), str(tmp_path / "out" / "room.yaml")]
 
 
+def test_sizes_are_width_by_height_as_in_the_image(run, tmp_path):
+    log = tmp_path / "wide.log"
+    log.write_text("FLASER 1 1 0 0 0 0 0 0 0 host 0\nFLASER 1 1 9 0 0 9 0 0 1 host 1\n")
+    mapped = run("map", log, "--out", tmp_path / "wide").out
+    width, height = (int(n) for n in (tmp_path / "wide.pgm").read_bytes().split(b"\n", 2)[1].split())
+    assert width > height
+    viewed = run("view", tmp_path / "wide.yaml").out
+    merged = run("merge", tmp_path / "wide.yaml", "--out", tmp_path / "same").out
+    for out in (mapped, viewed, merged):
+        assert f"{width} × {height} cells of 0.05 m" in out
+
+
 def test_map_takes_the_run_away(run, log, tmp_path):
     mcap, tum = tmp_path / "run.mcap", tmp_path / "way.tum"
     facts = json.loads(run("map", log, "--mcap", mcap, "--tum", tum, "--json").out)

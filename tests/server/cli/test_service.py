@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 from server.settings import Settings
 
 ROOT = Path(__file__).parents[3]
+
+
+def test_version_is_that_of_the_package(run):
+    stated = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert run("--version") == (0, f"gridbloom {stated}\n", "")
 
 
 def test_serve_refuses_what_the_settings_refuse(run, tmp_path):

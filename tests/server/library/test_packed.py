@@ -23,7 +23,7 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
         "range_max": 20.0,
         "stamps_ns": np.arange(n_scans)[::-1],
         "trajectories": {
-            "scan": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "as stated — “so”"),
+            "scan": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "as stated — “so”", "map"),
             "wheel": Trajectory(rng.uniform(-5, 5, (n_scans, 3))),
         },
         "mount": (0.1, 0.2, 0.3),
@@ -53,6 +53,7 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
     for name, trajectory in log.trajectories.items():
         np.testing.assert_array_equal(again.trajectories[name].poses, trajectory.poses)
         assert again.trajectories[name].description == trajectory.description
+        assert again.trajectories[name].frame == trajectory.frame
     for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
         assert getattr(again, name) == getattr(log, name), name
     assert (again.topics, again.notes) == (log.topics, log.notes)

@@ -57,12 +57,12 @@ export function Faults({ store }: { readonly store: Store }) {
           aria-checked={beside}
           onClick={() => beBeside(!beside)}
         >
-          Right beside wrong
+          Show the correct map
         </button>
       </div>
       <div class="faults-told" role="status">
         {told.length === 0 && !beside && (
-          <p>Switch one on, and look what it does to the map. What it changes, it gives back.</p>
+          <p>Switch a fault on to see its effect on the map. Switching it off restores the settings.</p>
         )}
         {told.map((fault) => (
           <p key={fault.name}>
@@ -72,8 +72,8 @@ export function Faults({ store }: { readonly store: Store }) {
         ))}
         {beside && (
           <p>
-            <b>Beside it</b> the map made right of the very same recording: with the true poses, with every return, and
-            with the settings that stand under it.
+            <b>Second map:</b> the correct map from the same recording, with true poses, all returns, and the settings
+            shown under it.
           </p>
         )}
       </div>

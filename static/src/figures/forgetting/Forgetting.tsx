@@ -75,7 +75,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
       </Plot>
       <div class="figure-controls no-print">
         <Slider
-          label="I say: with the clamp, forgotten after"
+          label="My guess, with the clamp"
           sentence="Your prediction: how many scans the map with the clamp needs to forget the table."
           value={prediction.value}
           initial={20}
@@ -96,21 +96,21 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
               playing.value = !stillness.peek();
             }}
           >
-            Take the table away
+            Remove the table
           </Button>
         ) : (
           <>
             {!done && !stillness.value && (
               <Button
                 icon={playing.value ? "pause" : "play"}
-                label={playing.value ? "Pause" : "Go on"}
+                label={playing.value ? "Pause" : "Continue"}
                 onClick={() => {
                   playing.value = !playing.value;
                 }}
               />
             )}
-            <Button icon="stepBack" label="One scan back" onClick={() => step(-1)} />
-            <Button icon="stepForward" label="One scan on" onClick={() => step(1)} />
+            <Button icon="stepBack" label="Back one scan" onClick={() => step(-1)} />
+            <Button icon="stepForward" label="Forward one scan" onClick={() => step(1)} />
             {stillness.value && !done && <Button onClick={() => step(end)}>To the end</Button>}
             <Button
               icon="restart"
@@ -119,7 +119,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
                 since.value = null;
               }}
             >
-              Put it back
+              Put the table back
             </Button>
           </>
         )}
@@ -129,7 +129,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
           <>The table has stood here for {scans(seen.value)}. How many will the map need to forget it?</>
         ) : (
           <>
-            {scans(t)} since it went. You said <b class="noun-robot">{prediction.value}</b>. With the clamp{" "}
+            {scans(t)} since it was removed. Your guess: <b class="noun-robot">{prediction.value}</b>. With the clamp{" "}
             <Outcome story={clamped} t={t} />, without it <Outcome story={free} t={t} />.
             {done && clamped.forgottenAfter !== null && (
               <Verdict said={prediction.value} was={clamped.forgottenAfter} />

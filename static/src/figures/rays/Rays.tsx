@@ -100,7 +100,7 @@ export function Rays() {
       </Stage>
       <Nablas line={line.value} at={at} onGo={go} />
       <div class="rays-controls no-print">
-        <Button icon="stepBack" label="One cell back" onClick={() => go(at - 1)} />
+        <Button icon="stepBack" label="Back one cell" onClick={() => go(at - 1)} />
         {!stillness.value && (
           <Button
             icon={playing.value ? "pause" : "play"}
@@ -111,7 +111,7 @@ export function Rays() {
             }}
           />
         )}
-        <Button icon="stepForward" label="One cell on" onClick={() => go(at + 1)} />
+        <Button icon="stepForward" label="Forward one cell" onClick={() => go(at + 1)} />
         <Toggle label="fix 1: step with the signs" checked={fixes.value.direction} onChange={fix("direction")} />
         <Toggle label="fix 2: swap steep axes" checked={fixes.value.steep} onChange={fix("steep")} />
         <Toggle

@@ -21,11 +21,11 @@ export function Steps({ store }: { readonly store: Store | null }) {
   };
   return (
     <>
-      <Button icon="stepBack" label={`One ${unit.value} back`} disabled={off} onClick={() => go(-1)} />
-      <Button icon="stepForward" label={`One ${unit.value} on`} disabled={off} onClick={() => go(1)} />
+      <Button icon="stepBack" label={`Back one ${unit.value}`} disabled={off} onClick={() => go(-1)} />
+      <Button icon="stepForward" label={`Forward one ${unit.value}`} disabled={off} onClick={() => go(1)} />
       <select
         class="select steps-unit"
-        aria-label="How far a step goes"
+        aria-label="Step size"
         disabled={off}
         value={unit.value}
         onChange={(event) => {
@@ -92,13 +92,13 @@ function Closely({ store }: { readonly store: Store }) {
         isOn.value = !isOn.value;
       }}
     >
-      From near by
+      Zoom in
     </Button>
   );
 }
 
 const beginning = ({ steps, frame }: Walk): string =>
-  `The newest scan is out of the map: ${frame.ranges.length} beams, ${steps.length} cells to update, one after another.`;
+  `The newest scan was taken out of the map: ${frame.ranges.length} beams, ${steps.length} cells to update.`;
 
 function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
   const now = walk.steps[walk.done - 1];

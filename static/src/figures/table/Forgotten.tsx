@@ -19,7 +19,7 @@ interface ForgottenProps {
   readonly told: Forgetting | null;
 }
 
-/** The share of the table's cells that each map holds free, over the scans since it went; the guess as a line. */
+/** The share of the table's cells that each map holds free, over the scans since it was removed; the guess as a line. */
 export function Forgotten({ points, guess, told }: ForgottenProps) {
   const box = useRef<HTMLDivElement>(null);
   const width = useWidth(box, 560).value;
@@ -38,7 +38,7 @@ export function Forgotten({ points, guess, told }: ForgottenProps) {
         width={width}
         height={HEIGHT}
         role="img"
-        aria-label="Share of the table's cells that are free, over the scans since it went"
+        aria-label="Share of the table's cells that are free, over the scans since it was removed"
       >
         {[0, 0.5, 1].map((share) => (
           <g key={share} class="tick">

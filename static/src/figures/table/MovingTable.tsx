@@ -45,7 +45,7 @@ export function MovingTable({ store }: { readonly store: Store }) {
     const edits = store.world.peek()?.edits;
     const table = frame && placeOf(frame);
     if (!edits || !table) {
-      toast("There is no room for a table here: send the robot to an open place.");
+      toast("There is no room for a table here. Move the robot to an open place.");
       return;
     }
     store.send({ type: "auto", value: false });
@@ -74,11 +74,11 @@ export function MovingTable({ store }: { readonly store: Store }) {
     return (
       <div class="table-figure">
         <p>
-          A table stands before the robot, the map sees it for a while, then it is carried away. How many scans until
-          the map has forgotten it?
+          A table stands in front of the robot for a while and is then removed. After how many scans has it disappeared
+          from the map?
         </p>
         <Button icon="box" disabled={!store.isReady.value} onClick={setUp}>
-          Put a table there
+          Add a table
         </Button>
       </div>
     );
@@ -102,10 +102,10 @@ export function MovingTable({ store }: { readonly store: Store }) {
       <Outcome store={store} told={told} guess={guess.value ?? 0} />
       {stillness.value && !told?.without_clamp && (
         <Button icon="stepForward" onClick={goOn}>
-          {ENOUGH} scans on
+          Forward {ENOUGH} scans
         </Button>
       )}
-      <Button onClick={finish}>{told?.without_clamp ? "Walk on" : "Stop and walk on"}</Button>
+      <Button onClick={finish}>{told?.without_clamp ? "Continue" : "Stop and continue"}</Button>
     </div>
   );
 }
@@ -127,11 +127,11 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
         <output aria-live="off" class="number">
           {seen}
         </output>{" "}
-        scans. Before it goes: after how many scans without it will the map hold nine in ten of its cells free?
+        scans. Guess: after how many scans without the table will nine in ten of its cells be free?
       </p>
       <Slider
         label="My guess"
-        sentence="After how many scans without the table the map with the clamp will hold nine in ten of its cells free."
+        sentence="Number of scans without the table after which nine in ten of its cells are free, with the clamp."
         unit="scans"
         value={guess ?? FIRST_GUESS}
         initial={FIRST_GUESS}
@@ -142,9 +142,9 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
         onInput={onGuess}
       />
       <Button kind="primary" disabled={guess === null || seen < ENOUGH} onClick={onGo}>
-        Take the table away
+        Remove the table
       </Button>
-      {guess === null && <p class="table-note">Move the slider first: who has guessed looks harder.</p>}
+      {guess === null && <p class="table-note">Move the slider to make a guess first.</p>}
     </div>
   );
 }
@@ -164,7 +164,7 @@ function Outcome({
   return (
     <div class="table-outcome" role="status">
       <p>
-        <span class="key guess" /> You said <b>{guess}</b> scans. <span class="key clamped" /> With the clamp:{" "}
+        <span class="key guess" /> Your guess: <b>{guess}</b> scans. <span class="key clamped" /> With the clamp:{" "}
         <b>{clamped ?? "not yet"}</b>. <span class="key free" /> Without: <b>{free ?? "not yet"}</b>.
       </p>
       {clamped !== null && (

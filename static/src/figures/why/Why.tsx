@@ -57,7 +57,7 @@ function Panel({ store, side }: WhyProps) {
       </header>
       {store.second.value && store.comparison.value && (
         <Choice
-          label="In which map"
+          label="Map"
           bare
           options={MAPS}
           value={store.askedMap.value}
@@ -71,7 +71,7 @@ function Panel({ store, side }: WhyProps) {
   );
 }
 
-const OUTSIDE = "This place lies outside the map now.";
+const OUTSIDE = "This place is outside the map.";
 
 /** The newest touch, where the answer tells of it. */
 function newestOf(why: WhyMessage): Touch | null {
@@ -148,28 +148,22 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
       {why && <Chart why={why} touch={store.touch} onTouch={choose} />}
       {!why && <div class="why-chart" />}
       <div class="why-scrub">
-        <Button kind="quiet" icon="stepBack" label="Touch before" disabled={n <= 1} onClick={() => choose(n - 1)} />
+        <Button kind="quiet" icon="stepBack" label="Previous beam" disabled={n <= 1} onClick={() => choose(n - 1)} />
         <input
           ref={scrub}
           type="range"
-          aria-label="Touches of this cell"
+          aria-label="Beams through this cell"
           aria-describedby={id}
-          aria-valuetext={touch ? `touch ${n} of ${total}: ${describe(touch, hitWindow.value)}` : "no touch yet"}
+          aria-valuetext={touch ? `beam ${n} of ${total}: ${describe(touch, hitWindow.value)}` : "no beam yet"}
           min={1}
           max={Math.max(1, total)}
           value={n}
           onInput={(event) => choose(Number(event.currentTarget.value))}
         />
         <span id={id} hidden>
-          Goes through the beams that touched this cell, first to last, and says what each did to its log-odds.
+          Steps through the beams that updated this cell and shows the change in log-odds of each.
         </span>
-        <Button
-          kind="quiet"
-          icon="stepForward"
-          label="Next touch"
-          disabled={n >= total}
-          onClick={() => choose(n + 1)}
-        />
+        <Button kind="quiet" icon="stepForward" label="Next beam" disabled={n >= total} onClick={() => choose(n + 1)} />
       </div>
       <p class="why-equation">
         <span class="why-rule">{ruleOf(store, why)}</span>
@@ -197,7 +191,7 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
           </Button>
         )}
       </div>
-      {why?.per_scan && <p class="why-note">Per-scan update: each scan counts once, told by one of its beams.</p>}
+      {why?.per_scan && <p class="why-note">Per-scan update: each scan counts once, by one of its beams.</p>}
     </div>
   );
 }

@@ -107,7 +107,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 const WORDS: Readonly<Record<Status, string>> = {
   connecting: "connecting",
   live: "live",
-  reconnecting: "The server does not answer; this page goes on trying.",
+  reconnecting: "The server does not answer. The page tries again by itself.",
   away: "asleep",
   gone: "ended",
 };

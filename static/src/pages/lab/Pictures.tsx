@@ -34,7 +34,7 @@ function difference(values: Values, table: readonly Parameter[]): string {
     const told = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
     return `${row?.label ?? readable(name)}: ${told}${row?.unit ? ` ${row.unit}` : ""}`;
   });
-  return ["True poses, every return", ...parts].join(" · ");
+  return ["True poses, all returns", ...parts].join(" · ");
 }
 
 interface PlateProps {
@@ -81,7 +81,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
     <div class={`plates${solid.value || compared ? " three" : ""}`}>
       <Plate
         title="The world"
-        note="as it is"
+        note="ground truth"
         actions={
           <>
             {store && <Toolbar store={store} />}
@@ -94,7 +94,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
       </Plate>
       <Plate
         title="The belief"
-        note="as the robot has it"
+        note="the map of the robot"
         actions={
           <Button
             kind="quiet"
@@ -115,8 +115,8 @@ export function Pictures({ session, onPicture }: PicturesProps) {
       </Plate>
       {compared && session && store && (
         <Plate
-          title={compared.with_faults ? clampTitle(compared.values) : "Made right"}
-          note="of the same readings"
+          title={compared.with_faults ? clampTitle(compared.values) : "Correct map"}
+          note="from the same readings"
           actions={
             <Button
               kind="quiet"
@@ -153,7 +153,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
           caption={
             <p class="hint">
               <a href={`/3d?session=${encodeURIComponent(session.id)}`} target="_blank" rel="noopener">
-                Open in a tab of its own
+                Open in a new tab
               </a>
             </p>
           }

@@ -10,7 +10,7 @@ async function copy(text: string, done: string): Promise<void> {
     await navigator.clipboard.writeText(text);
     toast(done);
   } catch {
-    toast("This browser does not let the page copy: copy the address above, it says the same.");
+    toast("The browser does not allow copying. Copy the address of the page instead.");
   }
 }
 
@@ -18,16 +18,16 @@ async function copy(text: string, done: string): Promise<void> {
 export async function share(id: string, store: Store): Promise<void> {
   try {
     const link = await momentAddress(id, store);
-    await copy(link, "The link is copied. It opens exactly this, world, map and settings, as a world of its own.");
+    await copy(link, "Link copied. It opens a copy of this world, map and settings.");
   } catch {
-    toast("The server does not answer, so there is no link yet.", "error");
+    toast("The server does not answer, so no link could be made.", "error");
   }
 }
 
 /** The map as files, and the world as a link to it while it lives. */
 export function Takeaway({ id }: { readonly id: string }) {
   return (
-    <Panel title="Take it away">
+    <Panel title="Download">
       <div class="lab-downloads">
         <MapFiles session={id} />
         <Button
@@ -35,7 +35,7 @@ export function Takeaway({ id }: { readonly id: string }) {
           onClick={() =>
             void copy(
               liveAddress(id),
-              "The link is copied. Whoever opens it sees this very world, live, and can steer the robot too.",
+              "Link copied. Everyone who opens it sees this world live and can drive the robot.",
             )
           }
         >
@@ -43,8 +43,8 @@ export function Takeaway({ id }: { readonly id: string }) {
         </Button>
       </div>
       <p class="panel-note">
-        pgm and yaml together open in map_server and Nav2: both are of the moment when you download the first of them.
-        png is for people. Share copies this moment; the live link lets others watch and steer this very world.
+        pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
+        picture of it. Share makes a link to a copy of this world; with the live link others watch and drive in this one.
       </p>
     </Panel>
   );

@@ -17,8 +17,8 @@ const LEFT_ALONE_MS = 2000;
 const FIRST_NOTES = 3; // of those on the log: seen without unfolding
 
 const CHECKED =
-  "its clock, readings at max range, beams that see the robot, the sensor's mount, a delay between scans and poses, " +
-  "drift, and things that move";
+  "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
+  "poses, drift, and moving objects";
 
 interface DoctorProps {
   readonly store: Store;
@@ -62,7 +62,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   return (
     <Panel title="Log doctor">
       <Notes notes={store.hello.value?.log?.notes ?? []} />
-      {!isTold && <p class="quiet">Looks for what spoils a map: {CHECKED}.</p>}
+      {!isTold && <p class="quiet">Checks {CHECKED}.</p>}
       <div class="doctor-told" role="status">
         {now.kind === "done" && !isTold && (
           <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
@@ -77,7 +77,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {isTold && now.examination.findings.length === 0 && (
           <p>
-            Nothing found. Poses: {witness(now.examination.trajectory)}. Looked at: {CHECKED}.
+            No problems found. Poses: {witness(now.examination.trajectory)}. Checked: {CHECKED}.
           </p>
         )}
         {isTold && now.examination.findings.length > 0 && (
@@ -126,7 +126,7 @@ function Told({ finding, store }: { readonly finding: Finding; readonly store: S
       <div class="finding-actions">
         {parameters && (
           <Button disabled={tried} onClick={() => store.setTogether(`doctor ${finding.check}`, parameters)}>
-            {tried ? "Tried on the map" : "Try it on the map"}
+            {tried ? "Applied to the map" : "Apply to the map"}
           </Button>
         )}
         {scans.slice(0, 6).map((scan) => (

@@ -19,17 +19,17 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
       <div class="library-head">
         <h1>Robot logs</h1>
         <p class="prose">
-          Choose a run and watch the map it makes fill in. Then change a parameter: the whole map is made anew, from
-          every reading of the log, while the slider moves.
+          Open a log and watch its map fill in. When you change a parameter, the whole map is computed again from every
+          reading of the log.
         </p>
       </div>
       <Dropzone button="Choose a log" onFolders={(folders) => folders.flatMap(logsIn).forEach(upload)}>
         <p>
-          <strong>Drop your own log here, a file or a whole ROS 2 folder</strong>
+          <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
         </p>
         <p class="quiet">
-          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. A recording in
-          several files: drop its folder. Only this browser will see it.
+          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording in
+          several files, drop its folder. Only this browser can open it.
         </p>
       </Dropzone>
       {uploads.value.map((one) => (
@@ -47,8 +47,8 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           <div class="card ghost" />
         </div>
       )}
-      {list?.length === 0 && <p class="notice">There are no logs here yet. Drop one above to see its map.</p>}
-      <Shelf title="Yours" list={own} onOpen={onOpen} />
+      {list?.length === 0 && <p class="notice">There are no logs yet. Drop one above.</p>}
+      <Shelf title="Your logs" list={own} onOpen={onOpen} />
       <Shelf title="On this server" list={[...sample, ...folder]} onOpen={onOpen} />
     </div>
   );
@@ -86,7 +86,7 @@ function UploadCard({ upload: one }: { upload: Upload }) {
         ) : (
           <>
             <p class="quiet number">
-              {one.sent > 0 ? `${bytes(one.sent)} of ` : "waits, "}
+              {one.sent > 0 ? `${bytes(one.sent)} of ` : "waiting, "}
               {bytes(one.bytes)}
             </p>
             <div class="progress">

@@ -65,14 +65,15 @@ export function LogCard({ log, onOpen }: LogCardProps) {
 
 function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
-  const coming = log.source === "sample" ? "being made …" : log.state === "reading" ? "being read …" : "not yet read";
+  const coming =
+    log.source === "sample" ? "being simulated …" : log.state === "reading" ? "being read …" : "not yet read";
   return (
     <>
       <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || coming}</p>
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
         <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
-          Where it was: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
+          Poses from: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
         </p>
       )}
       {known.length > 0 && <Inside log={log} onOpen={onOpen} />}
@@ -96,7 +97,7 @@ function Inside({ log, onOpen }: LogCardProps) {
   if (lines.length === 0 && log.topics.length === 0) return null;
   return (
     <details class="log-notes">
-      <summary>What is inside</summary>
+      <summary>Contents</summary>
       <ul>
         {lines.map((line) => (
           <li key={line}>{line}</li>
@@ -106,7 +107,7 @@ function Inside({ log, onOpen }: LogCardProps) {
             {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
             {one.beams !== null && !one.chosen && (
               <button type="button" onClick={() => onOpen(log, one.name)}>
-                Map this one
+                Open this sensor
               </button>
             )}
           </li>
@@ -137,10 +138,10 @@ async function tell(log: LogRecord, what: "cancel" | "read"): Promise<void> {
 async function erase(log: LogRecord): Promise<void> {
   const yes = await confirm(
     `Delete ${log.name}?`,
-    "The log is removed from the server. Maps that you downloaded stay yours.",
+    "The log is removed from the server. Downloaded maps are not affected.",
     "Delete",
   );
   if (!yes) return;
   const wrong = await remove(log.id);
-  toast(wrong ?? `${log.name} is deleted.`, wrong ? "error" : "note");
+  toast(wrong ?? `${log.name} was deleted.`, wrong ? "error" : "note");
 }

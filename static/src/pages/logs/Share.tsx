@@ -19,7 +19,7 @@ async function copied(address: string, said: string): Promise<string> {
     await navigator.clipboard.writeText(address);
     return said;
   } catch {
-    return "The browser does not let this page copy: select the address and copy it.";
+    return "The browser does not allow copying: select the address and copy it.";
   }
 }
 
@@ -57,10 +57,10 @@ export function Share({ session, log, look }: ShareProps) {
       const link = await makeLink(session, look());
       links.value = [link, ...(links.peek() ?? [])];
       // What the map is compared with is told in the address itself.
-      await copy(absolute(link) + location.hash, "The link is copied.");
+      await copy(absolute(link) + location.hash, "Link copied.");
     });
   const revoke = async (link: Link): Promise<void> => {
-    const text = "It opens nothing any more, and the views of all who came by it end.";
+    const text = "The link stops working, and the sessions of everyone who opened it end.";
     if (!(await confirm("Revoke this link?", text, "Revoke"))) return;
     await attempt(async () => {
       await revokeLink(link.token);
@@ -82,19 +82,21 @@ export function Share({ session, log, look }: ShareProps) {
           <Button kind="quiet" icon="close" label="Close" onClick={() => dialog.current?.close()} />
         </header>
         <p>
-          A link opens what you see now: these parameters and poses, this moment of the log, this part of the map.
-          Whoever has it looks through a view of their own: they may play it, change parameters and ask cells why. They
-          cannot delete the log, take it with them or see another. It works until you revoke it.
+          A link opens the current view: parameters, poses, position in the log and visible part of the map. Everyone
+          who opens it gets a session of their own, in which they can play, change parameters and ask why. They cannot
+          delete or download the log or open other logs. The link works until you revoke it.
         </p>
         <div class="actions">
           <Button kind="primary" icon="link" disabled={busy.value} onClick={() => void make()}>
-            Make a link
+            Create link
           </Button>
           <Button
             kind="quiet"
-            onClick={() => void copy(location.href, "Copied. Whoever may use this service steers this view with you.")}
+            onClick={() =>
+              void copy(location.href, "Copied. Everyone who may use this service can control this session with you.")
+            }
           >
-            Copy this page to steer together
+            Copy the address of this session
           </Button>
         </div>
         <p role="status" class="quiet">
@@ -117,7 +119,7 @@ export function Share({ session, log, look }: ShareProps) {
                       onFocus={(event) => event.currentTarget.select()}
                     />
                   </div>
-                  <Button kind="quiet" onClick={() => void copy(absolute(link), "The link is copied.")}>
+                  <Button kind="quiet" onClick={() => void copy(absolute(link), "Link copied.")}>
                     Copy
                   </Button>
                   <Button kind="danger" disabled={busy.value} onClick={() => void revoke(link)}>

@@ -52,13 +52,13 @@ export function Transport({ store }: { store: Store }) {
       />
       <Button
         icon="stepBack"
-        label="One scan back"
+        label="Back one scan"
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: -1 })}
       />
       <Button
         icon="stepForward"
-        label="One scan on"
+        label="Forward one scan"
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: 1 })}
       />

@@ -53,7 +53,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
   const comparison = useComparison(session, store);
   useSignalEffect(() => {
     if (status.value !== "gone" || !returns) return;
-    toast("That view had ended on the server. Here is the log again, with the parameters of the beginning.");
+    toast("The session had ended on the server. The log was opened again with default parameters.");
     onGone();
   });
   useSignalEffect(() => {
@@ -83,8 +83,8 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
   if (ended) {
     return (
       <div class="viewer-message" role="alert">
-        <h1>This view has ended</h1>
-        <p class="prose">The server closes views that nobody has looked at for a while. The log is still there.</p>
+        <h1>This session has ended</h1>
+        <p class="prose">The server ends sessions that are idle. The log is still there.</p>
         <div class="actions">
           <Button kind="primary" icon="restart" onClick={onGone}>
             Open the log again
@@ -113,7 +113,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
         )}
         {hello && status.value !== "live" && status.value !== "away" && (
           <p class="viewer-over" role="status">
-            <Icon name="warning" /> The server does not answer. The view goes on by itself when it does.
+            <Icon name="warning" /> The server does not answer. The page reconnects by itself.
           </p>
         )}
       </div>
@@ -126,9 +126,11 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
         )}
       </div>
       <Compare store={store} session={session} comparison={comparison} isGuest={guest !== undefined} />
-      <Side store={store} session={session} isGuest={guest !== undefined} />
+      <div class="viewer-column">
+        <Side store={store} session={session} isGuest={guest !== undefined} />
+        <Why store={store} side="right" />
+      </div>
       <ProfileBox store={store} />
-      <Why store={store} side="right" />
     </div>
   );
 }
@@ -174,7 +176,7 @@ function Head({ connection, session, onClose, picture }: HeadProps) {
           {hello?.log && <Share session={session} log={hello.log.id} look={look} />}
         </>
       ) : (
-        <span class="guest-note">Shared with you: what you change here changes nothing for others.</span>
+        <span class="guest-note">Shared view: your changes are not seen by others.</span>
       )}
     </header>
   );
@@ -196,8 +198,9 @@ function Remade({ store }: { store: Store }) {
   );
 }
 
-/** What can be taken away of the run by whoever has the log. */
+/** Downloads of the log for visitors who may open it. */
 const RUN_FILES = ["run.mcap", "trajectory.tum"];
+const LABELS: Readonly<Record<string, string>> = { "trajectory.tum": "Trajectory (TUM)" };
 
 function Side({ store, session, isGuest }: { store: Store; session: string; isGuest: boolean }) {
   const hello = store.hello.value;
@@ -218,7 +221,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
       {trajectories.length > 1 && (
         <Panel title="Trajectory">
           <Choice
-            label="Where the robot was, according to"
+            label="Poses from"
             options={trajectories.map((one) => ({ value: one.name, label: witness(one.name) }))}
             value={trajectory}
             onChange={(name) => {
@@ -235,20 +238,20 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
         values={store.mapping.values}
         set={(name, value) => store.setParameter(name, value)}
       />
-      <Panel title="Take it away">
+      <Panel title="Download">
         <div class="downloads">
           <MapFiles session={session} />
           {(isGuest ? [] : RUN_FILES).map((name) => (
             <Button key={name} icon="download" href={of(name)} download>
-              {name.split(".").at(-1)}
+              {LABELS[name] ?? name.split(".").at(-1)}
             </Button>
           ))}
         </div>
         <p class="quiet">
-          pgm and yaml together open in map_server and Nav2: both are of the moment when you download the first of them.
-          png is for people.
+          pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a picture
+          of it.
           {!isGuest &&
-            " mcap is the whole run with this map: Rerun draws it and ROS 2 plays it as it is, Foxglove and Lichtblick draw what is switched on in their 3D panel (/map, /scan, /pose); tum is the way of the robot."}
+            " mcap contains the scans, the poses and this map for Rerun and ROS 2, and for Foxglove and Lichtblick, where the topics /map, /scan and /pose are enabled in the 3D panel."}
         </p>
       </Panel>
     </aside>

@@ -38,6 +38,6 @@ export function surety({ sure, possible }: Pick<Finding, "sure" | "possible">): 
 
 /** What an examination came to, in a few words. */
 export function verdict({ findings }: Examination): string {
-  if (findings.length === 0) return "Nothing wrong found";
-  return findings.length === 1 ? "1 finding: show it" : `${findings.length} findings: show them`;
+  if (findings.length === 0) return "No problems found";
+  return findings.length === 1 ? "Show 1 finding" : `Show ${findings.length} findings`;
 }

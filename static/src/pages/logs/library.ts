@@ -62,7 +62,7 @@ export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
 
-export const AWAY = "The server does not answer. This page tries again by itself.";
+export const AWAY = "The server does not answer. The page tries again by itself.";
 
 /** The server's own sentence about what went wrong, or one of ours. */
 export async function sentence(answer: Response): Promise<string> {
@@ -129,7 +129,7 @@ function messageOf(request: XMLHttpRequest): string {
     // as in `sentence`
   }
   return request.status === 0
-    ? "The upload broke off: the server does not answer."
+    ? "The upload was interrupted: the server does not answer."
     : `The server answered ${request.status}.`;
 }
 

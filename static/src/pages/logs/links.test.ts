@@ -17,10 +17,10 @@ const link: Link = {
 test("a link says which view it opens and who looks", () => {
   expect(described(link)).toBe("25 of 40 scans · odometry");
   expect(described({ ...link, index: 40, topic: "/scan", changed: ["clamp"], watching: 1 })).toBe(
-    "the whole log · odometry · /scan · 1 parameter of its own · 1 person looks now",
+    "the whole log · odometry · /scan · 1 changed parameter · 1 viewer now",
   );
   expect(described({ ...link, changed: ["clamp", "window"], watching: 3 })).toBe(
-    "25 of 40 scans · odometry · 2 parameters of its own · 3 people look now",
+    "25 of 40 scans · odometry · 2 changed parameters · 3 viewers now",
   );
 });
 

@@ -71,7 +71,7 @@ export function described(link: Link): string {
     index === count ? "the whole log" : `${index} of ${count} scans`,
     witness(trajectory),
     ...(topic === null ? [] : [topic]),
-    ...(changed.length === 0 ? [] : [counted(changed.length, "parameter of its own", "parameters of its own")]),
-    ...(watching === 0 ? [] : [`${counted(watching, "person looks", "people look")} now`]),
+    ...(changed.length === 0 ? [] : [counted(changed.length, "changed parameter", "changed parameters")]),
+    ...(watching === 0 ? [] : [`${counted(watching, "viewer", "viewers")} now`]),
   ].join(" · ");
 }

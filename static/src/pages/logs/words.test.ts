@@ -62,7 +62,7 @@ test("a topic is told in a line", () => {
     chosen: true,
   };
   const unplaced = { ...intel, time: null, mount: [0, 0, 0], topics: [scan] };
-  expect(inside(unplaced)).toEqual(["Sensor taken to be at the robot's centre: the file does not say"]);
+  expect(inside(unplaced)).toEqual(["Sensor mount not stated in the file; the robot's centre is assumed"]);
   expect(topic(scan)).toBe("1,200 × LaserScan, 360 beams, 359°, 10.0 Hz, frame laser");
   const imu = { ...scan, type: "sensor_msgs/Imu", frame: null, beams: null, field_of_view_deg: null, rate_hz: null };
   expect(topic(imu)).toBe("1,200 × Imu");

@@ -74,7 +74,7 @@ export function inside(log: LogRecord): readonly string[] {
           }`,
         ]
       : []),
-    ...(log.mount && !mount ? ["Sensor taken to be at the robot's centre: the file does not say"] : []),
+    ...(log.mount && !mount ? ["Sensor mount not stated in the file; the robot's centre is assumed"] : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
   ];
 }
@@ -93,25 +93,22 @@ export function topic(one: Topic): string {
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
     /\.(unknown_format|binary|garbage|empty|missing)$/,
-    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read. Others have to be converted first.",
+    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read. Convert other formats first.",
   ],
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
     "Copy the file again from where it was recorded; this copy is damaged.",
   ],
   [/\.poses$/, "A ring of sonars is two files: choose measurement.txt and poses.txt together, or drop their folder."],
-  [/\.archive$/, "What was unpacked can be dropped here as a whole folder."],
-  [/\.no_scans$/, "A map needs the range readings. Is there another file of the same run?"],
+  [/\.archive$/, "Unpack the archive and drop the folder here."],
+  [/\.no_scans$/, "A map needs the range readings. Check whether another file of the same run has them."],
   [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
-  [
-    /\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/,
-    "Try it again; the log itself may be sound.",
-  ],
+  [/\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/, "Try again; the log itself may be intact."],
 ];
 
 /** What one can do about a log that failed. */
 export function remedy(log: LogRecord): string {
   const found = REMEDIES.find(([codes]) => codes.test(log.error?.code ?? ""));
   if (found) return found[1];
-  return log.error?.message.startsWith("Line ") ? "Mend or remove that line, and try again." : "";
+  return log.error?.message.startsWith("Line ") ? "Correct or remove that line, and try again." : "";
 }

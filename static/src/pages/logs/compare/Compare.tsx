@@ -48,13 +48,13 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const trajectory = store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
   const others = (hello.log?.trajectories ?? []).filter((one) => one.name !== trajectory);
   const options: { value: Kind; label: string }[] = [
-    { value: "settings", label: "Kept settings" },
+    { value: "settings", label: "Saved settings" },
     ...(others.length > 0 ? [{ value: "poses" as const, label: "Other poses" }] : []),
     ...(isGuest ? [] : [{ value: "log" as const, label: "Another log" }]),
   ];
   return (
     <div class="viewer-compare">
-      <Panel title="Compare" note={!compared && "two maps in one picture: this one, B, beside another, A"}>
+      <Panel title="Compare" note={!compared && "this map, B, with another map, A"}>
         <div class="compare">
           <div class="compare-choose">
             <Choice
@@ -68,14 +68,14 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
             />
             {kind === "settings" && (
               <>
-                <p class="quiet">A keeps the settings of this moment; the sliders go on changing B.</p>
+                <p class="quiet">A keeps the current settings; the sliders change B.</p>
                 <div class="compare-actions">
                   <Button
                     kind={compared ? undefined : "primary"}
                     disabled={busy.value}
                     onClick={() => begin({ values: store.mapping.values.peek(), trajectory })}
                   >
-                    Keep these as A
+                    Save as A
                   </Button>
                 </div>
               </>
@@ -95,7 +95,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
             <>
               <div class="compare-look">
                 <Choice
-                  label="Look at them by"
+                  label="Show as"
                   options={LOOKS.map((look) => ({ value: look, label: TITLES[look] }))}
                   value={comparison.look.value}
                   onChange={(look) => {
@@ -110,10 +110,10 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 {comparison.look.value === "merge" && <Merge compared={compared} />}
                 <div class="compare-actions">
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
-                    difference as png
+                    Difference (png)
                   </Button>
                   <Button icon="close" onClick={() => void ask(() => compareNoMore(session))}>
-                    End comparing
+                    End comparison
                   </Button>
                 </div>
               </div>
@@ -145,7 +145,7 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
   const now = compared && kindOf(compared) === "poses" ? compared.trajectory : undefined;
   return (
     <>
-      <p class="quiet">A is the same log with other poses; the settings hold for both.</p>
+      <p class="quiet">A is the same log with other poses; both use the same settings.</p>
       <div class="compare-actions">
         {others.map((one) => (
           <Button
@@ -177,8 +177,8 @@ function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly ow
   return (
     <>
       <p class="quiet">
-        A is another log as a whole, made with the settings of this one. Both lie where their poses say: two logs are
-        one place only where both count from the same origin.
+        A is another log, complete, with the settings of this one. The maps can be compared only if the poses of both
+        logs are in the same frame.
       </p>
       <label class="field">
         <span class="visually-hidden">The other log</span>
@@ -191,7 +191,7 @@ function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly ow
             if (log) onChoose({ log, topic: topic || null });
           }}
         >
-          <option value="">{choices.length > 0 ? "Choose a log …" : "There is no other log"}</option>
+          <option value="">{choices.length > 0 ? "Choose a log …" : "No other log"}</option>
           {choices.map(({ id, topic, label }) => (
             <option key={id + topic} value={id + VALUE_SEPARATOR + topic}>
               {label}
@@ -210,7 +210,7 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
   const isKept = Object.keys(compared.values).length > 0;
   if (!isKept) return null;
   if (rows.length === 0) {
-    return <p class="quiet">A and B have the same settings: move a slider, and B follows.</p>;
+    return <p class="quiet">A and B have the same settings. Move a slider to change B.</p>;
   }
   return (
     <>
@@ -236,7 +236,7 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
             )
           }
         >
-          Set B as A is
+          Set B to the settings of A
         </Button>
       </div>
     </>
@@ -247,11 +247,11 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
 function Merge({ compared }: { readonly compared: Compared }) {
   return (
     <p class="quiet">
-      The evidence of both in one map: in each cell ℓ = ℓ<sub>A</sub> + ℓ<sub>B</sub> − ℓ₀, shown within the limits of
+      The evidence of both maps added: in each cell ℓ = ℓ<sub>A</sub> + ℓ<sub>B</sub> − ℓ₀, shown within the limits of
       B.{" "}
       {compared.log
-        ? "Two runs through one place know more together than each alone."
-        : "Both are made of the same scans here, so each scan counts twice: a merge is meant for two runs."}
+        ? "Meant for two runs through the same place."
+        : "Both maps are of the same scans, so each scan counts twice: merge maps of two runs instead."}
     </p>
   );
 }
@@ -268,7 +268,7 @@ function Blinking({ comparison }: { readonly comparison: Comparison }) {
       />
       {comparison.blinks.value && (
         <Choice
-          label="Seconds for each"
+          label="Seconds per map"
           options={BLINK_S.map((seconds) => ({ value: String(seconds), label: String(seconds) }))}
           value={String(comparison.blinkS.value)}
           onChange={(seconds) => {

@@ -1,0 +1,36 @@
+"""What ``map`` says of poses that drift."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from mapper.parameters import MappingConfig
+
+if TYPE_CHECKING:
+    from mapper.scan import ScanLog
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print no notes, and do not check whether the poses drift.")]
+
+SAME_POSES_M = 0.2  #: two trajectories that are nowhere farther apart are the same poses, from two sources
+
+
+def drift_note(log: ScanLog, trajectory: str | None, config: MappingConfig) -> str | None:
+    """Return one line on poses that the doctor calls drifted, with what to do about it; None for other poses."""
+    from mapper.doctor import drift_finding  # noqa: PLC0415 - start-up
+
+    if drift_finding(log, trajectory, config) is None:
+        return None
+    name = trajectory or log.default_trajectory
+    poses = log.trajectory(name).poses
+    others = [
+        other for other, one in log.trajectories.items() if np.abs(one.poses[:, :2] - poses[:, :2]).max() > SAME_POSES_M
+    ]
+    remedy = (
+        f"try other poses of this log with --trajectory {' or '.join(others)}"
+        if others
+        else "correct them with a SLAM program; the log has no different ones"
+    )
+    return f"The poses of trajectory {name!r} drift, so walls may be double: {remedy}."

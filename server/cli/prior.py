@@ -1,0 +1,94 @@
+"""``--prior``: a number, or a map file from which mapping goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.parameters import BY_NAME, MappingConfig
+from server.cli.common import configured, fail, refusing, value_of
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+    from mapper.scan import ScanLog
+
+Prior = Annotated[
+    str | None,
+    typer.Option(
+        "--prior",
+        "--log-odds-prior",
+        metavar="NUMBER|MAP.yaml",
+        help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
+    ),
+]
+PriorFrame = Annotated[
+    str | None,
+    typer.Option(
+        "--prior-frame",
+        metavar="FRAME",
+        help="Frame of the prior map, which the poses must be in too. [what its yaml states, or map]",
+    ),
+]
+DEFAULT_FRAME = "map"  #: of a map file that does not state its frame (REP 105)
+
+
+@dataclass(frozen=True, slots=True)
+class PriorMap:
+    """A prior map, and its frame; ``is_frame_given`` says that the frame was given on the command line."""
+
+    path: Path
+    grid: OccupancyGrid
+    notes: tuple[str, ...]
+    frame: str
+    is_frame_given: bool
+
+    def notes_for(self, log: ScanLog, trajectory: str | None) -> tuple[str, ...]:
+        """Return the notes on this map as the prior of ``log``; end the command where their frames differ."""
+        with refusing(self.path):
+            frame = log.trajectory(trajectory).frame
+        name = trajectory or log.default_trajectory
+        if frame is None:
+            note = f"The frame of trajectory {name!r} is not known; it is taken to be the prior map's, {self.frame!r}."
+            return self.notes if self.is_frame_given else (*self.notes, note)
+        if frame != self.frame:
+            fail(
+                f"{self.path}: The prior map is in frame {self.frame!r:.80}, but the poses of trajectory {name!r:.80} "
+                f"are in frame {frame!r:.80}. {self._remedy(log, frame)}"
+            )
+        if frame.startswith("odom"):
+            note = f"The frame {frame!r} starts anew with each run; the prior map must come from the run of this log."
+            return (*self.notes, note)
+        return self.notes
+
+    def _remedy(self, log: ScanLog, frame: str) -> str:
+        others = [name for name, one in log.trajectories.items() if one.frame == self.frame]
+        chosen = f"Choose poses in its frame with --trajectory {others[0]}, or" if others else "If that is wrong,"
+        return f"{chosen} state the frame of the prior map with --prior-frame {frame}."
+
+
+def given_prior(text: str | None, frame: str | None, given: dict[str, Any]) -> tuple[dict[str, Any], PriorMap | None]:
+    """Return the parameters with a prior that is a number or a map file, and the map.
+
+    Where no other resolution is given, it is that of the map.
+    """
+    number = None if text is None else value_of(BY_NAME["log_odds_prior"], text)
+    if text is None or isinstance(number, float):
+        if frame is not None:
+            fail("--prior-frame needs a map file, given with --prior.")
+        if number is not None:
+            given = given | {"log_odds_prior": number}
+            configured(given)
+        return given, None
+    from mapper.integrate import check_resolution  # noqa: PLC0415 - start-up
+    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+
+    path = Path(text)
+    with refusing(path):
+        loaded = load_map(path)
+        given = {"resolution": loaded.grid.geometry.resolution} | given
+        check_resolution(loaded.grid, MappingConfig().with_values(given))
+    stated = frame or loaded.description.frame or DEFAULT_FRAME
+    return given, PriorMap(path, loaded.grid, loaded.notes, stated, frame is not None)
