@@ -7,19 +7,30 @@ VENV   := .venv
 NONE_IS_FINE = $(if $(PYTEST),|| [ $$? -eq 5 ])
 BIN    := $(VENV)/bin
 NPM    := $(BIN)/python static/build_pages.py
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+          --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock'
 
-.PHONY: serve setup pages test check bench dev browser clean
+.PHONY: serve setup lock pages test check bench dev browser clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
 
 setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
 
-$(VENV)/.installed: pyproject.toml
+# Everything that is installed has its version and hashes in requirements/dev.txt, the build tools too.
+$(VENV)/.installed: pyproject.toml requirements/dev.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Gridbloom needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(PIP) --require-hashes --requirement requirements/dev.txt
+	$(PIP) --no-deps --no-build-isolation --editable .
 	touch $@
+
+lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
+	$(PIP) uv
+	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt pyproject.toml --output-file requirements/runtime.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 
 pages: $(VENV)/.installed ## static/dist, where its sources changed
 	$(NPM)
