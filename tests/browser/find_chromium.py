@@ -26,7 +26,7 @@ ADVICE = "install Chromium (Debian, Ubuntu: apt-get install chromium) or name it
 def starts(program: Path) -> bool:
     """Return whether the program says its version: some distributions' ``chromium-browser`` only says "use snap"."""
     try:
-        done = subprocess.run([str(program), "--version"], capture_output=True, timeout=30, check=False)
+        done = subprocess.run([str(program), "--version"], capture_output=True, timeout=180, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return done.returncode == 0 and b"snap install" not in done.stdout + done.stderr
