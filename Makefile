@@ -63,7 +63,7 @@ test: setup ## what CI runs; PYTEST=tests/mapper names some of the tests
 	$(RUN_TESTS) -m 'not long' $(PYTEST)
 
 test-long: setup kernels programs ## what takes too long for `make test`, and all cases of what it samples: hours
-	GRIDBLOOM_EXAMPLES=1000 GRIDBLOOM_FUZZ=10000 $(RUN_TESTS) -m 'long or sampled' $(PYTEST)
+	GRIDBLOOM_EXAMPLES=1000 GRIDBLOOM_FUZZ=10000 $(RUN_TESTS) --timeout 14400 -m 'long or sampled' $(PYTEST)
 
 bench: setup ## figures beside the peers, as ratios
 	$(BIN)/python -m tests.bench

@@ -27,7 +27,7 @@ from tests.hostile.damage import ALL, opened, opened_from
 from tests.mapper.logs import recorded
 from tests.mapper.logs.recorded import scan
 
-pytestmark = [pytest.mark.sampled, pytest.mark.timeout(7200 if ALL else 600)]
+pytestmark = pytest.mark.sampled
 
 
 @pytest.fixture
