@@ -3,14 +3,17 @@
 
 ARG PYTHON=3.11
 
-# The wheel, with the pages in it. Node comes with the wheel's build requirements.
+# The wheel, with the pages in it. Node comes with the wheel's build requirements. All packages have the versions and
+# hashes of requirements/, as in the tests.
 FROM python:${PYTHON}-slim AS wheel
 WORKDIR /src
+COPY requirements/build.txt requirements/
+RUN pip install --no-cache-dir --require-hashes --requirement requirements/build.txt
 COPY pyproject.toml README.md CHANGELOG.md LICENSE ./
 COPY static static
 COPY mapper mapper
 COPY server server
-RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
+RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
 # What runs: the service and its dependencies in an environment of their own, no compiler, no Node.
 FROM python:${PYTHON}-slim AS runtime
@@ -22,8 +25,10 @@ ENV VIRTUAL_ENV=/opt/gridbloom \
     NUMBA_CACHE_DIR=/var/cache/gridbloom \
     GRIDBLOOM_PORT=8000 \
     GRIDBLOOM_LOG_FORMAT=json
+RUN --mount=type=bind,source=requirements/runtime.txt,target=/requirements.txt \
+    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir --require-hashes --requirement /requirements.txt
 RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
-    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir /wheels/gridbloom-*.whl
+    pip install --no-cache-dir --no-deps /wheels/gridbloom-*.whl
 USER gridbloom
 WORKDIR /data
 # Compiles every kernel. On a processor of another kind than the builder's numba compiles them again at first use.

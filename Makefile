@@ -3,41 +3,67 @@
 
 PYTHON ?= python3
 VENV   := .venv
-# Whoever names tests (make test PYTEST=tests/mapper) may name none of a kind; otherwise both kinds have to be there.
-NONE_IS_FINE = $(if $(PYTEST),|| [ $$? -eq 5 ])
 BIN    := $(VENV)/bin
 NPM    := $(BIN)/python static/build_pages.py
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+          --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock'
 
-.PHONY: serve setup pages test check bench dev browser clean
+# Each worker of the tests has a service, a Chromium and a PostgreSQL of its own.
+WORKERS ?= 2
+RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
+
+.PHONY: serve setup lock pages check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
 
 setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
 
-$(VENV)/.installed: pyproject.toml
+# Everything that is installed has its version and hashes in requirements/dev.txt, the build tools too.
+$(VENV)/.installed: pyproject.toml requirements/dev.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Gridbloom needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(PIP) --require-hashes --requirement requirements/dev.txt
+	$(PIP) --no-deps --no-build-isolation --editable .
 	touch $@
+
+lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
+	$(PIP) uv
+	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt pyproject.toml --output-file requirements/runtime.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 
 pages: $(VENV)/.installed ## static/dist, where its sources changed
 	$(NPM)
 
-check: setup ## lint, types, import rule: Python and TypeScript
+check: check-python check-pages ## lint, types, import rule: Python and TypeScript
+
+check-python: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+check-pages: setup
 	$(NPM) run check
 
-browser:
-	$(BIN)/python tests/browser/find_chromium.py
-
-test: check browser ## what CI runs
+test-pages: setup
 	$(NPM) test
-	$(BIN)/python -m pytest --numprocesses 2 -m 'not browser' $(PYTEST) $(NONE_IS_FINE)
-	$(BIN)/python -m pytest -m browser $(PYTEST) $(NONE_IS_FINE)
+
+kernels: setup ## compile every kernel once, so that no test waits for it
+	$(BIN)/python -m mapper.warm
+
+programs: setup ## find Chromium and PostgreSQL, or install them where that is possible
+	$(BIN)/python -m tests.browser.find_chromium
+	$(BIN)/python -m tests.server.library.postgresql
+
+test: setup ## what CI runs; PYTEST=tests/mapper names some of the tests
+	$(MAKE) --jobs 2 check-python kernels check-pages test-pages programs
+	$(RUN_TESTS) -m 'not long' $(PYTEST)
+
+test-long: setup kernels programs ## what takes too long for `make test`, and all cases of what it samples: hours
+	GRIDBLOOM_EXAMPLES=1000 GRIDBLOOM_FUZZ=10000 $(RUN_TESTS) --timeout 14400 -m 'long or sampled' $(PYTEST)
 
 bench: setup ## figures beside the peers, as ratios
 	$(BIN)/python -m tests.bench

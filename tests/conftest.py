@@ -1,9 +1,9 @@
-"""What all tests share: the real logs where they lie, and how Hypothesis runs."""
+"""What all tests share: the real logs where they lie, how Hypothesis runs, and that nothing is skipped in CI."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import pytest
@@ -11,11 +11,12 @@ from hypothesis import HealthCheck, settings
 
 from mapper.scan import ScanLog
 from mapper.world import sample_log
+from tests.programs import in_ci
 
 # Speed is never asserted, so examples have no deadline; CI must not fail by the luck of the draw.
 settings.register_profile("gridbloom", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("ci", settings.get_profile("gridbloom"), derandomize=True, print_blob=True)
-settings.load_profile("ci" if os.environ.get("CI") else "gridbloom")
+settings.load_profile("ci" if in_ci() else "gridbloom")
 
 
 @pytest.fixture(scope="session")
@@ -55,6 +56,17 @@ def data_file(data_dir: Path) -> Callable[[str], Path]:
 def office_log() -> ScanLog:
     """A simulated office run of 150 scans with its true poses: a log for tests that only need some log."""
     return sample_log(150)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """In CI a test that skips because something is missing fails; ``skipif`` and ``xfail`` marks are as elsewhere."""
+    report = yield
+    if in_ci() and report.skipped and not hasattr(report, "wasxfail") and item.get_closest_marker("skipif") is None:
+        _, _, reason = report.longrepr if isinstance(report.longrepr, tuple) else ("", 0, str(report.longrepr))
+        report.outcome = "failed"
+        report.longrepr = f"In CI nothing that a test needs may be missing. {reason}"
+    return report
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -23,6 +23,7 @@ from server.cli import app
 from server.settings import Settings
 
 README = Path(__file__).parents[1] / "README.md"
+TESTING = README.with_name("docs") / "testing.md"
 
 
 def parameters_table() -> str:
@@ -136,6 +137,16 @@ def test_the_library_is_used_as_the_readme_shows_it(tmp_path: Path, monkeypatch:
     # The wall is 4 · 80 cells long, and 360 beams end on it, here and there two in one cell.
     assert 200 < int(said[1]) <= 360
     assert Path("out/intel.pgm").read_bytes().startswith(b"P5\n128 128\n")
+
+
+def test_what_is_left_to_the_long_tests_is_listed() -> None:
+    root = README.parent
+    marked = {
+        str(path.relative_to(root))
+        for path in (root / "tests").rglob("test_*.py")
+        if re.search(r"pytest\.mark\.(long|sampled)\b", path.read_text())
+    }
+    assert set(re.findall(r"^\| `(tests/[^`]+)`", TESTING.read_text(), flags=re.MULTILINE)) == marked
 
 
 def test_every_picture_is_there() -> None:

@@ -236,6 +236,7 @@ def states_by_textbook(case: StatesCase) -> tuple[Any, ...]:
         if case.grid.observed[cell]:
             gained[cell] = bits(float(prior[cell])) - bits(float(case.grid.log_odds[cell]))
             p = 1 / (1 + math.exp(-float(case.grid.log_odds[cell])))
+            p = min(p, math.nextafter(1.0, 0.0))  # it is below 1 also where it is rounded to 1
             state[cell] = 100 if p > case.occupied else 0 if p < case.free else -1
     return state, left, gained
 

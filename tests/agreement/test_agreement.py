@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from tests.agreement.table import TABLE, Row
 
-EXAMPLES = int(os.environ.get("AGREEMENT_EXAMPLES", "150"))
+EXAMPLES = int(os.environ.get("GRIDBLOOM_EXAMPLES", "50"))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 @given(data=st.data())
 @settings(

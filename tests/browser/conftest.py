@@ -21,15 +21,11 @@ SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark all tests of this folder; the timeout leaves room for kernels that compile in a fresh clone.
-
-    ``make test`` runs them by themselves, after all others: a page that shares its core with another misses frames.
-    """
+    """Mark all tests of this folder."""
     here = Path(__file__).parent
     for item in items:
         if here in item.path.parents:
             item.add_marker(pytest.mark.browser)
-            item.add_marker(pytest.mark.timeout(240))
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +39,7 @@ def logs_dir(tmp_path_factory: pytest.TempPathFactory, real_logs: Path | None) -
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator[str]:
-    """Return the address of a running service."""
+    """Return the address of a running service: each of xdist's workers has its own, and a Chromium of its own."""
     with running_server(tmp_path_factory.mktemp("data"), "--logs-dir", str(logs_dir)) as address:
         yield address
 
@@ -80,6 +76,7 @@ class WatchedPage:
 def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserContext]:
     """Yield a fresh visitor's browser; what sessions they begin end with them: many tests must not fill the server."""
     context = browser.new_context(**({"viewport": {"width": 1440, "height": 900}} | options))
+    context.set_default_timeout(SECONDS * 1000)
     yield context
     for page in context.pages:
         page.close()

@@ -16,8 +16,9 @@ from pathlib import Path
 from playwright.sync_api import Browser, sync_playwright
 
 from tests.browser.find_chromium import chromium
+from tests.server.service import PATIENCE_S
 
-START_SECONDS = 90.0  # a fresh clone compiles every kernel first
+START_SECONDS = 600.0  # a service that has not ended by itself is given time: it may have kernels to compile
 
 # No calls home. Chromium finds out by itself that there is no graphics card, and paints pages as it does for anybody
 # without one: "--use-angle=swiftshader" would put every page through a program that plays the card, which takes ten
@@ -59,7 +60,7 @@ def running_server(data_dir: Path, *arguments: str, environment: dict[str, str] 
     finally:
         process.terminate()
         try:
-            process.wait(15)
+            process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
@@ -72,7 +73,7 @@ def _wait_until_ready(address: str, process: subprocess.Popen[bytes], log: Path)
         if process.poll() is not None:
             raise RuntimeError(f"gridbloom serve ended with {process.returncode}:\n{log.read_text()[-4000:]}")
         try:
-            with urllib.request.urlopen(f"{address}/readyz", timeout=5):
+            with urllib.request.urlopen(f"{address}/readyz", timeout=60):
                 return
         except (urllib.error.URLError, ConnectionError, TimeoutError):
             time.sleep(0.1)

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import SECONDS, await_map, end_session, frame, until
+from tests.browser.looking import await_map, end_session, frame, until
 
 AWAY = "The server does not answer"
 
@@ -20,7 +20,6 @@ def says(page: Page, place: str, words: str) -> None:
 
 def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, server: str) -> None:
     # Pages that are not watched for console errors: a refused connection is one, and is what the test is about.
-    context.set_default_timeout(SECONDS * 1000)
     with cutting_proxy(urlsplit(server).port or 0) as proxy:
         home, viewer, logs = (context.new_page() for _ in range(3))
         address = f"http://127.0.0.1:{proxy.port}"

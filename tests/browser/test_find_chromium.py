@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).with_name("find_chromium.py")
+ROOT = Path(__file__).parents[2]
 
 
 def program(folder: Path, name: str, body: str) -> Path:
@@ -20,9 +20,10 @@ def program(folder: Path, name: str, body: str) -> Path:
 
 
 def find(folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run the script with a PATH that holds only ``folder``: nothing of this machine can be found or installed."""
+    """Run the program with a PATH that holds only ``folder``: nothing of this machine can be found or installed."""
     return subprocess.run(
-        [sys.executable, str(SCRIPT)],
+        [sys.executable, "-m", "tests.browser.find_chromium"],
+        cwd=ROOT,
         env={"PATH": str(folder), "HOME": str(folder)} | environment,
         capture_output=True,
         text=True,

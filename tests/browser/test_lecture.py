@@ -81,7 +81,7 @@ def test_a_log_dropped_at_the_end_leads_to_the_logs_page(page: Page, server: str
         {"name": "lecture.log", "mimeType": "text/plain", "buffer": (line * 3).encode()}
     )
     page.wait_for_url("**/logs.html")
-    expect(page.locator(".log-card", has_text="lecture.log").first).to_be_visible(timeout=30_000)
+    expect(page.locator(".log-card", has_text="lecture.log").first).to_be_visible()
 
 
 # --- presenting ------------------------------------------------------------------------------------------------------

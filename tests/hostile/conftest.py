@@ -11,7 +11,7 @@ import pytest
 import structlog
 
 from server.logging import configure_logging
-from tests.server.service import Service, Watcher, running, settings_for, until
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, until
 
 
 @pytest.fixture(scope="session")
@@ -75,7 +75,7 @@ def undisturbed() -> Callable[[Service], AbstractAsyncContextManager[Watcher]]:
             try:
                 yield watcher
                 frames = watcher.frames
-                async with asyncio.timeout(20):
+                async with asyncio.timeout(PATIENCE_S):
                     while watcher.frames < frames + 3:
                         assert not reading.done(), reading.exception()
                         await asyncio.sleep(0.01)

@@ -1,7 +1,7 @@
 """Ways to damage a file, and what every damaged file must come to: something usable, or one of our own errors.
 
-Each format meets 10,000 damaged files with ``GRIDBLOOM_FUZZ=10000 pytest tests/hostile``, and every prefix and every
-place; without it, a seeded part of them.
+With ``GRIDBLOOM_FUZZ=10000``, as in ``make test-long``, each format meets 10,000 damaged files, every prefix and every
+place; without it, a seeded part of them. Tests that do so are marked ``sampled``.
 """
 
 from __future__ import annotations

@@ -58,6 +58,7 @@ CASES: dict[str, tuple[Callable[[], bytes], str]] = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="what a process held at most is read there")
 @pytest.mark.timeout(600)
 def test_what_holds_four_gibibytes_is_refused_in_bounded_memory(tmp_path):

@@ -17,7 +17,7 @@ from typing import Any
 import httpx
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import until
+from tests.server.service import PATIENCE_S, until
 
 ROOT = Path(__file__).parents[2]
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
@@ -44,13 +44,13 @@ def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]
         assert process.stdout is not None
         found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
         assert found
-        with httpx.Client(base_url=found[0], headers=WHO, timeout=60.0) as client:
+        with httpx.Client(base_url=found[0], headers=WHO, timeout=PATIENCE_S) as client:
             # The address is told when the port is bound; what an earlier run left is swept before the first answer.
             assert client.get("/livez").status_code == 200
             yield process, client
     finally:
         process.kill()
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=PATIENCE_S)
     assert "Traceback" not in errors
 
 
@@ -105,7 +105,7 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
             half.sendall(f"{head}Content-Length: {len(LONG)}\r\n\r\n".encode() + LONG[: len(LONG) // 2])
             until(lambda: files(tmp_path)["incoming"])
             process.kill()
-            process.wait(30)
+            process.wait(PATIENCE_S)
     with served(tmp_path) as (process, client):
         assert files(tmp_path) == {"blobs": 1, "packs": 1, "incoming": 0}
         assert set(uploads(client)) == {"old"}
@@ -117,7 +117,7 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
             assert put(client, name, data).status_code == 202
         until(lambda: uploads(client)["long"]["state"] == "reading")
         process.send_signal(signal.SIGKILL)
-        process.wait(30)
+        process.wait(PATIENCE_S)
     with served(tmp_path) as (process, client):
         assert opens(client, "old")
         # Everything that was acknowledged is read without being asked for.

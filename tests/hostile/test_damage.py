@@ -24,7 +24,7 @@ from tests.hostile.corpus import (
 from tests.hostile.damage import ALL, ROUNDS, flipped, mangled, opened, opened_from
 from tests.mapper.logs import recorded
 
-pytestmark = pytest.mark.timeout(1200)
+pytestmark = pytest.mark.sampled
 
 SEPARATORS = {"csv": ","}
 

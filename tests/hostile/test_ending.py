@@ -15,6 +15,7 @@ import pytest
 
 from server.library import claimed
 from server.library.database import Database
+from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
@@ -36,7 +37,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
     open_connections = []
 
     def say(text: str, answer: str = "") -> str:
-        connection = socket.create_connection(("127.0.0.1", port), timeout=60)
+        connection = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
         open_connections.append(connection)
         connection.sendall(text.replace("{host}", f"127.0.0.1:{port}").encode())
         heard = ""
@@ -62,7 +63,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
         say("")
         say("GET /livez HTTP/1.1\r\nHost: {host}\r\n\r\n", answer="alive")
         process.send_signal(signal.SIGTERM)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=PATIENCE_S)
     finally:
         process.kill()
         for connection in open_connections:
@@ -77,7 +78,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
 def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str) -> None:
     (tmp_path / "file").write_text("")
     done = subprocess.run(
-        [*SERVE, str(tmp_path / folder)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+        [*SERVE, str(tmp_path / folder)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False
     )
     assert done.returncode == 1
     assert done.stdout == ""
@@ -88,7 +89,7 @@ def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str
 def test_a_folder_that_another_service_uses_is_one_sentence(tmp_path: Path) -> None:
     with claimed(tmp_path):
         done = subprocess.run(
-            [*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+            [*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False
         )
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == (
@@ -102,7 +103,9 @@ def test_records_that_cannot_be_used_are_one_sentence(tmp_path: Path) -> None:
     Database.open(None, tmp_path / "library").close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library" / "library.db")) as connection, connection:
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
-    done = subprocess.run([*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        [*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False
+    )
     assert (done.returncode, done.stdout) == (1, "")
     assert len(done.stderr.splitlines()) == 1
     assert done.stderr.startswith("gridbloom: The records were written by a newer Gridbloom")

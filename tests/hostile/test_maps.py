@@ -265,6 +265,7 @@ def _outcome(folder: Path, text: bytes, image: bytes) -> LoadedMap | MapperError
     return loaded
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("kind", images())
 def test_flipped_bits_in_an_image(tmp_path, kind):
     rng = np.random.default_rng(list(kind.encode()))
@@ -273,6 +274,7 @@ def test_flipped_bits_in_an_image(tmp_path, kind):
         _outcome(tmp_path, text.encode(), flipped(rng, images()[kind]))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "damage", [lambda rng: flipped(rng, MAP_YAML.encode()), lambda rng: mangled(rng, MAP_YAML, ": ")]
 )
@@ -282,6 +284,7 @@ def test_flipped_bits_and_mistakes_in_a_yaml(tmp_path, damage):
     assert 0 < sum(isinstance(one, LoadedMap) for one in found) < ROUNDS
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("kind", images())
 def test_every_prefix_of_an_image(tmp_path, kind):
     data = images()[kind]

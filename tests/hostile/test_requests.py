@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 import pytest
 
-from tests.server.service import Service
+from tests.server.service import PATIENCE_S, Service
 
 ROOT = Path(__file__).parents[2]
 ODD_NAMES = (
@@ -43,9 +43,9 @@ ODD_BODIES = (
 )
 
 
-def raw(service: Service, head: str, body: bytes = b"", patience_s: float = 20.0) -> tuple[int, bytes]:
+def raw(service: Service, head: str, body: bytes = b"") -> tuple[int, bytes]:
     """Send a request as it stands; return the answer's status and body, once the service has closed."""
-    with socket.create_connection(("127.0.0.1", service.port), timeout=patience_s) as connection:
+    with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as connection:
         connection.sendall(head.replace("\n", "\r\n").encode("latin-1") + b"\r\n\r\n" + body)
         parts = []
         while part := connection.recv(65536):
@@ -176,7 +176,7 @@ def test_a_body_that_does_not_come_is_given_up(service: Service, monkeypatch: py
 
 def test_a_handshake_that_cannot_be_read_ends_its_connection(service: Service) -> None:
     """The service would wait for the rest of it for ever, and stumble over it when it ends."""
-    with socket.create_connection(("127.0.0.1", service.port), timeout=20) as connection:
+    with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as connection:
         connection.sendall(
             f"POST /api/sessions/x/stream HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n".encode()
             + b"Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"

@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed
 from mapper.parameters import PARAMETERS, Parameter
 from mapper.world import SENSOR_PARAMETERS
 from server.serving import listen
-from tests.server.service import Service, Watcher, eventually, running, settings_for, until_closed
+from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for, until_closed
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 
@@ -68,7 +68,7 @@ def open_raw(service: Service, session_id: str, receive_buffer: int | None = Non
     connection = socket.socket()
     if receive_buffer is not None:
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
-    connection.settimeout(20)
+    connection.settimeout(PATIENCE_S)
     connection.connect(("127.0.0.1", service.port))
     connection.sendall(
         f"GET /api/sessions/{session_id}/stream HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n".encode()

@@ -121,7 +121,7 @@ def test_who_has_too_many_sessions_is_told_so(service: Service) -> None:
     original = state._settings
     state._settings = original.model_copy(update={"max_sessions_per_visitor": 1})
     try:
-        with httpx.Client(base_url=service.http.base_url, timeout=60) as visitor:
+        with httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S) as visitor:
             first = visitor.post("/api/sessions", json={"kind": "world"}).json()["id"]
             client = state.get(first).hub.join()
             answer = visitor.post("/api/sessions", json={"kind": "world"})

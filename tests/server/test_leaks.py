@@ -7,6 +7,8 @@ import gc
 import threading
 from pathlib import Path
 
+import pytest
+
 from tests.server.service import Service, Watcher, eventually, running, settings_for
 
 
@@ -32,14 +34,15 @@ async def one_visit(service: Service, number: int) -> None:
     await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")
 
 
-async def test_fifty_visits_leave_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("visits", [12, pytest.param(50, marks=pytest.mark.long)])
+async def test_many_visits_leave_nothing(tmp_path: Path, visits: int) -> None:
     with running(settings_for(tmp_path)) as service:
         for number in range(3):  # pools have their threads, caches their entries
             await one_visit(service, number)
         await eventually(lambda: not tasks(service))
         gc.collect()
         threads, open_files = threading.active_count(), descriptors()
-        for number in range(50):
+        for number in range(visits):
             await one_visit(service, number)
         await eventually(lambda: not tasks(service))
         assert service.state.sessions.all() == []

@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 from server.settings import Settings
-from tests.server.service import Service, running, settings_for
+from tests.server.service import PATIENCE_S, Service, running, settings_for
 
 TOKEN = "correct-horse-battery"
 
@@ -30,7 +30,7 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture
 def browser(guarded: Service) -> Iterator[httpx.Client]:
     """A browser that was never here."""
-    with httpx.Client(base_url=f"http://127.0.0.1:{guarded.port}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://127.0.0.1:{guarded.port}", timeout=PATIENCE_S) as client:
         yield client
 
 

@@ -48,10 +48,10 @@ def test_it_prints_where_it_runs_and_ends_when_asked(tmp_path: Path, wish: signa
     found = re.fullmatch(r"Gridbloom runs at (http://127\.0\.0\.1:(\d+)/\?token=a-long-enough-token)\n", line)
     assert found, line
     address = found[1].replace("/?", "/api/worlds?")
-    with urllib.request.build_opener(urllib.request.HTTPCookieProcessor()).open(address, timeout=60) as answer:
+    with urllib.request.build_opener(urllib.request.HTTPCookieProcessor()).open(address, timeout=PATIENCE_S) as answer:
         assert b"office" in answer.read()
     process.send_signal(wish)
-    out, errors = process.communicate(timeout=60)
+    out, errors = process.communicate(timeout=PATIENCE_S)
     assert out == ""
     assert process.returncode == 0
     assert "a-long-enough-token" not in errors
@@ -89,7 +89,7 @@ def test_a_port_that_is_taken_is_one_sentence(tmp_path: Path) -> None:
             env=environment(tmp_path, port=port),
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=PATIENCE_S,
             check=False,
         )
     assert done.returncode == 1
@@ -114,7 +114,7 @@ assert not logging.getLogger().handlers
         env=environment(tmp_path / "data"),
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE_S,
         check=False,
     )
     assert done.returncode == 0, done.stderr

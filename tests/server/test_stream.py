@@ -15,7 +15,7 @@ from mapper.maps import pgm_bytes
 from mapper.world import WORLDS
 from server.routes.stream import COMMAND_BURST, COMMANDS_PER_S
 from server.sessions import Session
-from tests.server.service import Service, Watcher, until_closed
+from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 
 
 def session_of(service: Service, session_id: str) -> Session:
@@ -240,6 +240,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
 
 async def test_a_flood_without_end_ends_the_connection(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.routes.stream.MAX_THROTTLED", 30)
+    monkeypatch.setattr("server.stream.hub.ACK_TIMEOUT_S", PATIENCE_S)  # nothing is acknowledged here
     async with service.connect(service.begin()) as socket:
         for _ in range(1000):
             await socket.send('{"type":"ping","id":1}')
@@ -262,7 +263,7 @@ async def test_a_session_that_is_not_there_says_so(service: Service) -> None:
 async def test_a_session_that_is_ended_says_so(service: Service) -> None:
     session_id = service.begin()
     async with service.connect(session_id) as socket:
-        await asyncio.wait_for(socket.recv(), 30)
+        await asyncio.wait_for(socket.recv(), PATIENCE_S)
         answer = await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")
         assert answer.status_code == 204
         await until_closed(socket)

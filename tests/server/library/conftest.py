@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,18 @@ from mapper.world import sample_log
 from server.library import Library, LibraryLimits
 from server.library.reading import Reader
 from server.settings import Settings
+from tests.programs import MissingProgramError
+from tests.server.library.postgresql import Cluster, running_postgresql
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[Cluster]:
+    """A PostgreSQL server of this worker; where PostgreSQL is not installed the test is skipped, in CI it fails."""
+    try:
+        with running_postgresql() as cluster:
+            yield cluster
+    except MissingProgramError as missing:
+        pytest.skip(str(missing))
 
 
 @pytest.fixture

@@ -1,11 +1,7 @@
-"""Two stores of logs never share the records of one: the second is refused, and the first one's records stay.
-
-``GRIDBLOOM_TEST_DATABASE`` names an empty PostgreSQL database on which this runs too.
-"""
+"""Two stores of logs never share the records of one: the second is refused, and the first one's records stay."""
 
 from __future__ import annotations
 
-import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -27,10 +23,7 @@ from tests.server.library.small_logs import carmen, in_pieces
 def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'records.db'}"
-    named = os.environ.get("GRIDBLOOM_TEST_DATABASE")
-    if named is None:
-        pytest.skip("GRIDBLOOM_TEST_DATABASE does not name a PostgreSQL database")
-    return named
+    return str(request.getfixturevalue("postgresql").new_database())
 
 
 def forget(url: str, folder: Path) -> None:

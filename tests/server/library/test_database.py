@@ -1,7 +1,4 @@
-"""The records in their database: up to date, whole, and with one sentence for each thing that is wrong with it.
-
-``GRIDBLOOM_TEST_DATABASE`` names an empty PostgreSQL database on which the first of these tests run too.
-"""
+"""The records in their database: up to date, whole, and with one sentence for each thing that is wrong with it."""
 
 from __future__ import annotations
 
@@ -35,12 +32,9 @@ RECORD = Record("a", "ann", "Café 地図.log", "upload", "queued", 1 << 40, "0"
 
 @pytest_asyncio.fixture(params=["sqlite", "postgresql"])
 async def database(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Database]:
-    url = None if request.param == "sqlite" else os.environ.get("GRIDBLOOM_TEST_DATABASE")
-    if request.param != "sqlite" and url is None:
-        pytest.skip("GRIDBLOOM_TEST_DATABASE does not name a PostgreSQL database")
+    url = None if request.param == "sqlite" else request.getfixturevalue("postgresql").new_database()
     opened = Database.open(url, tmp_path)
     yield opened
-    await opened.run(lambda connection: [connection.execute(table.delete()) for table in metadata.sorted_tables])
     opened.close()
 
 
@@ -157,5 +151,4 @@ async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> N
 
 async def test_an_address_that_leads_nowhere_is_one_sentence(tmp_path: Path) -> None:
     assert refusal(tmp_path, "sqlite:////no/such/folder/library.db").code == "library.unreachable"
-    pytest.importorskip("psycopg", reason="the driver of PostgreSQL is not installed")
     assert refusal(tmp_path, "postgresql://127.0.0.1:1/none?connect_timeout=2").code == "library.unreachable"

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, once_read, running, settings_for, until
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def visitor(service: Service) -> Iterator[Callable[[], httpx.Client]]:
     made: list[httpx.Client] = []
 
     def new() -> httpx.Client:
-        client = httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=60.0)
+        client = httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S)
         client.get("/api/logs")  # the first answer brings the cookie
         made.append(client)
         return client
@@ -134,7 +134,7 @@ def test_bad_logs_say_what_is_wrong(
 
 
 def test_too_large_is_refused_before_it_is_sent(service: Service, folder: Path) -> None:
-    with socket.create_connection(("127.0.0.1", service.port), timeout=20) as raw:
+    with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as raw:
         raw.sendall(
             f"PUT /api/logs?name=x HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n"
             f"Content-Length: {2 << 30}\r\n\r\n".encode()
@@ -166,7 +166,7 @@ def test_too_large_without_a_length_is_cut(visitor: Callable[[], httpx.Client], 
 
 def test_a_browser_that_leaves_half_way_leaves_nothing(service: Service, folder: Path) -> None:
     for _ in range(3):
-        with socket.create_connection(("127.0.0.1", service.port), timeout=20) as raw:
+        with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as raw:
             raw.sendall(
                 f"PUT /api/logs?name=half HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n"
                 f"Content-Length: 1900000\r\n\r\n".encode()

@@ -13,7 +13,7 @@ import pytest
 
 from server.library import intake
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, once_read, running, settings_for, until
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 
 DATA = carmen(3000)
 KEY = "k" * 20
@@ -32,7 +32,7 @@ def service(folder: Path) -> Iterator[Service]:
 
 @pytest.fixture
 def client(service: Service) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=60.0) as client:
+    with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as client:
         client.get("/api/logs")
         yield client
         for log in client.get("/api/logs").json()["logs"]:

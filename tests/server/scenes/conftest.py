@@ -16,6 +16,7 @@ from server.routes.scenes import router
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
+from tests.server.service import PATIENCE_S
 
 
 class Service:
@@ -57,7 +58,7 @@ async def service(sessions: SessionRegistry) -> AsyncIterator[Service]:
     config = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="warning", ws="websockets-sansio")
     server = uvicorn.Server(config)
     task = asyncio.create_task(server.serve())
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         while not server.started:  # noqa: ASYNC110 - uvicorn offers no event
             await asyncio.sleep(0.01)
     running.port = server.servers[0].sockets[0].getsockname()[1]

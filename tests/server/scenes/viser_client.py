@@ -13,6 +13,8 @@ import zstandard
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from tests.server.service import PATIENCE_S
+
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": (1.0, 0.0, 0.0, 0.0),
@@ -42,12 +44,12 @@ class Client:
     async def send(self, **message: Any) -> None:
         await self.socket.send(msgspec.msgpack.encode(message))
 
-    async def until(self, wanted: Any, seconds: float = 20.0) -> dict[str, Any]:
+    async def until(self, wanted: Any) -> dict[str, Any]:
         """The first message, seen already or still to come, of which ``wanted`` is true."""
         for message in self.seen:
             if wanted(message):
                 return message
-        async with asyncio.timeout(seconds):
+        async with asyncio.timeout(PATIENCE_S):
             while True:
                 frame = await self.socket.recv()
                 assert isinstance(frame, bytes)

@@ -212,7 +212,7 @@ async def test_stories_leave_a_thread_to_the_others(
     stories = [asyncio.create_task(registry.create_world("me", "room", n, {"steps": 5})) for n in range(3)]
     await asyncio.sleep(0.05)
     # While stories are told somebody else begins at once.
-    await asyncio.wait_for(registry.create_world("somebody", "room", 1), 30)
+    await asyncio.wait_for(registry.create_world("somebody", "room", 1), PATIENCE_S)
     assert not any(story.done() for story in stories)
     telling.set()
     await asyncio.gather(*stories)

@@ -19,7 +19,7 @@ from mapper.limits import Limits
 from mapper.replay import Replay
 from mapper.world import WORLDS, Faults, SensorConfig
 from server.sessions import SessionRegistry, WorldMapper
-from tests.server.service import eventually
+from tests.server.service import PATIENCE_S, eventually
 
 
 @pytest.mark.parametrize("values", [{}, {"resolution": 0.1}, {"update": "per_scan", "window": 0.4}, {"range_max": 3.0}])
@@ -105,7 +105,7 @@ async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) ->
     assert session.view().count == count
     ticks = asyncio.Event()
     session.listen(ticks.set)
-    await asyncio.wait_for(ticks.wait(), 10)
+    await asyncio.wait_for(ticks.wait(), PATIENCE_S)
     await eventually(lambda: session.view().count != count)
     session.ignore(ticks.set)
     await session.snapshot()

@@ -1,0 +1,41 @@
+"""The programs that the tests need beside Python: whether they must be there, and how they are installed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+
+
+def in_ci() -> bool:
+    """Return whether these are the tests of CI, where what the tests need must be there."""
+    return os.environ.get("CI", "").lower() not in ("", "0", "false")
+
+
+class MissingProgramError(RuntimeError):
+    """A program is missing; the message is one sentence on what to do."""
+
+
+def apt_install(package: str, purpose: str, advice: str) -> None:
+    """Install a Debian package with apt-get, as root or with a sudo that asks for no password.
+
+    ``purpose`` begins the error's sentence, as in "The browser tests need Chromium", and ``advice`` ends it.
+    Raises :class:`MissingProgramError` where the package cannot be installed.
+    """
+    if shutil.which("apt-get") is None:
+        raise MissingProgramError(f"{purpose}, and there is no apt-get here: {advice}.")
+    if os.geteuid() == 0:
+        prefix: list[str] = []
+    elif (
+        shutil.which("sudo")
+        and subprocess.run(["sudo", "-n", "true"], capture_output=True, check=False).returncode == 0
+    ):
+        prefix = ["sudo", "-n"]
+    else:
+        raise MissingProgramError(f"{purpose}, and only root can install it: {advice}.")
+    for arguments in (["update"], ["install", "--yes", "--no-install-recommends", package]):
+        command = [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", *arguments]
+        # apt's own words go to standard error: standard output holds the path and nothing else.
+        if subprocess.run(command, stdout=sys.stderr, check=False).returncode != 0:
+            raise MissingProgramError(f"{purpose}, and apt-get {arguments[0]} failed: {advice}.")

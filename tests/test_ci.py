@@ -1,0 +1,73 @@
+"""In CI a test fails where what it needs is missing; elsewhere it is skipped and says why."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TESTS = """
+import pytest
+
+def test_needs_the_logs(data_file):
+    data_file("carmen/none.log")
+
+def test_skips():
+    pytest.skip("no such program")
+
+@pytest.mark.skipif(True, reason="another system")
+def test_of_another_system():
+    pass
+
+@pytest.mark.xfail(strict=True)
+def test_known_to_fail():
+    assert False
+"""
+
+
+def outcome(folder: Path, **environment: str) -> tuple[int, str]:
+    """The exit status and the output of a run of the tests above."""
+    path = folder / "test_some.py"
+    path.write_text(TESTS)
+    kept = {name: value for name, value in os.environ.items() if name not in ("CI", "GRIDBLOOM_TEST_DATA")}
+    command = [sys.executable, "-m", "pytest", "-p", "tests.conftest", "-p", "no:cacheprovider", "-c", "pyproject.toml"]
+    done = subprocess.run(
+        [*command, str(path)], cwd=ROOT, env=kept | environment, capture_output=True, text=True, check=False
+    )
+    return done.returncode, done.stdout
+
+
+@pytest.mark.parametrize("ci", ["", "false"])
+def test_elsewhere_it_is_skipped_and_says_why(tmp_path: Path, ci: str) -> None:
+    status, said = outcome(tmp_path, CI=ci)
+    assert status == 0, said
+    assert "3 skipped, 1 xfailed" in said
+    assert "GRIDBLOOM_TEST_DATA does not name the folder of real logs" in said
+
+
+def test_in_ci_it_fails_and_says_why(tmp_path: Path) -> None:
+    (tmp_path / "carmen").mkdir()
+    for data in ({}, {"GRIDBLOOM_TEST_DATA": str(tmp_path)}):
+        status, said = outcome(tmp_path, CI="true", **data)
+        assert status == 1, said
+        assert ", 1 skipped, 1 xfailed" in said, "only the skipif mark holds"
+        assert "no such program" in said
+        missing = "has no carmen/none.log" if data else "GRIDBLOOM_TEST_DATA does not name the folder of real logs"
+        assert missing in said
+
+
+def test_in_ci_make_test_ends_where_postgresql_cannot_be_had(tmp_path: Path) -> None:
+    """With a PATH on which there is nothing, and folders of distributions in which there is nothing either."""
+    program = "from tests.server.library import postgresql as p; p.FOLDERS = (); import sys; sys.exit(p.main())"
+    for ci, status in (("true", 1), ("", 0)):
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            cwd=ROOT, env={"PATH": str(tmp_path), "CI": ci}, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert (done.returncode, done.stdout) == (status, "")
+        assert len(done.stderr.splitlines()) == 1
+        assert "apt-get install postgresql" in done.stderr
