@@ -17,7 +17,7 @@ from mapper.maps import load_map
 from mapper.parameters import PARAMETERS
 from mapper.world import WORLDS
 from server.routes import pages
-from tests.server.service import Service
+from tests.server.service import PATIENCE_S, Service
 
 
 def test_a_session_can_begin_standing_still(service: Service) -> None:
