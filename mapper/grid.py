@@ -263,17 +263,22 @@ class OccupancyGrid:
         Occupied where p_occ > ``occupied_threshold``, free where p_occ < ``free_threshold``, unknown between and
         where nothing was ever observed. Source: map_server's trinary mode.
         """
-        if not 0.0 <= free_threshold <= occupied_threshold <= 1.0:
-            raise ConfigError(
-                "grid.thresholds",
-                f"Thresholds must satisfy 0 ≤ free ≤ occupied ≤ 1, not free {free_threshold!r} "
-                f"and occupied {occupied_threshold!r}.",
-            )
+        check_thresholds(occupied_threshold, free_threshold)
         state = np.full(self.geometry.shape, UNKNOWN, dtype=np.int8)
         # Compared in log-odds, where the map is kept: no exponential for every cell.
         state[self.observed & (self.log_odds > log_odds(occupied_threshold))] = OCCUPIED
         state[self.observed & (self.log_odds < log_odds(free_threshold))] = FREE
         return state
+
+
+def check_thresholds(occupied_threshold: float, free_threshold: float) -> None:
+    """Raise :class:`ConfigError` unless 0 ≤ ``free_threshold`` ≤ ``occupied_threshold`` ≤ 1."""
+    if not 0.0 <= free_threshold <= occupied_threshold <= 1.0:
+        raise ConfigError(
+            "grid.thresholds",
+            f"Thresholds must satisfy 0 ≤ free ≤ occupied ≤ 1, not free {free_threshold!r} "
+            f"and occupied {occupied_threshold!r}.",
+        )
 
 
 def probability(log_odds_value: ArrayLike) -> NDArray[np.float64]:

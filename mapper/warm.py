@@ -20,6 +20,7 @@ from mapper.compare import compare
 from mapper.grid import TILE
 from mapper.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.kernels.raycast import arc_clearance
+from mapper.metrics import map_metrics
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.world import WORLDS, Recording, Simulation
@@ -58,6 +59,7 @@ def warm(is_wanted: Callable[[], bool] = lambda: True) -> None:
     grid = replay.grid
     quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
     compare(grid, grid)
+    map_metrics(grid)
 
 
 def kernels() -> dict[str, bool]:
