@@ -1,26 +1,25 @@
 """Counts and entropy sums of one map, in one pass over its cells.
 
-Neighbouring cells often hold the same value, and a map few distinct ones. The pass only counts how often each value
-occurs, in runs; entropy and state are computed once for each value.
+A map holds few distinct values, and neighbouring cells often the same one. The pass counts how often each value occurs,
+in a table; entropy and state are computed once for each value, and again for one that another pushed out of its slot.
 """
 
 from __future__ import annotations
 
 from math import isnan
 
-from numpy import float32, int32, int64, uint32, uint64, zeros
+from numpy import float32, float64, int32, int64, uint64, zeros
 
 from mapper.kernels.compiled import jit
 from mapper.kernels.entropy import SLOTS, _entropy, _slot
 from mapper.kernels.types import Float32Array, Float64Array, Int64Array, UInt8Array
 
 _ALL_OBSERVED = uint64(0x0101010101010101)  #: eight cells of the array of bool
-_TWICE = uint64(0x100000001)
 
 
 @jit
 def _add_value(
-    value: float,
+    log_odds: float,
     cells: int,
     unset: float,
     free_below: float,
@@ -28,8 +27,9 @@ def _add_value(
     counts: Int64Array,
     sums: Float64Array,
 ) -> None:
-    """Add ``cells`` cells that hold ``value``, NaN standing for ``unset``."""
-    log_odds = unset if isnan(value) else value
+    """Add ``cells`` cells that hold ``log_odds``, NaN standing for ``unset``."""
+    if isnan(log_odds):
+        log_odds = unset
     counts[0] += cells
     if log_odds < free_below:
         counts[1] += cells
@@ -62,46 +62,22 @@ def sum_map(
     values = zeros(SLOTS, dtype=float32)
     keys = values.view(int32)
     cells = zeros(SLOTS, dtype=int64)
-    last, run = int32(0), 0
-    pair = uint64(0)  # the bits of two cells that hold the last value
-    start = 0
-    while start < n:
-        stop = min(start + 8, n)
+    for start in range(0, n, 8):
+        stop, each = min(start + 8, n), 1
         if start < whole:
-            eight = eights[start // 8]
-            at = start // 2
+            eight, at = eights[start // 8], start // 2
             if eight == 0:
-                start = stop
                 continue
-            if (
-                eight == _ALL_OBSERVED
-                and pairs[at] == pair
-                and pairs[at + 1] == pair
-                and pairs[at + 2] == pair
-                and pairs[at + 3] == pair
-            ):
-                run += 8
-                start = stop
-                continue
+            same = pairs[at] == pairs[at + 1] and pairs[at] == pairs[at + 2] and pairs[at] == pairs[at + 3]
+            if eight == _ALL_OBSERVED and same and bits[start] == bits[start + 1]:
+                stop, each = start + 1, 8  # one lookup for eight equal cells
         for i in range(start, stop):
-            if observed[i] == 0:
-                continue
-            if bits[i] == last:
-                run += 1
-                continue
-            slot = _slot(last)
-            if keys[slot] != last:
-                _add_value(values[slot], cells[slot], unset, free_below, occupied_above, counts, sums)
-                keys[slot], cells[slot] = last, 0
-            cells[slot] += run
-            last, run = bits[i], 1
-            pair = uint64(uint32(last)) * _TWICE
-        start = stop
-    slot = _slot(last)
-    if keys[slot] != last:
-        _add_value(values[slot], cells[slot], unset, free_below, occupied_above, counts, sums)
-        keys[slot], cells[slot] = last, 0
-    cells[slot] += run
+            key = bits[i]
+            slot = _slot(key)
+            if keys[slot] != key:
+                _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
+                keys[slot], cells[slot] = key, 0
+            cells[slot] += each * observed[i]  # without a branch: a cell that is not observed adds nothing
     for slot in range(SLOTS):
         if cells[slot]:
-            _add_value(values[slot], cells[slot], unset, free_below, occupied_above, counts, sums)
+            _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
