@@ -119,7 +119,9 @@ def read_breezyslam(
         range_min=RANGE_MIN,
         range_max=RANGE_MAX,
         stamps_ns=stack.stamps_ns,
-        trajectories={"wheel": Trajectory(poses, "the wheels' encoders, with the constants of BreezySLAM's rover")},
+        trajectories={
+            "wheel": Trajectory(poses, "the wheels' encoders, with the constants of BreezySLAM's rover", "odom")
+        },
         mount=(LASER_AHEAD, 0.0, 0.0),
         name=path.name,
         format="BreezySLAM",

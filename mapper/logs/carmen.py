@@ -316,7 +316,7 @@ class CarmenReader:
         scan = compose(sensor.laser_poses, inverse(np.array(mount)))
         found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
         if not _same_pose(scan, sensor.robot_poses):
-            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line")
+            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line", "odom")
         if len(self.odometry):
             poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
             restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
@@ -324,7 +324,7 @@ class CarmenReader:
             if restart.any():
                 poses = without_restarts(poses, restart)
                 text += ", chained where the log starts them again from a corrected pose"
-            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text)
+            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
         if len(self.truth):
             found["truepos"] = Trajectory(
                 poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps),

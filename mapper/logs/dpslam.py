@@ -77,7 +77,7 @@ def read_dpslam(
         range_min=0.0,
         range_max=RANGE_MAX,
         stamps_ns=stack.stamps_ns,
-        trajectories={"scan": Trajectory(stack.robot_poses, "the Odometry line before each scan")},
+        trajectories={"scan": Trajectory(stack.robot_poses, "the Odometry line before each scan", "odom")},
         name=path.name,
         format="DP-SLAM",
         notes=(*notes, *notes_on_ranges),

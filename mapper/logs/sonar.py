@@ -137,6 +137,7 @@ def read_sonar(
         trajectories={"exact": Trajectory(pose, f"the poses in {POSES}, which are said to be exact")},
         bearings=bearings,
         beam_width=BEAM_WIDTH,
+        frame_id="sonar",
         name=readings.name,
         format="sonar ring",
         notes=(*notes, *more, f"The files do not state where the sonars point: {assumed} assumed, cones of 20°."),

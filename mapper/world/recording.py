@@ -120,7 +120,9 @@ class Recording:
             self._stamps[: self._n],
             {
                 "true": Trajectory(self._poses[: self._n], "The simulated robot's true poses."),
-                "odometry": Trajectory(self._odometry[: self._n], "What its wheels report: the truth with a drift."),
+                "odometry": Trajectory(
+                    self._odometry[: self._n], "What its wheels report: the truth with a drift.", "odom"
+                ),
             },
             self.mount,
             beam_width=self.sensor.cone,

@@ -31,7 +31,7 @@ def sample_log(n_scans: int = 600, world: str = "office", seed: int = 5) -> Scan
         np.array([scan.stamp_ns for scan, _ in taken]),
         {
             "true": Trajectory(poses, "Where the simulated robot truly was."),
-            "odometry": Trajectory(odometry, "What its wheels report: the truth with a drift that grows."),
+            "odometry": Trajectory(odometry, "What its wheels report: the truth with a drift that grows.", "odom"),
         },
         name=f"A simulated run: {WORLDS[world].title.lower()}",
         format="simulation",

@@ -33,7 +33,7 @@ from server.cli.common import (
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 
 if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
+    from mapper.export import GrowingMap
     from mapper.scan import ScanLog
 
 
@@ -56,6 +56,7 @@ def map_log(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make the map of a log."""
+    from mapper.export import GrowingMap  # noqa: PLC0415 - start-up
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
     from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
@@ -79,7 +80,7 @@ def map_log(
             )
             seconds = time.perf_counter() - start
     written = save(grid, out, mode) if out is not None else []
-    written += _export(scans, grid, trajectory, mcap, tum)
+    written += _export(scans, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
@@ -116,7 +117,7 @@ def map_log(
 
 
 def _export(
-    log: ScanLog, grid: OccupancyGrid, trajectory: str | None, mcap: Path | None, tum: Path | None
+    log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
     """Write what was asked for; return the paths."""
     from mapper.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
@@ -131,7 +132,7 @@ def _export(
                     file.write(tum_text(log, trajectory).encode())
                 else:
                     with progress_bar("Writing") as progress:
-                        write_mcap(file, log, grid, trajectory, progress)
+                        write_mcap(file, log, growing_map, trajectory, progress)
         except OSError as error:
             fail(f"{path}: the file cannot be written: {error.strerror}.")
     return [path for path in (mcap, tum) if path is not None]

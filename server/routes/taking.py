@@ -13,7 +13,9 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from mapper.errors import LimitError, MapperError
-from mapper.export import tum_text, write_mcap
+from mapper.export import GrowingMap, tum_text, write_mcap
+from mapper.scan import ScanLog
+from mapper.threads import alone
 from server.sessions import LogSession
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -34,7 +36,7 @@ def _log_session(request: Request, session_id: str) -> LogSession:
 
 @router.get("/{session_id}/run.mcap")
 async def run_mcap(request: Request, session_id: str) -> Response:
-    """Return the log with its map as it is now, as an MCAP file of ROS 2 messages."""
+    """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
     session = _log_session(request, session_id)
     state, visitor = request.app.state, request.state.visitor
     if state.taken.total() >= MAX_AT_ONCE or state.taken[visitor] >= MAX_OF_VISITOR:
@@ -45,10 +47,10 @@ async def run_mcap(request: Request, session_id: str) -> Response:
         state.taken -= Counter([visitor])
 
     try:
-        grid = await session.snapshot()
+        growing_map, trajectory = await session.growing_map()
         file: IO[bytes] = tempfile.TemporaryFile(dir=state.settings.data_dir)  # noqa: SIM115 - ends with the answer
         try:
-            await asyncio.to_thread(write_mcap, file, session.log, grid, session.trajectory)
+            await asyncio.to_thread(_write, file, session.log, growing_map, trajectory)
         except OSError as error:
             file.close()
             raise LimitError("log.storage", "The server could not make the file; its disk may be full.") from error
@@ -65,6 +67,11 @@ async def run_mcap(request: Request, session_id: str) -> Response:
         "Content-Encoding": "identity",  # it is compressed already
     }
     return _FileResponse(file, give_back, headers)
+
+
+def _write(file: IO[bytes], log: ScanLog, growing_map: GrowingMap, trajectory: str) -> None:
+    with alone():  # the map is made again: on one core, the other ones are the sessions'
+        write_mcap(file, log, growing_map, trajectory)
 
 
 class _FileResponse(StreamingResponse):
