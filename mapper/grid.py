@@ -196,6 +196,21 @@ class OccupancyGrid:
         )
         self.log_odds: NDArray[np.float32] = self.prior()
 
+    def __repr__(self) -> str:
+        """Return size (width × height), resolution, origin and known cells in one line."""
+        geometry = self.geometry
+        origin = ", ".join(f"{value:g}" for value in geometry.origin)
+        return (
+            f"<OccupancyGrid {geometry.cols} × {geometry.rows} cells of {geometry.resolution:g} m, "
+            f"origin ({origin}), {np.count_nonzero(self.observed)} known>"
+        )
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture that notebooks show, at most 1024 pixels a side."""
+        from mapper.preview import preview_png  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        return preview_png(self.log_odds, self.observed)
+
     def prior(self, part: tuple[slice, slice] = np.s_[:, :]) -> NDArray[np.float32]:
         """Return ℓ₀ of every cell (rows, cols), or of some rows and columns, an array of its own."""
         rows, cols = (len(range(side)[cut]) for side, cut in zip(self.geometry.shape, part, strict=True))
