@@ -206,6 +206,21 @@ class OccupancyGrid:
         )
         self.log_odds: NDArray[np.float32] = self.prior()
 
+    def __repr__(self) -> str:
+        """Return size (width × height), resolution, origin and known cells in one line."""
+        geometry = self.geometry
+        origin = ", ".join(f"{value:g}" for value in geometry.origin)
+        return (
+            f"<OccupancyGrid {geometry.cols} × {geometry.rows} cells of {geometry.resolution:g} m, "
+            f"origin ({origin}), {np.count_nonzero(self.observed)} known>"
+        )
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture that notebooks show, at most 1024 pixels a side."""
+        from mapper.preview import preview_png  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        return preview_png(self.log_odds, self.observed)
+
     def prior(self, part: tuple[slice, slice] = np.s_[:, :]) -> NDArray[np.float32]:
         """Return ℓ₀ of every cell (rows, cols), or of some rows and columns, an array of its own."""
         rows, cols = (len(range(side)[cut]) for side, cut in zip(self.geometry.shape, part, strict=True))
@@ -281,17 +296,22 @@ class OccupancyGrid:
         Occupied where p_occ > ``occupied_threshold``, free where p_occ < ``free_threshold``, unknown between and
         where nothing was ever observed. Source: map_server's trinary mode.
         """
-        if not 0.0 <= free_threshold <= occupied_threshold <= 1.0:
-            raise ConfigError(
-                "grid.thresholds",
-                f"Thresholds must satisfy 0 ≤ free ≤ occupied ≤ 1, not free {free_threshold!r} "
-                f"and occupied {occupied_threshold!r}.",
-            )
+        check_thresholds(occupied_threshold, free_threshold)
         state = np.full(self.geometry.shape, UNKNOWN, dtype=np.int8)
         # Compared in log-odds, where the map is kept: no exponential for every cell.
         state[self.observed & (self.log_odds > log_odds(occupied_threshold))] = OCCUPIED
         state[self.observed & (self.log_odds < log_odds(free_threshold))] = FREE
         return state
+
+
+def check_thresholds(occupied_threshold: float, free_threshold: float) -> None:
+    """Raise :class:`ConfigError` unless 0 ≤ ``free_threshold`` ≤ ``occupied_threshold`` ≤ 1."""
+    if not 0.0 <= free_threshold <= occupied_threshold <= 1.0:
+        raise ConfigError(
+            "grid.thresholds",
+            f"Thresholds must satisfy 0 ≤ free ≤ occupied ≤ 1, not free {free_threshold!r} "
+            f"and occupied {occupied_threshold!r}.",
+        )
 
 
 def probability(log_odds_value: ArrayLike) -> NDArray[np.float64]:

@@ -13,12 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.custom_model import add_with_model
 from mapper.errors import ConfigError
 from mapper.geometry import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.parameters import CONES, MappingConfig
 from mapper.scan import RangeScan, ScanLog, check_poses, cones
+from mapper.sensor_model import InverseSensorModel
 from mapper.sweep import Sweep
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
@@ -139,16 +141,28 @@ def check_resolution(prior: OccupancyGrid, config: MappingConfig) -> None:
         )
 
 
-def integrate_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> Change:
+def integrate_scan(
+    grid: OccupancyGrid,
+    scan: RangeScan,
+    sensor_pose: ArrayLike,
+    config: MappingConfig,
+    model: InverseSensorModel | None = None,
+) -> Change:
     """Add one scan to the grid, which grows first where the robot sees beyond its border.
 
-    ``sensor_pose`` (3,) is ``T_map_laser`` as the robot states it; ``config.mount`` is composed onto it here. Growth
-    moves nothing that is there. Raises :class:`mapper.errors.ConfigError` for a pose that is not finite or too far
-    out and :class:`mapper.errors.LimitError` for a grid that would grow too large; the grid is then unchanged.
+    ``sensor_pose`` (3,) is ``T_map_laser`` as the robot states it; ``config.mount`` is composed onto it here. With
+    ``model`` the evidence is that model's instead of the one that ``config.model`` names; traversal, ranges, treatment
+    of no return and clamp remain those of ``config``. Growth moves nothing that is there. Raises
+    :class:`mapper.errors.ConfigError` for a pose that is not finite or too far out or a model that returns anything but
+    finite increments of the right shape, and :class:`mapper.errors.LimitError` for a grid that would grow too large;
+    the grid is then unchanged.
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
     sweep = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
+    if model is not None:
+        count, box, grown = add_with_model(grid, sweep, config, model)
+        return Change(CellBox(*box) if count else None, grown, count)
     grown = grid.grow_to_include(*sweep.bounds(config))
     change = _add(grid, sweep, config)
     return Change(change.box, grown, change.cells_updated)

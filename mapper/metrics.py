@@ -7,7 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.grid import FREE, FREE_THRESHOLD, OCCUPIED, OCCUPIED_THRESHOLD, OccupancyGrid, probability
+from mapper.grid import (
+    FREE_THRESHOLD,
+    OCCUPIED_THRESHOLD,
+    OccupancyGrid,
+    check_thresholds,
+    log_odds,
+    probability,
+)
+from mapper.kernels.map_statistics import sum_map
 
 
 def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
@@ -64,14 +72,37 @@ class MapMetrics:
 def map_metrics(
     grid: OccupancyGrid, occupied_threshold: float = OCCUPIED_THRESHOLD, free_threshold: float = FREE_THRESHOLD
 ) -> MapMetrics:
-    """Return a grid's figures; the thresholds are those of :meth:`OccupancyGrid.classify`."""
-    state = grid.classify(occupied_threshold, free_threshold)
-    free, occupied = int(np.count_nonzero(state == FREE)), int(np.count_nonzero(state == OCCUPIED))
+    """Return a grid's figures; the thresholds are those of :meth:`OccupancyGrid.classify`.
+
+    One pass over the cells, which takes a small part of the time that mapping them took.
+    """
+    check_thresholds(occupied_threshold, free_threshold)
+    thresholds = float(log_odds(free_threshold)), float(log_odds(occupied_threshold))
+    counts, bits = _sums(grid.log_odds, grid.observed, grid.log_odds_prior, thresholds)
+    observed, free, occupied = (int(count) for count in counts)
+    if grid.prior_map is None:
+        prior_bits = observed * float(entropy(np.float32(grid.log_odds_prior)))
+    else:
+        prior_bits = _sums(grid.prior_map, grid.observed, grid.log_odds_prior, thresholds)[1]
+    cells = grid.log_odds.size
     return MapMetrics(
-        entropy_bits=float(entropy(grid.log_odds[grid.observed]).sum()),
-        information_gain_bits=float(information_gain(grid).sum()),
+        entropy_bits=bits,
+        information_gain_bits=prior_bits - bits,
         free=free,
         occupied=occupied,
-        unknown=state.size - free - occupied,
-        never_observed=int(state.size - np.count_nonzero(grid.observed)),
+        unknown=cells - free - occupied,
+        never_observed=cells - observed,
     )
+
+
+def _sums(
+    values: NDArray[np.float32], observed: NDArray[np.bool_], prior: float, thresholds: tuple[float, float]
+) -> tuple[NDArray[np.int64], float]:
+    """Return how many cells are observed, free, occupied (3,), and the sum of the observed ones' entropy in bits.
+
+    ``values`` (rows, cols) are log-odds, NaN standing for ``prior``.
+    """
+    counts, sums = np.zeros(3, dtype=np.int64), np.zeros(1)
+    flat = np.ascontiguousarray(values).reshape(-1), np.ascontiguousarray(observed).reshape(-1).view(np.uint8)
+    sum_map(*flat, float(np.float32(prior)), *thresholds, counts, sums)
+    return counts, float(sums[0])

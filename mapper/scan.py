@@ -118,7 +118,8 @@ class LaserScan:
     ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in
     the laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside
     [``range_min``, ``range_max``] metres are not measurements. ``beam_width`` is 0 for a lidar's thin beams and for a
-    ring of sonars, evenly spread, the angle of their cones, radians.
+    ring of sonars, evenly spread, the angle of their cones, radians. ``time_increment`` is the time between two beams
+    and ``scan_time`` between two scans, seconds, 0 where unknown (sensor_msgs/LaserScan).
     """
 
     ranges: NDArray[np.float32]
@@ -128,6 +129,8 @@ class LaserScan:
     range_max: float
     stamp_ns: int = 0
     beam_width: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
@@ -206,15 +209,19 @@ def _check_width(width: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_map_base``, metres and radians.
+    """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
 
-    ``description`` is one sentence on where the poses come from. ``frame`` is the frame that they are stated in, as
-    ``map`` or ``odom`` (REP 105); None where the log does not say it.
+    ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
+    stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base
+    (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
+    can be mapped.
     """
 
     poses: NDArray[np.float64]
     description: str = ""
-    frame: str | None = None
+    frame_id: str | None = None
+    child_frame_id: str = "base_link"
+    is_placeholder: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
@@ -250,6 +257,8 @@ class ScanLog:
     ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
     A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
     and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
+    ``frame_id`` is the sensor's frame. ``time_increment`` is the time from one beam to the next and ``scan_time`` from
+    one scan to the next, seconds, 0 where the file does not state them; where scans state different ones, the median.
     """
 
     ranges: NDArray[np.float32]
@@ -266,6 +275,9 @@ class ScanLog:
     name: str = ""
     format: str = ""
     topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
+    frame_id: str = "laser"
+    time_increment: float = 0.0
+    scan_time: float = 0.0
     notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
@@ -292,6 +304,12 @@ class ScanLog:
             check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
         _check_width(self.beam_width)
+        if not np.isfinite([self.time_increment, self.scan_time]).all():
+            raise ConfigError(
+                "log.times",
+                "The time increment and the scan time must be finite numbers of seconds, not "
+                f"{self.time_increment!r} and {self.scan_time!r}.",
+            )
         if self.bearings is None:
             _check_angle_step(self.angle_increment, self.ranges.shape[1])
         else:
@@ -357,5 +375,13 @@ class ScanLog:
         if self.bearings is not None:
             limits = (self.range_min, self.range_max, int(self.stamps_ns[index]))
             return SonarScan(self.ranges[index], self.angles, self.beam_width, *limits)
-        stamp_ns = int(self.stamps_ns[index])
-        return LaserScan(self.ranges[index], *self.sweep, self.range_min, self.range_max, stamp_ns, self.beam_width)
+        return LaserScan(
+            self.ranges[index],
+            *self.sweep,
+            self.range_min,
+            self.range_max,
+            int(self.stamps_ns[index]),
+            self.beam_width,
+            self.time_increment,
+            self.scan_time,
+        )

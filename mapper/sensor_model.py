@@ -41,6 +41,27 @@ class BeamModel(Protocol):
         ...
 
 
+class InverseSensorModel(Protocol):
+    """A sensor model of your own, as :func:`mapper.integrate.integrate_scan` takes it: thin beams, updated per beam.
+
+    ``reach`` is how far behind a reading it gives evidence, metres: cells up to s = z + reach are asked for.
+    """
+
+    @property
+    def reach(self) -> float: ...  # noqa: D102 - the class says it
+
+    def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> ArrayLike:
+        """Return the increments (m,), ``inverse_sensor_model − ℓ₀`` in log-odds, finite.
+
+        One entry for each cell that a beam of the scan crosses: ``s`` (m,) is the distance from the sensor to the
+        cell's centre, and exactly z for the cell that holds the endpoint; with a ``reach`` of 0 it is below z for all
+        others.
+        ``z`` (m,) is the beam's reading, +inf for no return, of which a model is asked only with ``no_return`` "free",
+        up to ``range_max``, the greatest range that counts. All in metres.
+        """
+        ...
+
+
 def beam_profile(
     model: BeamModel, z: float, s: ArrayLike, range_max: float = np.inf, *, no_return: NoReturn = "ignore"
 ) -> NDArray[np.float64]:

@@ -106,11 +106,7 @@ class Sweep:
         Return the number of cell updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is
         empty where row1 ≤ row0. Raises :class:`ConfigError` for cells so small that a beam crosses too many of them.
         """
-        if (self.range_max + config.beam_model().half_window(self.range_max)) / grid.geometry.resolution >= MAX_STEPS:
-            raise ConfigError(
-                "grid.resolution",
-                f"A beam of {self.range_max:g} m crosses {MAX_STEPS} cells or more; choose coarser ones.",
-            )
+        check_beam_length(self.range_max + config.beam_model().half_window(self.range_max), grid.geometry.resolution)
         threads = cores() if self.ranges.size >= _WORTH_SHARING else 1
         rows, cols = grid.geometry.shape
         box = np.array([rows, 0, cols, 0], dtype=np.int64)
@@ -254,6 +250,14 @@ class Sweep:
             if plan.rows[0] < plan.rows[1] and plan.words[0] < plan.words[1]:
                 count += _in_bands(drawer_of_fields(plan, grid, rule), plan.work, plan.rows, threads, box)
         return count
+
+
+def check_beam_length(metres: float, resolution: float) -> None:
+    """Raise :class:`ConfigError` for cells so small that a beam of so many metres crosses too many of them."""
+    if metres / resolution >= MAX_STEPS:
+        raise ConfigError(
+            "grid.resolution", f"A beam of {metres:g} m crosses {MAX_STEPS} cells or more; choose coarser ones."
+        )
 
 
 def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> list[tuple[int, int]]:

@@ -11,19 +11,32 @@ import itertools
 import pkgutil
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 import mapper.kernels
 from mapper.compare import compare
 from mapper.grid import TILE
+from mapper.integrate import integrate_scan
 from mapper.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.kernels.raycast import arc_clearance
+from mapper.metrics import map_metrics
 from mapper.parameters import BY_NAME, MappingConfig
 from mapper.replay import Replay
 from mapper.world import WORLDS, Recording, Simulation
 
 SECONDS = 1.0  # of a walk: a few scans and a plan
+
+
+class _NoEvidence:
+    """A sensor model that is not one of the built-in ones."""
+
+    reach = 0.0
+
+    def increments(self, s: NDArray[np.float64], _z: NDArray[np.float64], _range_max: float) -> NDArray[np.float64]:
+        return np.zeros_like(s)
 
 
 def warm() -> None:
@@ -52,6 +65,11 @@ def warm() -> None:
     grid = replay.grid
     quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
     compare(grid, grid)
+    map_metrics(grid)
+    pose = replay.log.sensor_poses()[0]
+    config = MappingConfig(resolution=0.1)
+    for traversal in BY_NAME["traversal"].choices:
+        integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
 
 
 def kernels() -> dict[str, bool]:

@@ -127,16 +127,35 @@ def test_the_library_is_used_as_the_readme_shows_it(tmp_path: Path, monkeypatch:
     ]
     monkeypatch.chdir(tmp_path)
     Path("intel.log.gz").write_bytes(gzip.compress("".join(lines).encode()))
-    (program,) = re.findall(r"(?s)```python\n(.*?)```", README.read_text())
+    program, own_model = re.findall(r"(?s)```python\n(.*?)```", README.read_text())
     assert len([line for line in program.splitlines() if line and not line.startswith("from")]) <= 10
+    names: dict[str, Any] = {}
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(program, {})
+        exec(program, names)
     said = re.fullmatch(r"(\d+) cells are occupied\n", printed.getvalue())
     assert said
     # The wall is 4 · 80 cells long, and 360 beams end on it, here and there two in one cell.
     assert 200 < int(said[1]) <= 360
     assert Path("out/intel.pgm").read_bytes().startswith(b"P5\n128 128\n")
+
+    built_in = names["grid"]
+    assert len([line for line in own_model.splitlines() if line]) <= 13
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(own_model, names)
+    assert re.fullmatch(
+        r"<OccupancyGrid 128 × 128 cells of 0.05 m, origin \(-3.2, -3.2, 0\), \d+ known>\n", printed.getvalue()
+    )
+    own = names["grid"]
+    assert own is not built_in
+    # Both models find the room: free in its middle, and the same walls to within the window.
+    row, col = own.geometry.world_to_cell((0.3, 0.2))
+    assert own.classify()[row, col] == built_in.classify()[row, col] == 0
+    walls = own.classify() == 100
+    assert walls.sum() >= 200
+    near = np.argwhere(built_in.classify() == 100)
+    assert all(np.abs(near - cell).max(axis=1).min() <= 6 for cell in np.argwhere(walls))
 
 
 def test_what_is_left_to_the_long_tests_is_listed() -> None:

@@ -2,15 +2,17 @@
 
 | topic | type | |
 |---|---|---|
-| ``/map`` | nav_msgs/OccupancyGrid | the map, at the first scan's time: it is there from the beginning |
-| ``/tf_static`` | tf2_msgs/TFMessage | base_link → laser, the sensor's mount |
-| ``/tf`` | tf2_msgs/TFMessage | map → base_link at each scan |
+| ``/map`` | nav_msgs/OccupancyGrid | the map after the first scan, at some instants on the way, and after the last |
+| ``/tf_static`` | tf2_msgs/TFMessage | base → sensor, the sensor's mount |
+| ``/tf`` | tf2_msgs/TFMessage | the trajectory's frame → base at each scan |
 | ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
 | ``/scan`` | sensor_msgs/LaserScan | each scan |
 | ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
 | ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
 
-``/map`` and ``/tf_static`` are said to be latched (transient local), so that who joins a playback late gets them, too.
+Frames have the names that the log and its trajectory state: poses of odometry are odom → base_link, and the map that
+was made with them lies in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map lies in the base's
+frame. ``/map`` and ``/tf_static`` are latched (transient local): who joins a playback late receives the last one.
 
 Source: mcap.dev/spec, and its registry on the ``ros2`` profile; REP 105 (frames).
 """
@@ -25,8 +27,7 @@ from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from mapper.export import ros2
-from mapper.grid import OccupancyGrid
-from mapper.maps import occupancy_values
+from mapper.export.growing_map import GrowingMap
 from mapper.scan import LaserScan, ScanLog
 
 SECOND = ros2.SECOND
@@ -85,40 +86,46 @@ def _quality(*, latched: bool) -> str:
 def write_mcap(
     file: IO[bytes],
     log: ScanLog,
-    grid: OccupancyGrid | None = None,
+    growing_map: GrowingMap | None = None,
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Write ``log`` with one of its trajectories, and ``grid`` as its map, to ``file``.
+    """Write ``log`` with one of its trajectories, and the map as it grows, to ``file``.
 
-    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    ``progress`` is called with the share that is done, 0 … 1; what it raises ends the writing. Raises
+    :class:`ConfigError` for a trajectory that the log lacks.
     """
-    poses = log.trajectory(trajectory).poses
+    way = log.trajectory(trajectory)
+    frame, base = way.frame_id or "map", way.child_frame_id
     stamps = export_stamps(log.stamps_ns)
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start("ros2", "gridbloom")
     topics = _Topics(writer)
     first = int(stamps[0]) if len(stamps) else 0
-    if grid is not None:
-        geometry = grid.geometry
-        values = occupancy_values(grid)
-        message = ros2.occupancy_grid(first, "map", geometry.resolution, geometry.origin, values)
-        topics.send("/map", "nav_msgs/msg/OccupancyGrid", first, message)
-    edges = [("base_link", "laser", log.mount, log.upside_down)]
-    if log.bearings is not None:
-        edges += [("laser", f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
-    topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
+    edges = [] if base == log.frame_id else [(base, log.frame_id, log.mount, log.upside_down)]
+    if log.bearings is not None and log.n_beams > 1:
+        edges += [(log.frame_id, f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
+    if edges:
+        topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
+    maps = iter(()) if growing_map is None else growing_map.maps(log, trajectory)
+    coming = next(maps, None)
     angles = log.angle_min + log.angle_increment * np.arange(log.n_beams)
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for index, stamp in enumerate(stamps.tolist()):
-        pose = (float(poses[index, 0]), float(poses[index, 1]), float(poses[index, 2]))
-        edge = ("map", "base_link", pose, False)
-        topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
-        topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, "map", pose))
+        if not way.is_placeholder:
+            x, y, yaw = (float(value) for value in way.poses[index])
+            edge = (frame, base, (x, y, yaw), False)
+            topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
+            topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, (x, y, yaw)))
         if log.bearings is None:
             _send_scan(topics, log, index, stamp, rays)
         else:
             _send_sonars(topics, log, index, stamp)
+        if coming is not None and growing_map is not None and coming[0] == index:
+            geometry = growing_map.grid.geometry
+            message = ros2.occupancy_grid(stamp, frame, geometry.resolution, geometry.origin, coming[1])
+            topics.send("/map", "nav_msgs/msg/OccupancyGrid", stamp, message)
+            coming = next(maps, None)
         if progress is not None and index % 256 == 0:
             progress(index / len(stamps))
     writer.finish()  # type: ignore[no-untyped-call] # mcap's writer has no types there
@@ -130,15 +137,24 @@ def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDAr
     ``rays`` (n_beams, 2) are its beams' directions.
     """
     ranges = log.ranges[index]
-    scan = LaserScan(ranges, log.angle_min, log.angle_increment, log.range_min, log.range_max)
-    topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, "laser", scan))
+    scan = LaserScan(
+        ranges,
+        log.angle_min,
+        log.angle_increment,
+        log.range_min,
+        log.range_max,
+        time_increment=log.time_increment,
+        scan_time=log.scan_time,
+    )
+    topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, log.frame_id, scan))
     measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
     points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
     points[:, :2] = ranges[measured, None] * rays[measured]
-    topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, "laser", points))
+    topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, log.frame_id, points))
 
 
 def _send_sonars(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
     for i, reading in enumerate(log.ranges[index].tolist()):
-        message = ros2.range_reading(stamp, f"sonar_{i}", log.beam_width, log.range_min, log.range_max, reading)
+        frame = f"sonar_{i}" if log.n_beams > 1 else log.frame_id
+        message = ros2.range_reading(stamp, frame, log.beam_width, log.range_min, log.range_max, reading)
         topics.send(f"/sonar_{i}", "sensor_msgs/msg/Range", stamp, message)

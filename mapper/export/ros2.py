@@ -77,10 +77,10 @@ class _Bytes:
     """A message as it grows; each number is aligned to its size, counted from behind the encapsulation."""
 
     def __init__(self) -> None:
-        self.data = bytearray()
+        self.data = bytearray(ENCAPSULATION)
 
     def pack(self, code: str, size: int, *values: float) -> _Bytes:
-        self.data += bytes(-len(self.data) % size) + struct.pack(f"<{len(values)}{code}", *values)
+        self.data += bytes((len(ENCAPSULATION) - len(self.data)) % size) + struct.pack(f"<{len(values)}{code}", *values)
         return self
 
     def string(self, text: str) -> _Bytes:
@@ -100,12 +100,12 @@ class _Bytes:
         return self.pack("d", 8, x, y, 0.0, *turn)
 
     def array(self, values: NDArray[np.float32] | NDArray[np.int8] | NDArray[np.uint8]) -> _Bytes:
-        self.pack("I", 4, len(values)).data += values.tobytes()
+        self.pack("I", 4, len(values)).data += np.ascontiguousarray(values).view(np.uint8).data
         return self
 
     @property
     def message(self) -> bytes:
-        return ENCAPSULATION + bytes(self.data)
+        return bytes(self.data)
 
 
 def occupancy_grid(stamp_ns: int, frame: str, resolution: float, origin: Pose, values: NDArray[np.int8]) -> bytes:
@@ -133,7 +133,8 @@ def laser_scan(stamp_ns: int, frame: str, scan: LaserScan) -> bytes:
     """Return a sensor_msgs/LaserScan."""
     last = scan.angle_min + scan.angle_increment * max(0, len(scan.ranges) - 1)
     out = _Bytes().header(stamp_ns, frame)
-    out.pack("f", 4, scan.angle_min, last, scan.angle_increment, 0.0, 0.0, scan.range_min, scan.range_max)
+    out.pack("f", 4, scan.angle_min, last, scan.angle_increment, scan.time_increment, scan.scan_time)
+    out.pack("f", 4, scan.range_min, scan.range_max)
     return out.array(scan.ranges).pack("I", 4, 0).message
 
 

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from math import exp, inf, log, log1p
+from math import exp
 
 import numpy as np
 
 from mapper.kernels.compiled import jit
+from mapper.kernels.entropy import SLOTS, _entropy, _slot
 from mapper.kernels.types import BoolArray, Float32Array, Float64Array, Int64Array
-
-#: Entropies that are kept by the bits of their log-odds: most cells of a map hold one of few values, and an exponential
-#: and a logarithm for each cell would cost several times all the rest.
-_KEPT = 4096
-_LN2 = log(2.0)
-
-
-@jit
-def _entropy(log_odds: float) -> float:
-    """Return H(p) in bits, as :func:`mapper.metrics.entropy`."""
-    distance = abs(log_odds)
-    if distance == inf:
-        return 0.0
-    small = exp(-distance)
-    return (log1p(small) + distance * small / (1.0 + small)) / _LN2
 
 
 @jit
@@ -57,8 +43,8 @@ def count_cells(
     ``sums`` (4,): the entropy in bits of a and of b over the cells that either observed, and sum and greatest of
     |ℓ_b − ℓ_a| over those that both did.
     """
-    keys = np.zeros(_KEPT, dtype=np.int32)
-    kept = np.zeros(_KEPT, dtype=np.float64)
+    keys = np.zeros(SLOTS, dtype=np.int32)
+    kept = np.zeros(SLOTS, dtype=np.float64)
     kept[0] = _entropy(0.0)  # whose bits are all zero; every other key differs from what an empty place holds
     rows, cols = place[0], place[1]
     free_below, occupied_above = thresholds[0], thresholds[1]
@@ -79,10 +65,10 @@ def count_cells(
             values[0] = log_odds_a[row_a, col_a] if in_a else priors[0]
             values[1] = log_odds_b[row_b, col_b] if in_b else priors[1]
             for i in range(2):
-                slot = (bits[i] ^ (bits[i] >> 12) ^ (bits[i] >> 20)) & (_KEPT - 1)
+                slot = _slot(bits[i])
                 if keys[slot] != bits[i]:
                     keys[slot] = bits[i]
-                    kept[slot] = _entropy(float(values[i]))
+                    kept[slot] = _entropy(values[i])
                 sums[i] += kept[slot]
             a, b = float(values[0]), float(values[1])
             state_a = _state(a, free_below, occupied_above) if seen_a else 2

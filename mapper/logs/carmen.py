@@ -328,7 +328,7 @@ class CarmenReader:
             found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
             if _is_near(scan, found["wheel"].poses):
                 # Nothing has corrected the scans' poses: they are the odometry.
-                found["scan"] = replace(found["scan"], frame="odom")
+                found["scan"] = replace(found["scan"], frame_id="odom")
         if len(self.truth):
             found["truepos"] = Trajectory(
                 poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps),

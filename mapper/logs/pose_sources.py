@@ -19,23 +19,26 @@ STILL = "standing still"
 
 @dataclass(frozen=True, slots=True)
 class PoseSource:
-    """Poses: ``at`` n times, as far as the source ``covers`` (n,) them, in the frame ``frame`` (None: not stated).
+    """Poses: ``at`` n times, as far as the source ``covers`` (n,) them; ``T_frame_child`` of two frames by name.
 
     Its clock is ``ahead_ns`` ahead of the scans' one, as far as the recorder tells.
     """
 
     name: str
+    frame_id: str
+    child_frame_id: str
     sentence: str
     at: Callable[[Int64Array], Poses3]
     covers: Callable[[Int64Array], NDArray[np.bool_]]
     ahead_ns: int
-    frame: str | None
 
 
 def trajectories_at(
-    stamps_ns: Int64Array, sources: Iterable[PoseSource], limits: Limits
+    stamps_ns: Int64Array, sources: Iterable[PoseSource], base_frame: str, limits: Limits
 ) -> tuple[dict[str, Trajectory], list[str]]:
     """Return what each source says of the scans' times, in its order, and what is to be noted; at least one trajectory.
+
+    Without a usable source, that is a placeholder: ``base_frame`` at the origin of itself.
 
     A source whose poses are from another time than the scans is left out, unless their clocks alone differ: then both
     are put together by when they were recorded.
@@ -56,7 +59,13 @@ def trajectories_at(
             else "The file holds no poses, so the map shows all scans as from one place: record /tf and /tf_static, or "
             "the odometry, beside the scans."
         )
-        found[STILL] = Trajectory(np.zeros((len(stamps_ns), 3)), "no poses in the file: one place for all scans")
+        found[STILL] = Trajectory(
+            np.zeros((len(stamps_ns), 3)),
+            "no poses in the file: one place for all scans",
+            frame_id=base_frame,
+            child_frame_id=base_frame,
+            is_placeholder=True,
+        )
     return found, notes
 
 
@@ -82,4 +91,4 @@ def _at(stamps_ns: Int64Array, source: PoseSource, limits: Limits) -> tuple[Traj
         notes.append(f"1 scan lies before the first or after the last pose of {name}; it gets the nearest.")
     elif outside:
         notes.append(f"{outside} scans lie before the first or after the last pose of {name}; they get the nearest.")
-    return Trajectory(planar, source.sentence, source.frame), notes
+    return Trajectory(planar, source.sentence, source.frame_id, source.child_frame_id), notes

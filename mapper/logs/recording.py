@@ -28,6 +28,8 @@ from mapper.scan import ScanLog, Topic, is_angle_step
 
 Int64Array = NDArray[np.int64]
 
+MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
+
 #: Messages that others make scans of: what one calls them, and the program that does it.
 CONVERTERS = {
     "sensor_msgs/PointCloud2": ("A point cloud", "pointcloud_to_laserscan"),
@@ -46,6 +48,17 @@ class _Channel:
     why: str = ""  #: what is wrong with the first bad one, where it could be decoded
 
 
+@dataclass(slots=True)
+class _PoseTopic:
+    """The poses of one topic, ``T_frame_child`` with the frames of its first message."""
+
+    kind: str
+    frame: str
+    child: str
+    timeline: Timeline
+    clock: Clock
+
+
 class Recording:
     """Takes a recording message by message; :meth:`log` packs what it took."""
 
@@ -55,7 +68,7 @@ class Recording:
         self._channels: dict[int, _Channel] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], _Channel] = {}  #: of all files: topic, type, cdr, readable
         self._sensors: dict[str, SensorScans] = {}
-        self._poses: dict[str, tuple[str, Timeline, Clock, str]] = {}  #: topic → type, poses, their clock, their frame
+        self._poses: dict[str, _PoseTopic] = {}
         self._children: set[str] = set()
         self._tf = FrameTree(limits)
         self._tf_clock = Clock()
@@ -160,15 +173,16 @@ class Recording:
 
     def _take_pose(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in POSES[channel.kind](data, cdr=channel.cdr):
+            child = printable(one.child[:MAX_FRAME_NAME])
             if channel.topic not in self._poses:
-                frame = printable(one.frame[:200])
-                self._poses[channel.topic] = (channel.kind, Timeline(self.limits), Clock(), frame)
-            _, timeline, clock, _ = self._poses[channel.topic]
+                frame = printable(one.frame[:MAX_FRAME_NAME])
+                self._poses[channel.topic] = _PoseTopic(channel.kind, frame, child, Timeline(self.limits), Clock())
+            known = self._poses[channel.topic]
             at = _stamp(one.stamp_ns, stamp_ns)
-            timeline.add(at, one.pose)
-            clock.add(at, _stamp(stamp_ns, 0))
-            if one.child and len(self._children) < 100:
-                self._children.add(printable(one.child))
+            known.timeline.add(at, one.pose)
+            known.clock.add(at, _stamp(stamp_ns, 0))
+            if child and len(self._children) < 100:
+                self._children.add(child)
 
     def _take_transforms(self, channel: _Channel, stamp_ns: int, data: bytes) -> None:
         for one in TRANSFORMS[channel.kind](data, cdr=channel.cdr):
@@ -207,7 +221,8 @@ class Recording:
         base = self._tf.base_of(chain, self._children)
         mount, upside_down, more = self._mount(chain[: base + 1], stamps)
         notes += more
-        trajectories, more = trajectories_at(stamps, self._pose_sources(chain[base:], sensor.clock), self.limits)
+        sources = self._pose_sources(chain[base:], sensor)
+        trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self.limits)
         notes += more
         return ScanLog(
             ranges=ranges,
@@ -221,6 +236,9 @@ class Recording:
             upside_down=upside_down,
             bearings=np.zeros(1) if sensor.beam_width > 0.0 else None,
             beam_width=min(sensor.beam_width, np.pi / 2.0),
+            frame_id=sensor.frame[:MAX_FRAME_NAME],
+            time_increment=sensor.time_increment,
+            scan_time=sensor.scan_time,
             name=name,
             format=f"{form}, {sensor.topic}",
             topics=self._topics(sensor),
@@ -276,19 +294,38 @@ class Recording:
             )
         return (x, y, yaw), up < 0.0, notes
 
-    def _pose_sources(self, chain: list[str], clock: Clock) -> Iterator[PoseSource]:
-        """Yield each world that the base moves in, then each topic of poses, odometry first."""
+    def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
+        """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""
+        base = chain[0][:MAX_FRAME_NAME]
         for world in self._tf.worlds(chain):
             way = chain[: chain.index(world) + 1]
             sentence = f"tf from {world} to {chain[0]}, at the time of each scan"
-            at, covers = partial(self._tf.lookup, way), partial(self._tf.covers, way)
-            yield PoseSource(f"tf/{world}", sentence, at, covers, self._tf_clock.ahead_of(clock), world)
-        for topic in sorted(self._poses, key=lambda topic: self._poses[topic][0] != "nav_msgs/Odometry"):
-            kind, line, theirs, frame = self._poses[topic]
-            if len(line):
-                sentence = f"the {kind.split('/')[-1]} messages on {topic}, at the time of each scan"
-                ahead_ns = theirs.ahead_of(clock)
-                yield PoseSource(topic.lstrip("/"), sentence, line.at, line.covers, ahead_ns, frame or None)
+            yield PoseSource(
+                name=f"tf/{world}",
+                frame_id=world[:MAX_FRAME_NAME],
+                child_frame_id=base,
+                sentence=sentence,
+                at=partial(self._tf.lookup, way),
+                covers=partial(self._tf.covers, way),
+                ahead_ns=self._tf_clock.ahead_of(sensor.clock),
+            )
+        if base == sensor.frame[:MAX_FRAME_NAME] and base not in self._children:
+            # tf does not name the base: an odometry message may.
+            base = min(self._children, default="base_link")
+        for topic in sorted(self._poses, key=lambda topic: self._poses[topic].kind != "nav_msgs/Odometry"):
+            known = self._poses[topic]
+            if not len(known.timeline):
+                continue
+            sentence = f"the {known.kind.split('/')[-1]} messages on {topic}, at the time of each scan"
+            yield PoseSource(
+                name=topic.lstrip("/"),
+                frame_id=known.frame or ("odom" if known.kind == "nav_msgs/Odometry" else "map"),
+                child_frame_id=known.child or base,
+                sentence=sentence,
+                at=known.timeline.at,
+                covers=known.timeline.covers,
+                ahead_ns=known.clock.ahead_of(sensor.clock),
+            )
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._sensors.values()]

@@ -31,7 +31,8 @@ class BadMessageError(Exception):
 class Beams:
     """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
 
-    ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar.
+    ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar. ``time_increment`` (s/beam) and
+    ``scan_time`` (s) are as stated, which may be NaN.
     """
 
     stamp_ns: int
@@ -42,6 +43,8 @@ class Beams:
     range_max: float
     ranges: NDArray[np.float32]
     beam_width: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,19 +127,39 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/LaserScan."""
     fields = _Fields(data, cdr=cdr)
     stamp, frame = fields.header()
-    angle_min, _, increment, _, _, range_min, range_max = fields.unpack("7f", 4)
+    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     ranges = fields.floats()
     fields.floats()  # intensities
     fields.end()
-    return Beams(stamp, frame, angle_min, increment, range_min, range_max, ranges.astype(np.float32))
+    return Beams(
+        stamp,
+        frame,
+        angle_min,
+        increment,
+        range_min,
+        range_max,
+        ranges.astype(np.float32),
+        time_increment=time_increment,
+        scan_time=scan_time,
+    )
 
 
 def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
     fields = _Fields(data, cdr=cdr)
     stamp, frame = fields.header()
-    angle_min, _, increment, _, _, range_min, range_max = fields.unpack("7f", 4)
-    return Beams(stamp, frame, angle_min, increment, range_min, range_max, _first_echoes(fields))
+    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
+    return Beams(
+        stamp,
+        frame,
+        angle_min,
+        increment,
+        range_min,
+        range_max,
+        _first_echoes(fields),
+        time_increment=time_increment,
+        scan_time=scan_time,
+    )
 
 
 def _first_echoes(fields: _Fields) -> NDArray[np.float32]:

@@ -12,6 +12,7 @@ from mapper.limits import Limits
 from mapper.logs.clocks import Clock
 from mapper.logs.ros_messages import Beams
 
+MAX_STATED_S = 3600.0  #: a longer time between beams or scans is a defect of the message
 Beaming = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
 
 
@@ -28,6 +29,8 @@ class SensorScans:
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's geometry
         self._ranges = bytearray()
+        self._time_increments = array("f")
+        self._scan_times = array("f")
 
     def add(self, stamp_ns: int, beams: Beams) -> None:
         """Take one scan."""
@@ -41,6 +44,18 @@ class SensorScans:
         self.stamps.append(stamp_ns)
         self._of_scan.append(self._numbers.setdefault(geometry, len(self._numbers)))
         self._ranges += beams.ranges.tobytes()
+        self._time_increments.append(beams.time_increment)
+        self._scan_times.append(beams.scan_time)
+
+    @property
+    def time_increment(self) -> float:
+        """Median of the stated times between two beams, seconds; 0 where none is stated."""
+        return _median_seconds(self._time_increments)
+
+    @property
+    def scan_time(self) -> float:
+        """Median of the stated times between two scans, seconds; 0 where none is stated."""
+        return _median_seconds(self._scan_times)
 
     @property
     def n_scans(self) -> int:
@@ -90,6 +105,13 @@ class SensorScans:
             "their readings count at the nearest of the usual beams."
         )
         return out, [note]
+
+
+def _median_seconds(stated: array[float]) -> float:
+    """Return the median of the stated times that are finite and not absurd, else 0."""
+    seconds = np.frombuffer(stated, dtype=np.float32)
+    good = seconds[np.abs(seconds) <= MAX_STATED_S]  # false for NaN
+    return float(np.median(good)) if len(good) else 0.0
 
 
 def _nearest(theirs: Beaming, usual: Beaming) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

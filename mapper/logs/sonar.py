@@ -139,6 +139,7 @@ def read_sonar(
         trajectories={"exact": Trajectory(pose, f"the poses in {POSES}, which are said to be exact")},
         bearings=bearings,
         beam_width=BEAM_WIDTH,
+        frame_id="sonar",
         name=readings.name,
         format="sonar ring",
         notes=(

@@ -33,7 +33,7 @@ from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
 
 if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
+    from mapper.export import GrowingMap
     from mapper.scan import ScanLog
 
 
@@ -58,6 +58,7 @@ def map_log(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make the map of a log."""
+    from mapper.export import GrowingMap  # noqa: PLC0415 - start-up
     from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
     from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
 
@@ -65,7 +66,7 @@ def map_log(
     check_mode(mode)
     scans = read_log(log, topic)
     with refusing(log):
-        frame = scans.trajectory(trajectory).frame
+        frame = scans.trajectory(trajectory).frame_id
     notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
@@ -87,7 +88,7 @@ def map_log(
             seconds = time.perf_counter() - start
     drift = None if quiet else drift_note(scans, trajectory, config)
     written = save(grid, out, mode, frame) if out is not None else []
-    written += _export(scans, grid, trajectory, mcap, tum)
+    written += _export(scans, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
@@ -129,7 +130,7 @@ def map_log(
 
 
 def _export(
-    log: ScanLog, grid: OccupancyGrid, trajectory: str | None, mcap: Path | None, tum: Path | None
+    log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
     """Write what was asked for; return the paths."""
     from mapper.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
@@ -144,7 +145,7 @@ def _export(
                     file.write(tum_text(log, trajectory).encode())
                 else:
                     with progress_bar("Writing") as progress:
-                        write_mcap(file, log, grid, trajectory, progress)
+                        write_mcap(file, log, growing_map, trajectory, progress)
         except OSError as error:
             fail(f"{path}: the file cannot be written: {error.strerror}.")
     return [path for path in (mcap, tum) if path is not None]

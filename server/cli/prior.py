@@ -48,7 +48,7 @@ class PriorMap:
     def notes_for(self, log: ScanLog, trajectory: str | None) -> tuple[str, ...]:
         """Return the notes on this map as the prior of ``log``; end the command where their frames differ."""
         with refusing(self.path):
-            frame = log.trajectory(trajectory).frame
+            frame = log.trajectory(trajectory).frame_id
         name = trajectory or log.default_trajectory
         if frame is None:
             note = f"The frame of trajectory {name!r} is not known; it is taken to be the prior map's, {self.frame!r}."
@@ -64,7 +64,7 @@ class PriorMap:
         return self.notes
 
     def _remedy(self, log: ScanLog, frame: str) -> str:
-        others = [name for name, one in log.trajectories.items() if one.frame == self.frame]
+        others = [name for name, one in log.trajectories.items() if one.frame_id == self.frame]
         chosen = f"Choose poses in its frame with --trajectory {others[0]}, or" if others else "If that is wrong,"
         return f"{chosen} state the frame of the prior map with --prior-frame {frame}."
 

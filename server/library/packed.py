@@ -36,12 +36,22 @@ def write_pack(log: ScanLog, path: Path) -> None:
         "upside_down": bool(log.upside_down),
         "bearings": None if log.bearings is None else log.bearings.tolist(),
         "beam_width": float(log.beam_width),
+        "frame_id": log.frame_id,
+        "time_increment": float(log.time_increment),
+        "scan_time": float(log.scan_time),
         "name": log.name,
         "format": log.format,
         "notes": list(log.notes),
         "topics": [asdict(topic) for topic in log.topics],
         "trajectories": [
-            [name, trajectory.description, trajectory.frame] for name, trajectory in log.trajectories.items()
+            {
+                "name": name,
+                "description": one.description,
+                "frame_id": one.frame_id,
+                "child_frame_id": one.child_frame_id,
+                "is_placeholder": one.is_placeholder,
+            }
+            for name, one in log.trajectories.items()
         ],
     }
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
@@ -75,13 +85,16 @@ def read_pack(path: Path) -> ScanLog:
                 range_max=float("inf") if range_max is None else range_max,
                 stamps_ns=arrays["stamps_ns"],
                 trajectories={
-                    name: Trajectory(poses, description, frame)
-                    for (name, description, frame), poses in zip(about["trajectories"], arrays["poses"], strict=True)
+                    one.pop("name"): Trajectory(poses, **one)
+                    for one, poses in zip(about["trajectories"], arrays["poses"], strict=True)
                 },
                 mount=tuple(about["mount"]),
                 upside_down=about["upside_down"],
                 bearings=None if about["bearings"] is None else np.array(about["bearings"], dtype=np.float64),
                 beam_width=about["beam_width"],
+                frame_id=about["frame_id"],
+                time_increment=about["time_increment"],
+                scan_time=about["scan_time"],
                 name=about["name"],
                 format=about["format"],
                 notes=tuple(about["notes"]),

@@ -11,6 +11,7 @@ from fastapi.responses import Response
 
 from mapper.errors import MapperError
 from mapper.export import tum_lines, write_mcap
+from mapper.threads import alone
 from server.downloads import Content, Download, Downloads, file_name
 from server.routes.maps import asker_of, stem_of
 from server.sessions import LogSession
@@ -31,7 +32,7 @@ def _log_session(request: Request, session_id: str) -> LogSession:
 
 @router.get("/{session_id}/run.mcap")
 async def run_mcap(request: Request, session_id: str) -> Response:
-    """Return the log with its map as it is now, as an MCAP file of ROS 2 messages."""
+    """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
     session = _log_session(request, session_id)
     downloads: Downloads = request.app.state.downloads
 
@@ -39,10 +40,11 @@ async def run_mcap(request: Request, session_id: str) -> Response:
         file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
         try:
             async with downloads.export_turn:
-                grid = await session.snapshot()
+                growing_map, trajectory = await session.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
-                    write_mcap(file, session.log, grid, session.trajectory, lambda _: check())
+                    with alone():  # the map is made again: on one core, the other ones are the sessions'
+                        write_mcap(file, session.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)
         except BaseException:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mapper.course import Scout
 from mapper.errors import LimitError
+from mapper.export import GrowingMap
 from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
 from mapper.logs.summary import recorded_seconds
@@ -148,6 +149,12 @@ class LogSession(ComparedSession):
             known.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may wait any more
             self._examinations[name] = known
         return await asyncio.shield(known)
+
+    async def growing_map(self) -> tuple[GrowingMap, str]:
+        """Return how the map that is shown is made, and the name of its trajectory, between two ticks."""
+        async with self._lock:
+            replay = self._replay
+            return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
     @property
     def speeds(self) -> tuple[float, float]:

@@ -1,9 +1,14 @@
 """Cells, world coordinates and images; growth; the three states."""
 
+import io
+import math
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from mapper.errors import ConfigError, LimitError
 from mapper.grid import FREE, OCCUPIED, TILE, UNKNOWN, GridGeometry, OccupancyGrid, log_odds, probability
@@ -161,3 +166,46 @@ def test_log_odds_and_probability_are_inverse(value: float) -> None:
 def test_certainty_is_infinite() -> None:
     assert log_odds([0.0, 0.5, 1.0]).tolist() == [-np.inf, 0.0, np.inf]
     assert probability([-np.inf, np.inf]).tolist() == [0.0, 1.0]
+
+
+def test_a_grid_says_in_one_line_what_it_is() -> None:
+    grid = OccupancyGrid(GridGeometry(0.05, 384, 960, (-12.8, 3.2, 0.5)))
+    grid.observed[3, :7] = True
+    assert repr(grid) == "<OccupancyGrid 960 × 384 cells of 0.05 m, origin (-12.8, 3.2, 0.5), 7 known>"
+
+
+def test_a_notebook_shows_a_picture_of_the_map() -> None:
+    grid = OccupancyGrid(GridGeometry(0.1, 2, 3))
+    grid.log_odds[:] = [[0.0, 2.0, -2.0], [np.inf, -np.inf, 1.0]]
+    grid.observed[:] = [[True, True, True], [True, True, False]]
+    picture = Image.open(io.BytesIO(grid._repr_png_()))
+    assert picture.format == "PNG"
+    pixels = np.asarray(picture.convert("RGB")).astype(int)
+    assert pixels.shape == (2, 3, 3)
+    shade = [round(255 * (1 - 1 / (1 + math.exp(-value)))) for value in (0.0, 2.0, -2.0)]
+    np.testing.assert_allclose(pixels[1], [[grey] * 3 for grey in shade], atol=1)  # row 0 is at the bottom
+    assert pixels[0, 0].tolist() == [0, 0, 0]
+    assert pixels[0, 1].tolist() == [255, 255, 255]
+    assert pixels[0, 2].tolist() == [176, 196, 222]
+
+
+@pytest.mark.parametrize("shape", [(1025, 3), (3, 5000), (3000, 4000)])
+def test_the_picture_of_a_large_map_is_bounded_and_keeps_thin_walls(shape: tuple[int, int]) -> None:
+    grid = OccupancyGrid(GridGeometry(0.1, *shape))
+    grid.observed[:] = True
+    grid.log_odds[:] = -3.0
+    at = (shape[0] * 2 // 3, shape[1] // 4)
+    grid.log_odds[at] = 3.0
+    grid._repr_png_()  # Pillow is loaded
+    tracemalloc.start()
+    try:
+        data = grid._repr_png_()
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 40e6
+    picture = Image.open(io.BytesIO(data))
+    assert 1 <= max(picture.size) <= 1024
+    factor = -(-max(shape) // 1024)
+    dark = np.argwhere(np.asarray(picture.convert("L"))[::-1] < 128)
+    assert dark.tolist() == [[at[0] // factor, at[1] // factor]]

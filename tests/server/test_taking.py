@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
 
 from mapper.export import tum_text
+from mapper.export.growing_map import MOST_MAPS
 from mapper.logs import open_log
+from mapper.maps import occupancy_values
 from server.sessions import LogSession
 from tests.server.service import Service, until
 
@@ -19,6 +24,7 @@ def session(service: Service) -> LogSession:
 
 
 def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -> None:
+    session.replay.advance_to(70)  # nobody watches, so nothing plays
     answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
     assert answer.status_code == 200
     assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.mcap"'
@@ -29,7 +35,17 @@ def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -
     np.testing.assert_array_equal(again.stamps_ns, session.log.stamps_ns)
     poses = session.log.trajectory(session.trajectory).poses
     np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
-    assert "/map" in {topic.name for topic in again.topics}
+    with AnyReader([path]) as reader:
+        maps: list[Any] = [
+            reader.deserialize(data, connection.msgtype)
+            for connection, _, data in reader.messages()
+            if connection.topic == "/map"
+        ]
+    # As it grew: to what the session shows.
+    index, _ = session.progress
+    assert len(maps) == min(MOST_MAPS, max(1, index))
+    shown = session.replay.grid
+    np.testing.assert_array_equal(maps[-1].data.reshape(shown.geometry.shape), occupancy_values(shown))
     until(lambda: service.state.downloads.places.taken == 0)
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
 

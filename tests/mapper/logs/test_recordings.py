@@ -65,7 +65,7 @@ def test_scans_mount_and_trajectories(tmp_path, kind):
         poses = log.trajectory(name).poses
         np.testing.assert_allclose(poses[:, :2], expected[:, :2] + [0.0, shift], atol=1e-6)
         np.testing.assert_allclose(wrap_angle(poses[:, 2] - expected[:, 2]), 0.0, atol=1e-6)
-    frames = {name: trajectory.frame for name, trajectory in log.trajectories.items()}
+    frames = {name: trajectory.frame_id for name, trajectory in log.trajectories.items()}
     assert frames == {"tf/map": "map", "tf/odom": "odom", "odom": "odom", "amcl_pose": "map"}
     # Where tf has the laser: the chain as anybody composes it.
     np.testing.assert_allclose(log.sensor_poses("tf/odom"), compose(expected, np.array(MOUNT)), atol=1e-6)

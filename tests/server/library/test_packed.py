@@ -24,10 +24,13 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
         "stamps_ns": np.arange(n_scans)[::-1],
         "trajectories": {
             "scan": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "as stated — “so”", "map"),
-            "wheel": Trajectory(rng.uniform(-5, 5, (n_scans, 3))),
+            "wheel": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "", "odom", "base_footprint", is_placeholder=True),
         },
         "mount": (0.1, 0.2, 0.3),
         "upside_down": True,
+        "frame_id": "front_laser",
+        "time_increment": 0.0002,
+        "scan_time": 0.1,
         "name": "Café 地図",
         "format": "CARMEN",
         "topics": (
@@ -52,9 +55,11 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
     assert list(again.trajectories) == ["scan", "wheel"]
     for name, trajectory in log.trajectories.items():
         np.testing.assert_array_equal(again.trajectories[name].poses, trajectory.poses)
-        assert again.trajectories[name].description == trajectory.description
-        assert again.trajectories[name].frame == trajectory.frame
+        for field in ("description", "frame_id", "child_frame_id", "is_placeholder"):
+            assert getattr(again.trajectories[name], field) == getattr(trajectory, field), field
     for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
+        assert getattr(again, name) == getattr(log, name), name
+    for name in ("frame_id", "time_increment", "scan_time"):
         assert getattr(again, name) == getattr(log, name), name
     assert (again.topics, again.notes) == (log.topics, log.notes)
     assert again.bearings is None
