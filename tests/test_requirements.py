@@ -30,7 +30,7 @@ def versions(name: str, python: str) -> dict[str, str]:
     """The versions that a lock file gives a Python on Linux."""
     machine = {"python_version": python, "python_full_version": f"{python}.0", "sys_platform": "linux"}
     found = [pin for pin, _ in pins(name) if pin.marker is None or pin.marker.evaluate(machine)]
-    chosen = {canonicalize_name(pin.name): str(pin.specifier).removeprefix("==") for pin in found}
+    chosen = {str(canonicalize_name(pin.name)): str(pin.specifier).removeprefix("==") for pin in found}
     assert len(chosen) == len(found), "a package has two versions"
     return chosen
 

@@ -53,7 +53,7 @@ class Cluster:
         """Create an empty database; return its URL."""
         self._databases += 1
         name = f"tests_{self._databases}"
-        command = [self._bin_dir / "createdb", "--host", self._folder, "--username", "tests", name]
+        command: list[str | Path] = [self._bin_dir / "createdb", "--host", self._folder, "--username", "tests", name]
         subprocess.run(command, check=True, **self._as_user)
         return f"postgresql://tests@/{name}?host={self._folder}"
 
@@ -83,7 +83,7 @@ def running_postgresql() -> Iterator[Cluster]:
                 stdout=output, stderr=subprocess.STDOUT, **as_user,
             )  # fmt: skip
         try:
-            ready = [bin_dir / "pg_isready", "--quiet", "--host", folder]
+            ready: list[str | Path] = [bin_dir / "pg_isready", "--quiet", "--host", folder]
             while subprocess.run(ready, check=False, **as_user).returncode != 0:
                 assert server.poll() is None, log.read_text()
                 time.sleep(0.05)
