@@ -121,7 +121,8 @@ class Places:
         self._waiting.append(waiting)
         self._share_out()
         try:
-            await asyncio.wait([waiting.place], timeout=WAIT_S)
+            if not waiting.place.done():  # what has come already is lost if the sender goes while we wait
+                await asyncio.wait([waiting.place], timeout=WAIT_S)
             if not waiting.place.done():
                 raise _busy()
             yield waiting.place.result()
