@@ -8,13 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mapper.doctor import Finding, examine
+from mapper.doctor import Finding, drift_finding, examine
+from mapper.doctor.finding import POSSIBLE
+from mapper.doctor.walls import LEAST_SURE, drift_confidence
 from mapper.errors import ConfigError
 from mapper.geometry import compose
 from mapper.logs import open_log
+from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog, Trajectory
 from mapper.world import WORLDS, SensorConfig, Simulation, World, sample_log
 from mapper.world.odometry import drifting_odometry
+from tests.bench.doctor import part as part_of
+from tests.bench.doctor import refurnished
 
 N = 300
 
@@ -55,6 +60,61 @@ def test_corrected_poses_of_real_logs_are_not_blamed(data_file: Callable[..., ob
 def test_raw_odometry_of_a_real_log_is_blamed(data_file: Callable[..., object]) -> None:
     log = open_log(str(data_file("carmen/aces-corrected.log.gz")))
     assert "walls.drift" in named(examine(log, "wheel"))
+
+
+@pytest.mark.parametrize("name", ["intel", "aces", "fhw"])
+def test_no_drift_is_found_in_half_of_a_corrected_log(data_file: Callable[..., object], name: str) -> None:
+    log = open_log(str(data_file(f"carmen/{name}-corrected.log.gz")))
+    middle = log.n_scans // 2
+    for start, stop in ((0, middle), (middle, log.n_scans)):
+        assert drift_finding(part_of(log, "scan", start, stop), "scan", MappingConfig()) is None
+
+
+@pytest.mark.parametrize("name", ["carmen/intel.log.gz", "carmen/loop5.log.gz", "breezyslam/exp1.dat.gz"])
+def test_drift_of_a_raw_log_is_a_fact(data_file: Callable[..., object], name: str) -> None:
+    finding = drift_finding(open_log(str(data_file(name))), None, MappingConfig())
+    assert finding is not None
+    assert finding.sure > 0.9
+    assert finding.sentence.startswith("The poses drift: ")
+
+
+@pytest.mark.parametrize(("shift", "is_drift"), [(0.0, False), (0.05, False), (0.5, True), (1.5, True)])
+def test_a_second_half_that_is_shifted_draws_walls_double(clean: ScanLog, shift: float, is_drift: bool) -> None:
+    poses = clean.trajectory().poses.copy()
+    poses[N // 2 :, :2] += shift
+    assert (drift_finding(with_poses(clean, poses), "bad", MappingConfig()) is not None) == is_drift
+
+
+def test_people_before_the_sensor_are_no_drift(clean: ScanLog) -> None:
+    rng = np.random.default_rng(2)
+    people = rng.random(clean.ranges.shape) < 0.15
+    ranges = np.where(people, np.minimum(clean.ranges, 8.0) * rng.uniform(0.2, 0.9, people.shape), clean.ranges)
+    crowded = replace(clean, ranges=ranges.astype(np.float32))
+    assert drift_finding(crowded, None, MappingConfig()) is None
+
+
+def test_drift_is_judged_with_the_mount_of_the_map(clean: ScanLog) -> None:
+    drifting = with_poses(clean, drifting_odometry(clean.trajectory().poses, np.random.default_rng(3)))
+    as_it_is = drift_finding(drifting, None, MappingConfig())
+    assert as_it_is is not None
+    turned = replace(drifting, mount=(0.0, 0.0, -1.0))
+    corrected = drift_finding(turned, None, MappingConfig(mount_yaw=1.0))
+    assert corrected is not None
+    assert corrected.sentence == as_it_is.sentence
+    assert drift_finding(drifting, None, MappingConfig(range_max=0.5)) is None, "too few readings are left"
+
+
+def test_furniture_that_moves_in_a_small_room_is_possible_drift_at_most() -> None:
+    case = refurnished(WORLDS["room"], 3)
+    finding = drift_finding(case.log, case.trajectory, MappingConfig())
+    assert finding is None or (finding.possible and finding.sentence.startswith("The poses may drift: "))
+    assert drift_confidence(0.0) < LEAST_SURE < POSSIBLE < drift_confidence(0.23)
+
+
+def test_a_log_too_short_to_judge_has_no_drift_finding(clean: ScanLog) -> None:
+    assert drift_finding(part_of(clean, "true", 0, 5), None, MappingConfig()) is None
+    with pytest.raises(ConfigError, match="no trajectory"):
+        drift_finding(clean, "slam", MappingConfig())
 
 
 def test_of_few_readings_only_that_is_said(clean: ScanLog) -> None:

@@ -65,6 +65,8 @@ def test_the_doctor_says_what_is_wrong(run, tmp_path):
     assert f"{len(facts['findings'])} finding" in out
     for finding in facts["findings"]:
         assert finding["sentence"] in out
+        assert finding["possible"] == (finding["sure"] < 0.7)
+        assert (f"{finding['check']} (possible, " in out) == finding["possible"]
         assert finding["advice"] in out
     short = tmp_path / "short.log"
     short.write_text(lines[1] + "\n")

@@ -152,3 +152,18 @@ async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> N
 async def test_an_address_that_leads_nowhere_is_one_sentence(tmp_path: Path) -> None:
     assert refusal(tmp_path, "sqlite:////no/such/folder/library.db").code == "library.unreachable"
     assert refusal(tmp_path, "postgresql://127.0.0.1:1/none?connect_timeout=2").code == "library.unreachable"
+
+
+async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_date(tmp_path: Path) -> None:
+    opened = Database.open(None, tmp_path)
+    await LogRows(opened).put(RECORD)
+    opened.close()
+    with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
+        older.execute("ALTER TABLE logs DROP COLUMN attempts")
+        older.execute("UPDATE alembic_version SET version_num = '0003'")
+    opened = Database.open(None, tmp_path)
+    rows = LogRows(opened)
+    assert await rows.load() == [RECORD]
+    await rows.put(replace(RECORD, attempts=2))
+    assert await rows.load() == [replace(RECORD, attempts=2)]
+    opened.close()
