@@ -64,6 +64,11 @@ class Settings(BaseSettings):
     max_log_bytes: int = Field(
         default=4 << 30, ge=1 << 20, description="Bytes in memory of the logs of all sessions together."
     )
+    max_story_s: float = Field(
+        default=30.0,
+        gt=0.0,
+        description="Seconds of computing, as estimated, that replaying a live world from a link may take.",
+    )
     max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
     threads: int = Field(
         default_factory=lambda: max(2, min(8, os.cpu_count() or 2)), ge=1, description="Threads that compute maps."

@@ -37,6 +37,7 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
 _STATUS_OF_CODE = {
     "session.full": 503,
     "session.memory": 503,
+    "session.not_making": 404,
     "session.not_yours": 403,
     "library.busy": 503,
     "library.full": 507,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from mapper.compare import Comparison, Difference, difference
@@ -14,6 +15,7 @@ from mapper.replay import Replay
 from mapper.scan import ScanLog
 from server.sessions.other_side import OtherSide, Wanted, comparison_message
 from server.sessions.outcome import Outcome
+from server.sessions.scheduler import checkpoint
 from server.sessions.session import Session
 from server.sessions.view import Side
 from server.stream.hub import Hub
@@ -61,11 +63,11 @@ class ComparedSession(Session):
         other = None
         if wanted is not None:
             # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
-            other = await self._loop.run_in_executor(self._pool, self._other_side, wanted, wish)
-        async with self._turn(), self._lock:
+            other = await self.on_thread(partial(self._other_side, wanted, wish))
+        async with self._lock:
             if wish != self._wish or self.closed:
                 raise _superseded()
-            outcome, picture = await self._loop.run_in_executor(self._pool, self._take_over, other)
+            outcome, picture = await self.on_thread(partial(self._take_over, other))
             if picture is not None and self._second is None:
                 self._second = Hub(picture, self._clock)
             elif picture is not None and self._second is not None:
@@ -77,15 +79,15 @@ class ComparedSession(Session):
         """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
         async with self._lock:
             other = self._compared_with()
-            found = await self._loop.run_in_executor(self._pool, other.compared, self.grid)
+            found = await self.on_thread(partial(other.compared, self.grid))
             return other.description(), found
 
     async def difference(self) -> Difference:
         """Return ℓ of B less that of A, between two ticks. Raises as :meth:`compared`."""
         async with self._lock:
             other = self._compared_with()
-            await self._loop.run_in_executor(self._pool, other.compared, self.grid)  # raises where they lie apart
-            return await self._loop.run_in_executor(self._pool, difference, other.replay.grid, self.grid)
+            await self.on_thread(partial(other.compared, self.grid))  # raises where they lie apart
+            return await self.on_thread(partial(difference, other.replay.grid, self.grid))
 
     def _compared_with(self) -> OtherSide:
         if self._other is None:
@@ -96,6 +98,7 @@ class ComparedSession(Session):
 
     def _other_side(self, wanted: Wanted, wish: int) -> OtherSide:
         def is_wanted() -> bool:
+            checkpoint()
             return wish == self._wish and not self.closed
 
         limits = self.limits()
@@ -113,7 +116,7 @@ class ComparedSession(Session):
             outcome.slot(comparison_message(self.replay.index))
             outcome.slot(self.parameters_message())
             return outcome, None
-        other.replay.wanted = lambda: not self.closed
+        other.replay.wanted = self.goes_on
         other.follow(self.config)
         other.advance(self.replay.index)
         other.second.changed()

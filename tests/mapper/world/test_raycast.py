@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -135,7 +136,7 @@ def test_the_nearest_edge_is_where_the_clearance_says():
         np.testing.assert_allclose(np.hypot(*(point - nearest)), abs(clearance), atol=1e-12)
 
 
-def clearances_one_by_one(segments, points):
+def clearances_one_by_one(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
     """What the kernel says of each point by itself: every edge is tried."""
     nearest = np.zeros(2)
     return np.array([nearest_edge(segments, x, y, nearest) for x, y in points])
@@ -167,7 +168,7 @@ def test_a_lattice_costs_less_than_half_of_its_points_one_by_one():
         for i in range(len(points)):
             out[i] = nearest_edge(segments, points[i, 0], points[i, 1], nearest)
 
-    def cpu(job):
+    def cpu(job: Callable[[], object]) -> float:
         job()
         times = []
         for _ in range(3):
