@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -9,13 +10,13 @@ import numpy as np
 from mapper.checkpoints import Checkpoints
 from mapper.errors import MapperError
 from mapper.grid import TILE, OccupancyGrid
-from mapper.integrate import CellBox, Change, integrate_scans
+from mapper.integrate import CellBox, Change, integrate_scans, scans_at_once
 from mapper.parameters import MappingConfig
 from mapper.scan import ScanLog
 from mapper.threads import alone
 
 PART_READINGS = 1 << 22  #: readings that are added at once, at most
-FIRST_READINGS = 1 << 12  #: the same before it is known how many cells each of them touches
+FIRST_READINGS = 1 << 9  #: the same before it is known how many cells each of them touches
 MOST_UPDATES = 1 << 36  #: cell updates that a scout sets out for: a minute of one core, or two
 
 
@@ -43,6 +44,7 @@ class Course:
         self.checkpoints = checkpoints or Checkpoints(config)
         self.index = 0  #: scans in the map
         self._scans, self._updates = 0, 0  # the way so far
+        self._in_time: int | None = None  # scans that a step may add without taking too long; None: not known yet
         self._begin(0)
 
     def _begin(self, moment: int) -> None:
@@ -78,7 +80,9 @@ class Course:
         """Add some scans, some hundredths of a second's work and not beyond ``last``; leave a checkpoint where due."""
         kept = self.checkpoints
         stop = kept.after(self.index, min(self.index + self._scans_at_once(), last))
+        began = time.thread_time()
         change = integrate_scans(self.grid, self.log, self.config, self.trajectory, self.index, stop)
+        self._in_time = scans_at_once(stop - self.index, time.thread_time() - began)
         self._scans += stop - self.index
         self._updates += change.cells_updated
         self._updates_since += change.cells_updated
@@ -99,7 +103,7 @@ class Course:
 
     def expect_as(self, other: Course) -> None:
         """Expect that scans cost what they did on another way, before anything is known of this one."""
-        self._scans, self._updates = other._scans, other._updates
+        self._scans, self._updates, self._in_time = other._scans, other._updates, other._in_time
 
     def _scans_at_once(self) -> int:
         rate, most = self.updates_per_scan, PART_READINGS // self.log.n_beams
@@ -108,7 +112,7 @@ class Course:
         else:
             spacing = self.checkpoints.spacing
             due = int(max(spacing - self._updates_since, spacing // 4) / max(rate, 1.0))
-        return max(1, min(due, most))
+        return max(1, min(due, most, most if self._in_time is None else self._in_time))
 
 
 class Scout:

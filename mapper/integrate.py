@@ -7,7 +7,8 @@ the log: scans one after another, and beams of a scan from the first to the last
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,8 @@ from mapper.sensor_model import InverseSensorModel
 from mapper.sweep import Sweep
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
+PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
+_FIRST_READINGS = 1 << 9  # of the first part: a wide cone touches ten thousands of cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +176,30 @@ def integrate_scans(
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
     return _add(grid, sweep_of_log(log, config, trajectory, start, stop), config)
+
+
+def integrate_parts(
+    grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
+) -> Iterator[tuple[int, Change]]:
+    """Add the scans [start, stop) of a log in parts of about :data:`PART_S`.
+
+    Yield after each part how many scans of the log are in the map, and what the part changed.
+
+    The map is the same as that of :func:`integrate_scans`, bit for bit.
+    """
+    count = max(1, _FIRST_READINGS // max(1, log.n_beams))
+    while start < stop:
+        last = min(start + count, stop)
+        began = time.thread_time()
+        change = integrate_scans(grid, log, config, trajectory, start, last)
+        count = scans_at_once(last - start, time.thread_time() - began)
+        start = last
+        yield start, change
+
+
+def scans_at_once(scans: int, seconds: float) -> int:
+    """Return how many scans take about :data:`PART_S` where the last ``scans`` took ``seconds``."""
+    return max(1, min(4 * scans, int(scans * PART_S / max(seconds, 1e-6))))
 
 
 def integrate_log(

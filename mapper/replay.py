@@ -37,6 +37,7 @@ class Replay:
         self._prior = prior
         self.trajectory = trajectory or log.default_trajectory
         self._course = self._new_course(log, MappingConfig() if config is None else config)
+        self._under_way: tuple[Course, int] | None = None
         self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
     def _new_course(self, log: ScanLog, config: MappingConfig) -> Course:
@@ -71,14 +72,27 @@ class Replay:
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
-        return self._course.go_to(index, self.wanted)
+        return self._go(self._course, index)
+
+    def _go(self, course: Course, index: int) -> Change:
+        self._under_way = (course, index)
+        try:
+            return course.go_to(index, self.wanted)
+        finally:
+            self._under_way = None
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the way that is being computed is done, 0 to 1; None while nothing is."""
+        under_way = self._under_way
+        return None if under_way is None else min(1.0, under_way[0].index / max(1, under_way[1]))
 
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
         course = self._new_course(self.log, config)
         if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
             course.expect_as(self._course)
-        change = course.go_to(self.index, self.wanted)
+        change = self._go(course, self.index)
         geometry_changed = course.grid.geometry != self.grid.geometry
         self._course = course
         rows, cols = course.grid.geometry.shape

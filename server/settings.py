@@ -68,6 +68,11 @@ class Settings(BaseSettings):
     max_log_bytes: int = Field(
         default=4 << 30, ge=1 << 20, description="Bytes in memory of the logs of all sessions together."
     )
+    max_story_s: float = Field(
+        default=30.0,
+        gt=0.0,
+        description="Seconds of computing, as estimated, that replaying a live world from a link may take.",
+    )
     max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
     max_connections: int = Field(
         default=4096, ge=1, description="Open connections at one time; the limit of descriptors may allow fewer."

@@ -16,6 +16,9 @@ from mapper.kernels.compiled import jit
 Float64Array = NDArray[np.float64]
 
 VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two edges share must not pass between them
+RUN = 64  # consecutive points that share a search for their nearest edges, at most
+RUN_RADIUS = 0.5  # metres: no farther do they lie from the middle of their bounding box
+CULL_SLACK = 1e-6  # metres: rounding must not drop an edge that is exactly as near as another
 BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop the beam that just grazes a vertex
 
 
@@ -71,6 +74,27 @@ def cast_rays(
 
 
 @jit
+def _squared_distance(ax: float, ay: float, ex: float, ey: float, x: float, y: float) -> float:
+    """Return the squared distance of (x, y) from the edge that starts at (ax, ay) and runs along (ex, ey)."""
+    px, py = x - ax, y - ay
+    length2 = ex * ex + ey * ey
+    u = 0.0 if length2 == 0.0 else min(1.0, max(0.0, (px * ex + py * ey) / length2))
+    qx, qy = px - u * ex, py - u * ey
+    return qx * qx + qy * qy
+
+
+@jit
+def _crossing(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> int:
+    """Return what an edge adds to the winding number of (x, y): 1, -1 or 0 (Sunday's crossing rule)."""
+    side = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+    if ay <= y < by and side > 0.0:
+        return 1
+    if by <= y < ay and side < 0.0:
+        return -1
+    return 0
+
+
+@jit
 def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) -> float:
     """Return the clearance of (x, y), and write the nearest point of any edge into ``out`` (2,).
 
@@ -93,20 +117,67 @@ def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) 
             best = d2
             out[0] = ax + u * ex
             out[1] = ay + u * ey
-        side = ex * py - ey * px
-        if ay <= y < by and side > 0.0:
-            winding += 1
-        elif by <= y < ay and side < 0.0:
-            winding -= 1
+        winding += _crossing(ax, ay, bx, by, x, y)
     return -math.sqrt(best) if winding != 0 else math.sqrt(best)
 
 
 @jit
 def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) -> None:
-    """Write into ``out`` (n,) the clearance of each of ``points`` (n, 2), as :func:`nearest_edge` defines it."""
-    nearest = np.zeros(2)
-    for i in range(min(points.shape[0], out.shape[0])):
-        out[i] = nearest_edge(segments, points[i, 0], points[i, 1], nearest)
+    """Write into ``out`` (n,) the clearance of each of ``points`` (n, 2), as :func:`nearest_edge` defines it.
+
+    Bit for bit that of :func:`nearest_edge`. Consecutive points that lie close together share a search: only edges
+    that may be nearest to one of them, or that one of their crossing counts may need, are tried for each.
+    """
+    n_points, n_edges = min(points.shape[0], out.shape[0]), segments.shape[0]
+    away = np.empty(n_edges)
+    near = np.empty(n_edges, dtype=np.int64)
+    crossing = np.empty(n_edges, dtype=np.int64)
+    first = 0
+    while first < n_points:
+        x_low = x_high = points[first, 0]
+        y_low = y_high = points[first, 1]
+        stop = first + 1
+        while stop < min(first + RUN, n_points):
+            left, right = min(x_low, points[stop, 0]), max(x_high, points[stop, 0])
+            lower, upper = min(y_low, points[stop, 1]), max(y_high, points[stop, 1])
+            if not math.hypot(right - left, upper - lower) <= 2.0 * RUN_RADIUS:
+                break
+            x_low, x_high, y_low, y_high = left, right, lower, upper
+            stop += 1
+        x, y = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high)
+        half = math.hypot(x_high - x, y_high - y)
+        n_crossing = 0
+        least = np.inf
+        for k in range(n_edges):
+            ax, ay = segments[k, 0], segments[k, 1]
+            bx, by = segments[k, 2], segments[k, 3]
+            away[k] = math.sqrt(_squared_distance(ax, ay, bx - ax, by - ay, x, y))
+            least = min(least, away[k])
+            # A ray to the right of a point crosses only edges at its height that end to the right of it.
+            if not (max(ay, by) <= y_low or min(ay, by) > y_high or max(ax, bx) < x_low - CULL_SLACK):
+                crossing[n_crossing] = k
+                n_crossing += 1
+        # Distances differ by at most `half` between the middle and any of the points (triangle inequality).
+        reach = least + 2.0 * half + CULL_SLACK
+        n_near = 0
+        for k in range(n_edges):
+            if not away[k] > reach:  # written so that what is not a number keeps every edge
+                near[n_near] = k
+                n_near += 1
+        for i in range(first, stop):
+            x, y = points[i, 0], points[i, 1]
+            best = np.inf
+            for j in range(n_near):
+                k = near[j]
+                ax, ay = segments[k, 0], segments[k, 1]
+                distance = _squared_distance(ax, ay, segments[k, 2] - ax, segments[k, 3] - ay, x, y)
+                best = min(best, distance)
+            winding = 0
+            for j in range(n_crossing):
+                k = crossing[j]
+                winding += _crossing(segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3], x, y)
+            out[i] = -math.sqrt(best) if winding != 0 else math.sqrt(best)
+        first = stop
 
 
 @jit

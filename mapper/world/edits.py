@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, cast, get_args
 
 import numpy as np
@@ -83,10 +84,11 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
     """
     if len(edits.added) > limits.max_added_solids:
         raise LimitError("edit.many", f"At most {limits.max_added_solids} walls and boxes can be drawn into a world.")
+    outer = _outer_solids(world)
     for index in sorted(edits.erased):
         if not 0 <= index < len(world.solids):
             raise ConfigError("edit.unknown", f"The world has no solid {index} to erase.")
-        if is_outer(world, world.solids[index]):
+        if index in outer:
             raise ConfigError("edit.outer", "The outer wall cannot be erased: it holds the world together.")
     added = [drawn.polygon() for drawn in edits.added]
     x0, y0, x1, y1 = world.bounds
@@ -109,6 +111,12 @@ def is_outer(world: World, solid: Polygon) -> bool:
     """Return whether a solid is a piece of the outer wall: it touches the world's bounds."""
     low, high = np.array(world.bounds[:2]), np.array(world.bounds[2:])
     return bool(np.any(np.isclose(solid, low, atol=1e-9) | np.isclose(solid, high, atol=1e-9)))
+
+
+@lru_cache(maxsize=16)
+def _outer_solids(world: World) -> frozenset[int]:
+    """Return the indices of the solids that are pieces of the outer wall; computed once for each world."""
+    return frozenset(i for i, solid in enumerate(world.solids) if is_outer(world, solid))
 
 
 def gone(before: World, after: World) -> Sequence[Polygon]:

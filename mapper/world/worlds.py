@@ -15,6 +15,7 @@ from mapper.kernels.raycast import clearances
 Float64Array = NDArray[np.float64]
 
 LATTICE_STEP = 0.1  #: metres between the points of a world's clearance lattice
+BLOCK = 8  # cells along the side of the blocks in which the lattice is computed
 CANDIDATES = 16  # places that nearest_free() tries to improve
 FINER = 60  # points of its finer lattice between the wanted place and the one found first
 TOUCH = 1e-3  # metres: a point nearer to a wall than this is not free
@@ -43,8 +44,7 @@ class World:
             raise ConfigError("world.bounds", f"The world's bounds must be a box, not {self.bounds!r}.")
         solids = tuple(_counter_clockwise(solid, i) for i, solid in enumerate(self.solids))
         object.__setattr__(self, "solids", solids)
-        edges = [np.hstack([solid, np.roll(solid, -1, axis=0)]) for solid in solids]
-        segments = np.ascontiguousarray(np.vstack(edges) if edges else np.empty((0, 4)))
+        segments = np.ascontiguousarray(np.vstack([_edges(solid) for solid in solids] or [np.empty((0, 4))]))
         segments.setflags(write=False)
         object.__setattr__(self, "segments", segments)
 
@@ -123,18 +123,30 @@ def clearance_lattice(world: World) -> ClearanceLattice:
     x0, y0, x1, y1 = world.bounds
     rows, cols = (int(np.ceil((high - low) / LATTICE_STEP)) for low, high in ((y0, y1), (x0, x1)))
     geometry = GridGeometry(LATTICE_STEP, rows, cols, (x0, y0, 0.0))
-    centres = geometry.cell_to_world(np.stack(np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij"), axis=-1))
-    clearance = world.clearance(centres)
+    # Block by block, a few cells beyond the border where need be: neighbours share their search for the nearest edge.
+    across, up = -(-cols // BLOCK), -(-rows // BLOCK)
+    cells = np.stack(np.meshgrid(np.arange(up * BLOCK), np.arange(across * BLOCK), indexing="ij"), axis=-1)
+    blocks = cells.reshape(up, BLOCK, across, BLOCK, 2).transpose(0, 2, 1, 3, 4)
+    found = world.clearance(geometry.cell_to_world(blocks))
+    clearance = np.ascontiguousarray(found.transpose(0, 2, 1, 3).reshape(up * BLOCK, across * BLOCK)[:rows, :cols])
     clearance.setflags(write=False)
     return ClearanceLattice(geometry, clearance)
+
+
+def _edges(vertices: Float64Array) -> Float64Array:
+    """Return the edges (n, 4), ``(ax, ay, bx, by)``, of a polygon (n, 2)."""
+    edges = np.empty((len(vertices), 4))
+    edges[:, :2] = vertices
+    edges[:-1, 2:], edges[-1, 2:] = vertices[1:], vertices[0]
+    return edges
 
 
 def _counter_clockwise(polygon: ArrayLike, index: int) -> Float64Array:
     vertices = np.array(polygon, dtype=np.float64)
     if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():
         raise ConfigError("world.solid", f"Solid {index} must be at least three finite points (x, y).")
-    x, y = vertices.T
-    area = 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))  # the shoelace formula
+    ax, ay, bx, by = _edges(vertices).T
+    area = 0.5 * float(np.sum(ax * by - ay * bx))  # the shoelace formula
     if area == 0.0:
         raise ConfigError("world.solid", f"Solid {index} has no area.")
     vertices = np.ascontiguousarray(vertices if area > 0.0 else vertices[::-1])

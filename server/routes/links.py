@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.errors import MapperError
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
+from server.routes.clients import client_address, while_connected
 from server.routes.pages import page_file
 from server.routes.sessions import public
 from server.sessions import LogSession, LogView, first_config
@@ -107,8 +108,17 @@ async def begin(request: Request, token: str) -> Response:
     title = _record_name(library, link)
     view = LogView(**link.view["view"])
     log = await library.load(link.owner, link.log_id, view.topic)
-    session = await request.app.state.sessions.create_log(
-        request.state.visitor, log, log_id=link.log_id, title=title, view=view, link=token
+    session = await while_connected(
+        request,
+        request.app.state.sessions.create_log(
+            request.state.visitor,
+            log,
+            log_id=link.log_id,
+            title=title,
+            view=view,
+            link=token,
+            address=client_address(request),
+        ),
     )
     try:
         library.links.get(token)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
@@ -12,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from mapper.errors import MapperError
 from mapper.parameters import PARAMETERS
 from mapper.world import SENSOR_PARAMETERS, WORLDS
+from server.routes.clients import client_address, while_connected
 from server.sessions import LogView, Session, WorldSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
@@ -48,6 +50,9 @@ class NewWorld(BaseModel):
     )
     seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
     story: Story | None = Field(None, description="What happened in a world before, as /api/sessions/{id}/story tells.")
+    name: str | None = Field(
+        None, max_length=100, description="A name under which /api/sessions/making/{name} tells how far the replay is."
+    )
 
 
 class NewLog(BaseModel):
@@ -79,19 +84,25 @@ def public(session: Session) -> dict[str, Any]:
 
 @router.post("/sessions", status_code=201)
 async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")]) -> Response:
-    """Begin a session on a live world or on a log."""
-    sessions, visitor = request.app.state.sessions, request.state.visitor
+    """Begin a session on a live world or on a log. A client that does not wait for the answer ends the work."""
+    return await while_connected(request, _create(request, wanted))
+
+
+async def _create(request: Request, wanted: NewWorld | NewLog) -> Response:
+    sessions, visitor, address = request.app.state.sessions, request.state.visitor, client_address(request)
     session: Session
     if isinstance(wanted, NewWorld):
         story = None if wanted.story is None else wanted.story.model_dump()
-        session = await sessions.create_world(visitor, wanted.world, wanted.seed, story, playing=wanted.playing)
+        session = await sessions.create_world(
+            visitor, wanted.world, wanted.seed, story, playing=wanted.playing, address=address, name=wanted.name
+        )
     else:
         library = request.app.state.library
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         view = LogView(wanted.topic, wanted.trajectory)
         session = await sessions.create_log(
-            visitor, log, log_id=wanted.log, title=title, view=view, playing=wanted.playing
+            visitor, log, log_id=wanted.log, title=title, view=view, playing=wanted.playing, address=address
         )
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
@@ -101,6 +112,13 @@ async def mine(request: Request) -> dict[str, Any]:
     """List the sessions that this visitor began."""
     visitor = request.state.visitor
     return {"sessions": [public(s) for s in request.app.state.sessions.all() if s.owner == visitor]}
+
+
+@router.get("/sessions/making/{name}")
+async def making(request: Request, name: str) -> dict[str, Any]:
+    """Tell how far a session is that is being made for this visitor: fraction (0 to 1) and seconds since it began."""
+    under_way = request.app.state.sessions.under_way.get(request.state.visitor, name)
+    return {"fraction": round(under_way.fraction, 3), "elapsed_s": round(time.monotonic() - under_way.began, 2)}
 
 
 @router.get("/sessions/{session_id}")

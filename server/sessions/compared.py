@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from mapper.compare import Comparison
@@ -15,6 +16,7 @@ from mapper.replay import Replay
 from mapper.scan import ScanLog
 from server.sessions.other_side import OtherSide, Wanted, comparison_message
 from server.sessions.outcome import Outcome
+from server.sessions.scheduler import checkpoint
 from server.sessions.session import Session
 from server.sessions.view import Side
 from server.stream.hub import Hub
@@ -62,11 +64,11 @@ class ComparedSession(Session):
         other = None
         if wanted is not None:
             # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
-            other = await self._loop.run_in_executor(self._pool, self._other_side, wanted, wish)
-        async with self._turn(), self._lock:
+            other = await self.on_thread(partial(self._other_side, wanted, wish))
+        async with self._lock:
             if wish != self._wish or self.closed:
                 raise _superseded()
-            outcome, picture = await self._loop.run_in_executor(self._pool, self._take_over, other)
+            outcome, picture = await self.on_thread(partial(self._take_over, other))
             if picture is not None and self._second is None:
                 self._second = Hub(picture, self._clock)
             elif picture is not None and self._second is not None:
@@ -78,7 +80,7 @@ class ComparedSession(Session):
         """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
         async with self._lock:
             other = self._compared_with()
-            found = await self._loop.run_in_executor(self._pool, other.compared, self.grid)
+            found = await self.on_thread(partial(other.compared, self.grid))
             return other.description(), found
 
     def compared_grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
@@ -96,6 +98,7 @@ class ComparedSession(Session):
 
     def _other_side(self, wanted: Wanted, wish: int) -> OtherSide:
         def is_wanted() -> bool:
+            checkpoint()
             return wish == self._wish and not self.closed
 
         limits = self.limits()
@@ -113,7 +116,7 @@ class ComparedSession(Session):
             outcome.slot(comparison_message(self.replay.index))
             outcome.slot(self.parameters_message())
             return outcome, None
-        other.replay.wanted = lambda: not self.closed
+        other.replay.wanted = self.goes_on
         other.follow(self.config)
         other.advance(self.replay.index)
         other.second.changed()

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal
 
 import structlog
 
+from mapper.course import UnwantedError
 from mapper.errors import MapperError
 from mapper.grid import OccupancyGrid
 from mapper.parameters import MappingConfig
@@ -43,7 +45,8 @@ class Content(ABC):
         self.playing = True
         self.closed = False
         self._remade_ms: float | None = None
-        self._load = 0.0  #: seconds that a tick computes: rises at once, falls slowly
+        self._pending: MappingConfig | None = None  #: parameters whose map was given up for a newer command
+        self._may_give_up = False  #: whether what is being computed can be given up and begun anew
         self._told: tuple[tuple[Any, ...], dict[str, Any]] | None = None  #: the scan told last, and in which words
         self._redraw = False  #: whether a tick was cut off before the picture followed the grid
 
@@ -109,6 +112,11 @@ class Content(ABC):
         if second:
             raise ProtocolError("command.map", "There is no second map to ask about.")
         return Side(self.grid, self.config, self.sources, self.progress[0], 0)
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the map that is being computed is done, 0 to 1; None where that is not known."""
+        return None
 
     @property
     def owes(self) -> bool:
@@ -183,7 +191,7 @@ class Content(ABC):
 
     def _compute(self, orders: list[Order], dt: float) -> Outcome:
         outcome = Outcome()
-        config, asked_by = self.config, None
+        config, asked_by = self._pending or self.config, None
         started = time.perf_counter()
         outcome.rest = [*orders]
         while outcome.rest and not self.closed:
@@ -213,13 +221,20 @@ class Content(ABC):
             return outcome
         try:
             # Of many changes that came meanwhile only the newest is computed.
+            self._pending = config
             if config != self.config:
                 self._remake(config, outcome)
+            self._pending = None
+        except UnwantedError:
+            pass  # the newer command comes with the next tick, and these parameters with it
         except MapperError as error:
+            self._pending = None
             self._refuse(outcome, asked_by, error)
             outcome.reminded.append(asked_by)
         try:
             self.advance(dt if self.playing else 0.0, outcome)
+        except UnwantedError:
+            outcome.new_grid = True  # it stands somewhere on the way
         except MapperError as error:
             self.playing = False
             outcome.changed = True
@@ -227,15 +242,24 @@ class Content(ABC):
         self._draw(outcome)
         for client, question in outcome.questions.items():
             self._explain(client, question, outcome)
-        self._load = max(time.perf_counter() - started, 0.5 * self._load)
         return outcome
+
+    @contextmanager
+    def giving_up(self) -> Iterator[None]:
+        """In the block a newer command may end a computation with :class:`UnwantedError`; nothing is lost by it."""
+        self._may_give_up = True
+        try:
+            yield
+        finally:
+            self._may_give_up = False
 
     def _refuse(self, outcome: Outcome, client: Client | None, error: ProtocolError | MapperError) -> None:
         outcome.answers.append((client, error_message(error.code, error.message)))
 
     def _remake(self, config: MappingConfig, outcome: Outcome) -> None:
         started = time.perf_counter()
-        self.remake(config, outcome)
+        with self.giving_up():
+            self.remake(config, outcome)
         self.config = config
         self._remade_ms = outcome.remade_ms = (time.perf_counter() - started) * 1000.0
         outcome.changed = True

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 from mapper.scan import ScanLog
+from server.sessions.scheduler import Party, Scheduler
 
 if TYPE_CHECKING:
     from mapper.doctor import Finding
@@ -26,15 +27,26 @@ def _step_back() -> None:
         os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + _NICENESS)
 
 
+_PLACES = Scheduler(AT_ONCE)
 _EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_step_back)
 
 
-def begin_examination(log: ScanLog, trajectory: str, wanted: Callable[[], bool]) -> asyncio.Future[list[Finding]]:
-    """Have the doctor examine a log; raises in the future as :func:`mapper.doctor.examine`, which asks ``wanted``."""
+async def examination(
+    log: ScanLog, trajectory: str, scheduler: Scheduler, party: Party, wanted: Callable[[], bool]
+) -> list[Finding]:
+    """Return what the doctor finds in a log. Raises as :func:`mapper.doctor.examine`, which asks ``wanted``.
+
+    Parties that wait for one of the few threads have it in the order that the scheduler's rules say.
+    """
 
     def examined() -> list[Finding]:
         from mapper.doctor import examine  # noqa: PLC0415 - SciPy, which most visitors do without
 
         return examine(log, trajectory, wanted=wanted)
 
-    return asyncio.get_running_loop().run_in_executor(_EXAMINERS, examined)
+    place = _PLACES.ask(party, waited_for=False)
+    try:
+        await asyncio.wrap_future(place.granted)
+        return await scheduler.run(_EXAMINERS, party, examined, waited_for=False)
+    finally:
+        _PLACES.leave(place)

@@ -22,7 +22,7 @@ from mapper.replay import Replay
 from mapper.scan import ScanLog
 from mapper.suited import suited_parameters
 from server.sessions.compared import ComparedSession
-from server.sessions.examining import begin_examination
+from server.sessions.examining import examination
 from server.sessions.outcome import Outcome
 from server.sessions.session import Session
 from server.sessions.view import LogView, Moment, as_pose
@@ -60,12 +60,16 @@ def first_config(log: ScanLog) -> MappingConfig:
     return MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
 
 
-def first_replay(log: ScanLog, view: LogView, limits: Limits) -> Replay:
-    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large."""
+def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
+    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
+
+    Raises :class:`mapper.course.UnwantedError` where ``wanted``, asked now and then, says False.
+    """
     config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
         try:
             replay = Replay(log, config, view.trajectory, limits)
+            replay.wanted = wanted
             replay.advance_to(min(view.index, log.n_scans))
         except LimitError:
             if resolution is None:
@@ -93,7 +97,7 @@ class LogSession(ComparedSession):
         limits: Callable[[Session | None], Limits],
     ) -> None:
         self._replay = replay
-        replay.wanted = lambda: not self.closed
+        replay.wanted = self.goes_on
         self.log_id = log_id
         self._topic = topic
         self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
@@ -145,7 +149,7 @@ class LogSession(ComparedSession):
         name = self.trajectory
         known = self._examinations.get(name)
         if known is None or (known.done() and known.exception() is not None):
-            known = begin_examination(self.log, name, lambda: not self.closed)
+            known = asyncio.ensure_future(self._examine(name))
             known.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may wait any more
             self._examinations[name] = known
         return await asyncio.shield(known)
@@ -155,6 +159,14 @@ class LogSession(ComparedSession):
         async with self._lock:
             replay = self._replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
+
+    async def _examine(self, trajectory: str) -> list[Finding]:
+        return await examination(self.log, trajectory, self.scheduler, self.party, self.goes_on)
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the way through the log is done that is being computed."""
+        return self._replay.fraction
 
     @property
     def speeds(self) -> tuple[float, float]:
@@ -227,7 +239,8 @@ class LogSession(ComparedSession):
             self._time += dt * self.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
         if self._target != replay.index:
-            outcome.add(replay.advance_to(self._target))
+            with self.giving_up():
+                outcome.add(replay.advance_to(self._target))
         if self.playing and self._target == count:
             self.playing = False
             outcome.changed = True

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import secrets
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
@@ -19,15 +18,19 @@ from mapper.errors import MapperError
 from mapper.limits import DEFAULT_LIMITS, Limits
 from mapper.scan import ScanLog
 from server.sessions.log_session import LogSession, first_replay
+from server.sessions.making import UnderWay
 from server.sessions.preparing import Preparing
+from server.sessions.scheduler import URGENT_S, Party, Scheduler
 from server.sessions.session import Session
+from server.sessions.story_cost import check_story
 from server.sessions.view import LogView
 from server.sessions.world_commands import retold
-from server.sessions.world_mapper import WorldMapper, world_named
+from server.sessions.world_mapper import world_named
 from server.sessions.world_session import DEFAULT_WORLD, WorldSession
 from server.stream.hub import Traffic
 
 REAP_EVERY_S = 5.0
+THREADS_OF_SESSION = 4  #: at most: its tick, another side for it, and what is asked by HTTP
 
 _log = structlog.get_logger(__name__)
 
@@ -50,25 +53,7 @@ class RegistrySettings(Protocol):
     max_total_cells: int
     max_log_bytes: int
     threads: int
-
-
-class _InTurn:
-    """Holds two turns, one after the other."""
-
-    def __init__(self, first: asyncio.Semaphore, second: asyncio.Semaphore) -> None:
-        self._first, self._second = first, second
-
-    async def __aenter__(self) -> None:
-        await self._first.acquire()
-        try:
-            await self._second.acquire()
-        except BaseException:
-            self._first.release()
-            raise
-
-    async def __aexit__(self, *_: object) -> None:
-        self._second.release()
-        self._first.release()
+    max_story_s: float
 
 
 class SessionRegistry:
@@ -91,10 +76,10 @@ class SessionRegistry:
         self._sessions: dict[str, Session] = {}
         self._making: list[tuple[str, str | None]] = []  #: owner and link of those that are being made: they count
         self._tasks: list[asyncio.Task[None]] = []
-        self.pool = ThreadPoolExecutor(settings.threads, thread_name_prefix="session")
-        #: One thread is always left to sessions whose ticks are short: whoever asks for much cannot stop the others.
-        self._turns = asyncio.Semaphore(max(1, settings.threads - 1))
-        self._guest_turns = _InTurn(asyncio.Semaphore(1), self._turns)  #: nobody waits for two guests
+        #: Who computes is the scheduler's choice: a thread that hands its turn on waits, so there are enough of them.
+        self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
+        self._scheduler = Scheduler(settings.threads)
+        self.under_way = UnderWay()
 
     async def start(self) -> None:
         """Begin to end sessions that nobody watches, and to prepare what others may ask for."""
@@ -110,8 +95,9 @@ class SessionRegistry:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        for session in list(self._sessions.values()):
-            await self._end(session)
+        self.under_way.end()
+        # All at once: a session that ends waits for its turn, and those that have ended need none.
+        await asyncio.gather(*(self._end(session) for session in self.all()))
         await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)
 
     def __len__(self) -> int:
@@ -136,26 +122,33 @@ class SessionRegistry:
         story: dict[str, Any] | None = None,
         *,
         playing: bool = True,
+        address: str = "",
+        name: str | None = None,
     ) -> WorldSession:
         """Start a live world for a visitor, with ``story`` one in which everything told there has happened.
 
-        Without ``playing`` it stands still, whatever the story says.
+        Without ``playing`` it stands still, whatever the story says. ``address`` is where the visitor's requests come
+        from; while the story is replayed, :attr:`under_way` tells under ``name`` how far that is. Cancelled, the
+        replay ends.
 
-        Raises :class:`SessionBudgetError`, and :class:`MapperError` for no world and for a story that makes no sense.
+        Raises :class:`SessionBudgetError`, :class:`mapper.errors.LimitError` for a story that would take too long, and
+        :class:`MapperError` for no world and for a story that makes no sense.
         """
+        cost_s = check_story(story or {}, self._settings.max_story_s)
         named = world_named(DEFAULT_WORLD if world is None else world).name
         number = secrets.randbelow(2**31) if seed is None else seed
 
-        def make() -> WorldMapper:
-            limits = partial(self._limits, None, guest=False, owner=owner)
-            return retold({**(story or {}), "world": named, "seed": number}, limits=limits)
-
-        # A long story computes for seconds: stories take turns with the sessions of long ticks.
-        async with self._place(owner), self._turns if story else contextlib.nullcontext():
-            mapper = await asyncio.get_running_loop().run_in_executor(self.pool, make)
+        party = Party(owner, address)
+        limits = partial(self._limits, None, guest=False, owner=owner)
+        async with self._place(owner):
+            with self.under_way.making(owner, name) as making:
+                told = {**(story or {}), "world": named, "seed": number}
+                make = partial(retold, told, limits=limits, wanted=making.goes_on, report=making.report)
+                mapper = await self._scheduler.run(self.pool, party, make, waited_for=cost_s <= URGENT_S)
             session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
+            session.max_story_s = self._settings.max_story_s
             session.resume(story or {})
-            self._begin(session, playing=playing)
+            self._begin(session, party, playing=playing)
         return session
 
     async def create_log(
@@ -168,17 +161,22 @@ class SessionRegistry:
         view: LogView | None = None,
         link: str | None = None,
         playing: bool = True,
+        address: str = "",
     ) -> LogSession:
         """Start a session of a log for a visitor, with ``link`` for one who came by that link.
+
+        ``address`` is where the visitor's requests come from. Cancelled, it ends the making of the map.
 
         Raises :class:`SessionBudgetError`, and as the mapper does.
         """
         view = view or LogView()
-        async with self._place(owner, link), self._turns_of(link) if view.index else contextlib.nullcontext():
+        party = Party(owner, address)
+        async with self._place(owner, link):
             await self.free_bytes(log, owner, guest=link is not None)
-            replay = await asyncio.get_running_loop().run_in_executor(
-                self.pool, first_replay, log, view, self._limits(None, guest=link is not None, owner=owner)
-            )
+            limits = self._limits(None, guest=link is not None, owner=owner)
+            with self.under_way.making(owner, None) as making:
+                make = partial(first_replay, log, view, limits, making.goes_on)
+                replay = await self._scheduler.run(self.pool, party, make)
             session = LogSession(
                 replay,
                 log_id=log_id,
@@ -189,16 +187,13 @@ class SessionRegistry:
                 limits=self.limits,
             )
             session.link = link
-            self._begin(session, playing=playing)
+            self._begin(session, party, playing=playing)
         return session
 
-    def _turns_of(self, link: str | None) -> AbstractAsyncContextManager[Any]:
-        return self._turns if link is None else self._guest_turns
-
-    def _begin(self, session: Session, *, playing: bool) -> None:
+    def _begin(self, session: Session, party: Party, *, playing: bool) -> None:
         session.playing = session.playing and playing
         session.remake_seconds = self._remake_seconds
-        session.turns = self._turns_of(session.link)
+        session.scheduler, session.party = self._scheduler, party
         session.hub.traffic = self._traffic
         self._sessions[session.id] = session
         session.start()

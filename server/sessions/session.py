@@ -13,8 +13,8 @@ import secrets
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from contextlib import AbstractAsyncContextManager
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 import structlog
 
@@ -24,8 +24,9 @@ from mapper.grid import OccupancyGrid
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from server.sessions.content import Content
-from server.sessions.messages import parameter_table
+from server.sessions.messages import parameter_table, working_message
 from server.sessions.outcome import Order, Outcome, error_message
+from server.sessions.scheduler import Party, Scheduler, checkpoint
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.stream.tiles import picture_of
@@ -35,7 +36,12 @@ MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow 
 MAX_ORDERS = 256  #: commands that wait for one session
 PAUSE_S = 0.05  #: between two times that what is owed is computed, and no more than a quarter of the time
 PATIENCE_S = 0.2  #: what is owed waits no longer than this for a moment without commands
-HEAVY_S = 0.05  #: a session whose ticks compute for longer than this takes turns with others of its kind
+SHOWN_AFTER_S = 0.3  #: a computation that takes longer shows how far it is,
+SHOWN_EVERY_S = 0.25  #: as often as this
+GIVE_UP_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
+_WISHES = ("parameters", "seek", "restart", "trajectory")  #: commands that make a map of no use that is being made
+
+T = TypeVar("T")
 
 _log = structlog.get_logger(__name__)
 
@@ -65,7 +71,8 @@ class Session(Content):
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = self.commanded_at = clock()
         self.remake_seconds: Callable[[float], None] = lambda _: None
-        self.turns: AbstractAsyncContextManager[Any] | None = None  #: of the sessions that compute for long
+        self.scheduler = Scheduler(1)
+        self.party = Party(owner)
         self._clock = clock
         self._pool = pool
         self._limits = limits
@@ -75,6 +82,8 @@ class Session(Content):
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._owed_at = 0.0  #: when what is owed is due
+        self._wishes = self._wishes_begun = 0  #: commands that ask for another map: those taken in, and carried out
+        self._wished_since: float | None = None  #: when the first came of those for which no map was finished yet
 
     # -- for everybody on the event loop --------------------------------------------------------------------------
 
@@ -148,6 +157,9 @@ class Session(Content):
             raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
         self._orders.append(Order(command, client))
         self.commanded_at = self._clock()
+        if command["type"] in _WISHES:
+            self._wishes += 1
+            self._wished_since = self.commanded_at if self._wished_since is None else self._wished_since
         self._wake.set()
 
     @property
@@ -181,7 +193,7 @@ class Session(Content):
     async def snapshot(self) -> OccupancyGrid:
         """Return a copy of the map between two ticks."""
         async with self._lock:
-            return await self._loop.run_in_executor(self._pool, self._copy)
+            return await self.on_thread(self._copy)
 
     def _copy(self) -> OccupancyGrid:
         grid = self.grid
@@ -243,8 +255,13 @@ class Session(Content):
             last = now if due else last
             rest: list[Order] = []
             try:
-                async with self._turn(), self._lock:
-                    outcome = await self._loop.run_in_executor(self._pool, self._compute, orders, dt)
+                async with self._lock:
+                    self._wishes_begun = self._wishes
+                    outcome = await self.on_thread(partial(self._compute, orders, dt), waited_for=self.watched)
+                if self._wishes == self._wishes_begun:
+                    self._wished_since = None
+                elif self._pending is None:
+                    self._wished_since = self._clock()
                 rest = outcome.rest
                 self._deliver(outcome)
             except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
@@ -271,17 +288,41 @@ class Session(Content):
         began = self._clock()
         outcome = Outcome()
         try:
-            async with self._turn(), self._lock:
-                await self._loop.run_in_executor(self._pool, self.pay, outcome)
+            async with self._lock:
+                await self.on_thread(partial(self.pay, outcome), waited_for=False)
             self._deliver(outcome)
         except Exception:  # noqa: BLE001 - a defect in what nobody waits for must not stop the map
             _log.exception("what was owed could not be computed")
         now = self._clock()
         self._owed_at = now + max(PAUSE_S, 3.0 * (now - began))
 
-    def _turn(self) -> AbstractAsyncContextManager[None]:
-        """Return what to hold while a tick computes: sessions of short ticks need not wait for those of long ones."""
-        return contextlib.nullcontext() if self.turns is None or self._load <= HEAVY_S else self.turns
+    async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
+        """Compute ``job`` on a worker thread in its turn; whoever watches is told of it where that takes long."""
+        showing = asyncio.ensure_future(self._show_work())
+        try:
+            return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
+        finally:
+            showing.cancel()
+
+    async def _show_work(self) -> None:
+        """Tell whoever watches how far a computation is, from :data:`SHOWN_AFTER_S` on until cancelled."""
+        began = self._clock()
+        await asyncio.sleep(SHOWN_AFTER_S)
+        try:
+            while True:
+                self.hub.set_slot(working_message(self._clock() - began, self.fraction))
+                await asyncio.sleep(SHOWN_EVERY_S)
+        finally:
+            self.hub.set_slot(working_message())
+
+    def goes_on(self) -> bool:
+        """Let others have their turn (worker thread), and return whether what is being computed is still wanted."""
+        checkpoint()
+        return not (self.closed or (self._may_give_up and self._is_outdated()))
+
+    def _is_outdated(self) -> bool:
+        since = self._wished_since
+        return self._wishes > self._wishes_begun and since is not None and self._clock() - since < GIVE_UP_S
 
     def _stop(self) -> None:
         """Stand still after a defect, and say so."""

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
+from mapper.course import UnwantedError
 from mapper.errors import ConfigError, LimitError, MapperError
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from mapper.world import Edits, Faults, SensorConfig
 from mapper.world.simulation import STEP
 from server.sessions.outcome import Outcome
+from server.sessions.story_cost import story_seconds
 from server.sessions.world_mapper import WorldMapper, world_named
 from server.stream.protocol import ProtocolError, number, values
 
@@ -57,12 +61,15 @@ def act(mapper: WorldMapper, command: dict[str, Any], outcome: Outcome) -> None:
     mapper.journal.append((steps, {key: value for key, value in command.items() if key != "watch"}))
 
 
-def story_of(mapper: WorldMapper) -> dict[str, Any]:
+def story_of(mapper: WorldMapper, most_s: float = math.inf) -> dict[str, Any]:
     """Return all that is needed to make this world, its recording and its map again; see :func:`retold`.
 
-    ``journal`` is None where the story is too long to tell; the world then only begins as it stands now.
+    ``journal`` is None where the story is too long, or would take more than ``most_s`` seconds to replay; the world
+    then only begins as it stands now.
     """
     short = len(mapper.journal) <= MAX_JOURNAL and mapper.simulation.steps * STEP <= MAX_STORY_S
+    told = {"sensor": asdict(mapper.first_sensor), "steps": mapper.simulation.steps, "journal": mapper.journal}
+    short = short and story_seconds(told) <= most_s
     first = mapper.first_edits if short else mapper.edits
     added, erased = first.as_lists()
     sensor = mapper.first_sensor if short else mapper.simulation.sensor
@@ -80,36 +87,55 @@ def story_of(mapper: WorldMapper) -> dict[str, Any]:
     }
 
 
-def retold(story: dict[str, Any], limits: Callable[[], Limits] = Limits) -> WorldMapper:
+def retold(
+    story: dict[str, Any],
+    limits: Callable[[], Limits] = Limits,
+    wanted: Callable[[], bool] = lambda: True,
+    report: Callable[[float], None] = lambda _: None,
+) -> WorldMapper:
     """Return the mapper to which everything in a story has happened again.
 
-    ``world`` and ``seed`` are there, the rest may be left out. Raises :class:`LimitError` for a story that is too
-    long, and as the mapper does for one that cannot be followed.
+    ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
+    and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
+    that is too long, :class:`mapper.course.UnwantedError` where it is not wanted any more, and as the mapper does for
+    one that cannot be followed.
     """
     journal, steps = story.get("journal"), story.get("steps", 0)
     if len(journal or ()) > MAX_JOURNAL or not 0 <= steps * STEP <= MAX_STORY_S:
         raise LimitError("story.long", f"A story has at most {MAX_JOURNAL} actions in {MAX_STORY_S:g} s.")
     sensor = SensorConfig().with_values(story.get("sensor") or {})
     edits = edits_of(story.get("edits") or {})
-    mapper = WorldMapper(world_named(story["world"]), story["seed"], sensor=sensor, edits=edits, limits=limits)
+    mapper = WorldMapper(
+        world_named(story["world"]),
+        story["seed"],
+        sensor=sensor,
+        edits=edits,
+        limits=limits,
+        mapping=False,  # one map at the end costs less than one that follows
+        wanted=wanted,
+    )
+
+    def advance_to(step: int) -> None:
+        while mapper.simulation.steps < step:
+            if not wanted():
+                raise UnwantedError("story.unwanted", "The story is not wanted any more.")
+            mapper.advance(STEP)
+            report(mapper.simulation.steps / max(1, steps))
+
     for at, command in journal or ():
-        _advance_to(mapper, min(at, steps))
+        advance_to(min(at, steps))
+        if not wanted():
+            raise UnwantedError("story.unwanted", "The story is not wanted any more.")
         _retell(mapper, command)
-    _advance_to(mapper, steps)
+    advance_to(steps)
     if journal is None and story.get("pose") is not None:
         mapper.teleport(*story["pose"])
         mapper.simulation.auto = bool(story.get("auto", True))
     config = mapper.config.with_values(story.get("parameters") or {})
     faults = Faults().with_values(story.get("faults") or {})
-    if (config, faults) != (mapper.config, mapper.faults):
-        mapper.set_up(config, faults)
+    mapper.set_up(config, faults)
+    mapper.begin_mapping()
     return mapper
-
-
-def _advance_to(mapper: WorldMapper, steps: int) -> None:
-    behind = steps - mapper.simulation.steps
-    if behind > 0:
-        mapper.advance(behind * STEP)
 
 
 def _retell(mapper: WorldMapper, command: dict[str, Any]) -> None:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.course import UnwantedError
 from mapper.errors import ConfigError, MapperError
 from mapper.geometry import compose
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import Change, geometry_for, integrate_log, integrate_scan
+from mapper.integrate import Change, geometry_for, integrate_parts, integrate_scan
 from mapper.limits import Limits
 from mapper.parameters import MappingConfig
 from mapper.scan import LaserScan, RangeScan, ScanLog
@@ -44,8 +45,15 @@ class WorldMapper:
         sensor: SensorConfig | None = None,
         limits: Callable[[], Limits] = Limits,
         edits: Edits | None = None,
+        *,
+        mapping: bool = True,
+        wanted: Callable[[], bool] = lambda: True,
     ) -> None:
+        """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`."""
         sensor = sensor or SensorConfig()
+        self.wanted = wanted  #: asked while maps are made: False ends that with :class:`UnwantedError`
+        self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
+        self._mapping = mapping
         self.seed = seed
         self.limits = limits
         self.config = config or self.first_config(sensor)
@@ -118,8 +126,17 @@ class WorldMapper:
         logs = self.logs(faults)
         used = [_only(log, faults.trajectory) for log in logs]
         grid = self._empty_grid(self.plan, config, used)
-        for log in used:
-            integrate_log(grid, log, config, stop=log.n_scans - (self.hidden if log is used[-1] else 0))
+        total, done = sum(log.n_scans for log in used), 0
+        try:
+            for log in used:
+                stop = log.n_scans - (self.hidden if log is used[-1] else 0)
+                for at, _ in integrate_parts(grid, log, config, None, 0, stop):
+                    self.fraction = (done + at) / max(1, total)
+                    if not self.wanted():
+                        raise UnwantedError("world.unwanted", "The map is not wanted any more.")
+                done += stop
+        finally:
+            self.fraction = None
         return grid
 
     def remake(self, config: MappingConfig) -> None:
@@ -128,6 +145,9 @@ class WorldMapper:
 
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
         """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        if not self._mapping:
+            self.config, self.faults = config, faults
+            return
         second = self.second
         if second is not None:
             other = second.beside(config)
@@ -137,6 +157,11 @@ class WorldMapper:
         if second is not None:
             second.begin(other, remade)
         self.vanishing = None
+
+    def begin_mapping(self) -> None:
+        """Make the map of what was recorded without one, and go on with it. Raises as :meth:`remake`."""
+        self._mapping = True
+        self.remake(self.config)
 
     def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
         """Keep a second map of the same recording beside the first, with other ``values``; None for no more.
@@ -155,7 +180,11 @@ class WorldMapper:
 
     def advance(self, dt: float) -> list[Change]:
         """Let ``dt`` seconds of the world's time pass; return what each scan changed."""
-        return [self._take(scan, pose) for scan, pose in self.simulation.advance(dt)]
+        changes = []
+        for scan, pose in self.simulation.advance(dt):
+            changes.append(self._take(scan, pose))
+            self.wanted()  # others may have their turn here; the time passes in any case
+        return changes
 
     def look(self) -> Change:
         """Take a scan now, whatever the sensor's rate: after a teleport nobody should have to wait."""
@@ -225,6 +254,8 @@ class WorldMapper:
         mount, reported = self.simulation.mount, self.newest
         if reported is None:
             raise RuntimeError("there is no newest scan")
+        if not self._mapping:
+            return Change(None, geometry_changed=False, cells_updated=0)
         change = integrate_scan(self.grid, reported, compose(self.believed_pose, mount), self.config)
         second = self.second
         if second is not None:

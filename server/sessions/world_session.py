@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
@@ -48,6 +49,8 @@ class WorldSession(Session):
     ) -> None:
         self._mapper = mapper
         mapper.limits = lambda: limits(self)
+        mapper.wanted = self.goes_on
+        self.max_story_s = math.inf  #: computing that a story of this world may take
         super().__init__(
             owner=owner,
             title=mapper.simulation.world.title,
@@ -79,6 +82,11 @@ class WorldSession(Session):
     def sensor(self) -> SensorConfig:
         """The simulated sensor."""
         return self._mapper.simulation.sensor
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the map is done that is being made anew."""
+        return self._mapper.fraction
 
     @property
     def speeds(self) -> tuple[float, float]:
@@ -133,7 +141,7 @@ class WorldSession(Session):
     async def story(self) -> dict[str, Any]:
         """Return what is needed to make this world and its map again, as it is between two ticks."""
         async with self._lock:
-            return story_of(self._mapper) | {"speed": self.speed, "playing": self.playing}
+            return story_of(self._mapper, self.max_story_s) | {"speed": self.speed, "playing": self.playing}
 
     def initial_config(self) -> MappingConfig:
         """Those of a lidar in a live world."""

@@ -43,6 +43,7 @@ SLOTS = (
     "trajectory",
     "forgetting",
     "comparison",
+    "working",
 )  #: in the order in which they are sent
 
 

@@ -62,6 +62,9 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                 after an ``edit`` with ``watch``: after ``scans`` scans these shares of the ``cells`` that held what was
                 erased are free in the map with the clamp and in the one without it, and after how many scans 9 in 10
                 were; ``cells`` 0: nothing is watched any more
+``working``     {elapsed_s|null, fraction|null}
+                something has been computed for more than 0.3 s, of which ``fraction`` is done where that is known;
+                repeated four times a second; ``elapsed_s`` null: it is over
 ``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log
 ``error``       {code, message, detail}   the last command was refused; everything goes on
 ``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}

@@ -99,6 +99,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Che
     edits: isEdits,
     polished: isList,
   },
+  working: { elapsed_s: orNull(isNumber), fraction: orNull(isNumber) },
   notice: { code: isText, message: isText },
   error: { code: isText, message: isText },
   cell: { row: isNumber, col: isNumber, epoch: isNumber, observed: isFlag, log_odds: isNumber, p_occ: isNumber },

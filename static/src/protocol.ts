@@ -141,6 +141,14 @@ export interface Edits {
   readonly erased: readonly number[];
 }
 
+/** What takes the server longer than a moment to compute: since when, and how much of it is done where that is known. */
+export interface WorkingMessage {
+  readonly type: "working";
+  /** Null: nothing is being computed any more. */
+  readonly elapsed_s: number | null;
+  readonly fraction: number | null;
+}
+
 /** How far two maps, one clamped and one not, have forgotten what was erased; without cells nothing is watched. */
 export interface Forgetting {
   readonly type: "forgetting";
@@ -264,6 +272,7 @@ export type ServerMessage =
   | WhyMessage
   | Trajectory
   | ParametersMessage
+  | WorkingMessage
   | { readonly type: "notice"; readonly code: string; readonly message: string }
   | { readonly type: "error"; readonly code: string; readonly message: string; readonly detail?: unknown }
   | { readonly type: "pong"; readonly id: number; readonly t: number };

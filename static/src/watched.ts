@@ -29,6 +29,7 @@ import type {
 } from "./protocol";
 import { type MapPicture, type OnBloom, ShownMap } from "./shownMap";
 import type { Progress, Receiver } from "./stream";
+import type { Work } from "./ui/Working";
 import { around, type Bounds, fitted, type Size, type View } from "./view";
 
 interface Notice {
@@ -67,6 +68,9 @@ export class Watched implements Receiver {
   readonly mapVersion: ReadonlySignal<number>;
   /** The newest thing that a person should know. */
   readonly notice = signal<Notice | null>(null);
+
+  /** What the server computes that takes longer than a moment; null while nothing does. */
+  readonly working = signal<Work | null>(null);
 
   /** What both pictures show; null until their size and the world are known. */
   readonly view = signal<View | null>(null);
@@ -309,6 +313,11 @@ export class Watched implements Receiver {
       case "comparison":
         this.comparison.value = message;
         return;
+      case "working": {
+        const { elapsed_s, fraction } = message;
+        this.working.value = elapsed_s === null ? null : { elapsed_s, fraction };
+        break;
+      }
       case "notice":
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;

@@ -28,6 +28,7 @@ from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
+from tests.bench.sharing import sharing
 
 RANGE_MAX = 30.0
 ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
@@ -197,6 +198,9 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["inspecting"]:
         inspecting(hall(20_000, 360))
         sys.exit()
+    if sys.argv[1:] == ["sharing"]:
+        sharing(hall(800, 360))
+        sys.exit()
     side_by_side()
     cost_against_size()
     cost_of_statistics()
@@ -204,4 +208,5 @@ if __name__ == "__main__":
     cost_of_starting()
     reading()
     inspecting(hall(20_000, 360))
+    sharing(hall(800, 360))
     feel()

@@ -8,14 +8,13 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from mapper.integrate import integrate_scans
-from server.sessions import Session, WorldSession
-from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for, until_closed
+from server.sessions import Session
+from tests.server.service import PATIENCE_S, Service, Watcher, eventually, until_closed
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 
@@ -88,37 +87,6 @@ async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Servi
         await watcher.settle()
         assert watcher.newest["frame"]["index"] == started + 100
         assert len(counts) > 3
-
-
-async def test_long_computations_leave_a_thread_to_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two sessions whose maps take for ever, on two threads: a third one still walks."""
-    released = threading.Event()
-    remake = WorldSession.remake
-
-    def slow(self: WorldSession, *arguments: Any) -> None:
-        assert released.wait(PATIENCE_S)
-        remake(self, *arguments)
-
-    with running(settings_for(tmp_path, threads=2)) as service:
-        greedy = [session_of(service, service.begin()) for _ in range(2)]
-        for session in greedy:
-            session._load = 1.0  # as after computations of a second
-        # A walk takes no turn with them, however slow the machine is that the tests run on.
-        monkeypatch.setattr("server.sessions.session.HEAVY_S", 0.9)
-        monkeypatch.setattr(WorldSession, "remake", slow)
-        async with service.connect(service.begin()) as socket:
-            watcher = Watcher(socket)
-            await watcher.until(lambda: watcher.frames > 3)
-            try:
-                for session in greedy:
-                    session.post({"type": "parameters", "values": {"window": 0.5}})
-                await eventually(lambda: all(session.has_orders for session in greedy))
-                frames = watcher.frames
-                await watcher.until(lambda: watcher.frames > frames + 10)
-                assert all(session.has_orders for session in greedy)
-            finally:
-                released.set()
-            await eventually(lambda: all(session.config.window == 0.5 for session in greedy))
 
 
 async def test_a_visitors_many_questions_are_answered_once_a_tick(

@@ -15,12 +15,14 @@ import { Disclosure } from "../ui/Panel";
 import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
+import { Working } from "../ui/Working";
 import { Connected, Controls } from "./lab/Controls";
 import { seen } from "./lab/link";
 import { type Live, Pictures } from "./lab/Pictures";
 import { useReading } from "./lab/reading";
 import { keepAddress, openSession, restore } from "./lab/session";
 import { share, Takeaway } from "./lab/Takeaway";
+import { replay } from "./worldSession";
 
 const Faults = later(async () => (await import("../figures/faults/Faults")).Faults);
 const MovingTable = later(async () => (await import("../figures/table/MovingTable")).MovingTable);
@@ -151,6 +153,11 @@ function Lab() {
         <p class="lab-trouble" role="alert">
           {trouble.value}
         </p>
+      )}
+      {replay.value ? (
+        <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />
+      ) : (
+        <Working what="Making the map" work={store?.working.value ?? null} />
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numba import njit
 
 from mapper.kernels.raycast import arc_clearance, chord_clearance, clearances, nearest_edge
 from mapper.world import WORLDS, SensorConfig, World
 from mapper.world.lidar import TURN, true_ranges
 from mapper.world.shapes import disc, outer_walls, rect, star
+from mapper.world.worlds import clearance_lattice
 
 SQUARE = World("square", "Square", (-3.2, -3.2, 3.2, 3.2), tuple(outer_walls(-3.2, -3.2, 3.2, 3.2, 0.2)), (0, 0, 0))
 
@@ -129,6 +134,52 @@ def test_the_nearest_edge_is_where_the_clearance_says():
         nearest = np.zeros(2)
         clearance = nearest_edge(world.segments, point[0], point[1], nearest)
         np.testing.assert_allclose(np.hypot(*(point - nearest)), abs(clearance), atol=1e-12)
+
+
+def clearances_one_by_one(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """What the kernel says of each point by itself: every edge is tried."""
+    nearest = np.zeros(2)
+    return np.array([nearest_edge(segments, x, y, nearest) for x, y in points])
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_points_that_share_a_search_get_the_bits_that_each_gets_alone(name):
+    world = WORLDS[name]
+    lattice = clearance_lattice(world)
+    cells = np.argwhere(np.isfinite(lattice.clearance))
+    alone = clearances_one_by_one(world.segments, lattice.geometry.cell_to_world(cells))
+    np.testing.assert_array_equal(lattice.clearance[tuple(cells.T)], alone)
+    # Vertices and edges' middles, where several edges are equally near; scattered places; places that are none.
+    a, b = world.segments[:, :2], world.segments[:, 2:]
+    far = [(np.inf, 0.0), (np.nan, 1.0), (1e300, -1e300), (1e9, 2.0), (3.0, -np.inf)]
+    points = np.vstack([a, 0.5 * (a + b), np.random.default_rng(2).uniform(-5, 30, (500, 2)), far])
+    got = np.empty(len(points))
+    clearances(world.segments, points, got)
+    np.testing.assert_array_equal(got, clearances_one_by_one(world.segments, points))
+
+
+def test_a_lattice_costs_less_than_half_of_its_points_one_by_one():
+    world = WORLDS["office"]
+    points = clearance_lattice(world).geometry.cell_to_world(np.argwhere(clearance_lattice(world).clearance > -np.inf))
+
+    @njit(nogil=True)
+    def one_by_one(segments, points, out):
+        nearest = np.zeros(2)
+        for i in range(len(points)):
+            out[i] = nearest_edge(segments, points[i, 0], points[i, 1], nearest)
+
+    def cpu(job: Callable[[], object]) -> float:
+        job()
+        times = []
+        for _ in range(3):
+            began = time.thread_time()
+            job()
+            times.append(time.thread_time() - began)
+        return min(times)
+
+    out = np.empty(len(points))
+    alone = cpu(lambda: one_by_one(world.segments, points, out))
+    assert cpu(lambda: clearance_lattice.__wrapped__(world)) < 0.5 * alone
 
 
 @given(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(-2.5, 2.5))

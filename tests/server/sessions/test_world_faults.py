@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
-import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -18,7 +16,6 @@ from mapper.parameters import MappingConfig
 from mapper.world import WORLDS, Drawn, Edits, Faults, SensorConfig
 from server.sessions import SessionRegistry, WorldMapper
 from server.sessions.world_commands import retold, story_of
-from tests.server.service import PATIENCE_S
 
 
 def by_hand(mapper: WorldMapper, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
@@ -189,34 +186,6 @@ def test_a_story_that_is_too_long_begins_where_it_stands() -> None:
     other = retold(json.loads(json.dumps(story)))
     assert other.simulation.pose == pytest.approx((4.0, 5.0, 1.0))
     assert other.edits == mapper.edits
-
-
-async def test_stories_leave_a_thread_to_the_others(
-    make_registry: Callable[..., SessionRegistry], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    registry = make_registry(threads=2)
-    telling = threading.Event()
-    together: list[int] = []
-    count = 0
-
-    def slow(story: dict[str, Any], limits: Any) -> WorldMapper:
-        nonlocal count
-        if story.get("steps"):
-            count += 1
-            together.append(count)
-            telling.wait(PATIENCE_S)
-            count -= 1
-        return retold({"world": story["world"], "seed": story["seed"]}, limits)
-
-    monkeypatch.setattr("server.sessions.registry.retold", slow)
-    stories = [asyncio.create_task(registry.create_world("me", "room", n, {"steps": 5})) for n in range(3)]
-    await asyncio.sleep(0.05)
-    # While stories are told somebody else begins at once.
-    await asyncio.wait_for(registry.create_world("somebody", "room", 1), PATIENCE_S)
-    assert not any(story.done() for story in stories)
-    telling.set()
-    await asyncio.gather(*stories)
-    assert together == [1, 1, 1]
 
 
 BAD: dict[str, tuple[dict[str, Any], type[MapperError]]] = {

@@ -1,6 +1,6 @@
 import { effect } from "@preact/signals";
 import type { Store } from "../../state";
-import { createWorld } from "../worldSession";
+import { CancelledError, createWorld } from "../worldSession";
 import { carried, fragmentOf, type Seen, type Shown, shownNow } from "./link";
 
 /** Which session the lab shows, and what a person should know of how it came about. */
@@ -43,7 +43,8 @@ export async function openSession(): Promise<Opened> {
       return { id, notice, shown };
     } catch (error) {
       if (error instanceof TypeError) throw error;
-      notice = `The link tells of a world that cannot be made: ${(error as Error).message} Here is a new one.`;
+      if (error instanceof CancelledError) notice = "The replay of the link was cancelled. Here is a new world.";
+      else notice = `The link tells of a world that cannot be made: ${(error as Error).message} Here is a new one.`;
     }
   } else if (location.hash.startsWith("#s=")) {
     notice = "The link has lost a piece on its way, so here is a new world.";

@@ -20,6 +20,7 @@ import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { ParameterPanel } from "../../ui/ParameterPanel";
 import { toast } from "../../ui/Toast";
+import { Working } from "../../ui/Working";
 import { framed, type Look } from "../../view";
 import { BothMaps, useComparison } from "./compare/both";
 import { Compare } from "./compare/Compare";
@@ -117,6 +118,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
           </p>
         )}
       </div>
+      <Working what="Making the map" work={store.working.value} />
       <Transport store={store} />
       <div class="viewer-readout">
         {comparison.isOn.value ? (

@@ -1,0 +1,144 @@
+"""What takes long shows how far it is, hands its turn on, and is given up when it is of no use any more."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper import integrate
+from mapper.grid import OccupancyGrid
+from mapper.integrate import geometry_for, integrate_log, integrate_scans
+from mapper.parameters import MappingConfig
+from mapper.scan import ScanLog
+from server.sessions import SessionRegistry, WorldSession
+from server.sessions import session as session_module
+from tests.server.service import PATIENCE_S, eventually
+
+
+async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
+    registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(session_module, "SHOWN_AFTER_S", 0.01)
+    monkeypatch.setattr(session_module, "SHOWN_EVERY_S", 0.01)
+    released, remake = threading.Event(), WorldSession.remake
+
+    def slow(self: WorldSession, *arguments: Any) -> None:
+        self._mapper.fraction = 0.5
+        assert released.wait(PATIENCE_S)
+        remake(self, *arguments)
+
+    monkeypatch.setattr(WorldSession, "remake", slow)
+    session = await registry.create_world("me", "room", seed=1, playing=False)
+    client = session.join()
+    session.enqueue({"type": "parameters", "values": {"window": 0.5}})
+
+    def working() -> dict[str, Any]:
+        message: dict[str, Any] = json.loads(session.hub.slots.get("working", "{}"))
+        return message
+
+    await eventually(lambda: working().get("fraction") == 0.5)
+    shown = [json.loads(message) for message in client.take() if isinstance(message, str)]
+    assert [m["elapsed_s"] > 0.0 for m in shown if m["type"] == "working"] == [True]
+    released.set()
+    await eventually(lambda: working()["elapsed_s"] is None)
+    assert session.config.window == 0.5
+
+
+class Parts:
+    """Counts the parts of which maps are made, and holds the first one until it is let go."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.windows: list[float] = []
+        self.held, self.released = threading.Event(), threading.Event()
+        monkeypatch.setattr("mapper.course.integrate_scans", self._integrate)
+        monkeypatch.setattr("mapper.course.PART_READINGS", 3600)
+
+    def _integrate(self, grid: Any, log: Any, config: Any, *more: Any) -> Any:
+        self.windows.append(config.window)
+        self.held.set()
+        assert self.released.wait(PATIENCE_S)
+        return integrate_scans(grid, log, config, *more)
+
+
+async def test_a_map_is_given_up_for_newer_parameters(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await registry.create_log("me", office_log, playing=False)
+    client = session.join()
+    await obey(session, type="seek", index=office_log.n_scans)
+    parts = Parts(monkeypatch)
+    session.enqueue({"type": "parameters", "values": {"window": 0.41, "log_odds_hit": 1.5}}, client)
+    await asyncio.to_thread(parts.held.wait, PATIENCE_S)
+    session.enqueue({"type": "parameters", "values": {"window": 0.42}}, client)
+    parts.released.set()
+    await eventually(lambda: session.config.window == 0.42)
+    await session.snapshot()
+    assert parts.windows.count(0.41) == 1
+    assert session.config.log_odds_hit == 1.5  # what the map given up was for is not lost
+    whole = OccupancyGrid(geometry_for(office_log, session.config), session.config.log_odds_prior)
+    integrate_log(whole, office_log, session.config)
+    np.testing.assert_array_equal(session.view().log_odds, whole.log_odds)
+    texts = [json.loads(message) for message in client.take() if isinstance(message, str)]
+    assert "error" not in {message["type"] for message in texts}
+
+
+async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(session_module, "GIVE_UP_S", 0.0)  # they have come for long
+    session = await registry.create_log("me", office_log, playing=False)
+    await obey(session, type="seek", index=office_log.n_scans)
+    parts = Parts(monkeypatch)
+    session.enqueue({"type": "parameters", "values": {"window": 0.41}})
+    await asyncio.to_thread(parts.held.wait, PATIENCE_S)
+    session.enqueue({"type": "parameters", "values": {"window": 0.42}})
+    parts.released.set()
+    await eventually(lambda: session.config.window == 0.42)
+    assert parts.windows.count(0.41) == parts.windows.count(0.42) > 1
+
+
+async def test_a_seek_is_given_up_for_another(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await registry.create_log("me", office_log, playing=False)
+    session.join()
+    parts = Parts(monkeypatch)
+    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    await asyncio.to_thread(parts.held.wait, PATIENCE_S)
+    session.enqueue({"type": "seek", "index": 2})
+    parts.released.set()
+    await obey(session, type="pause")
+    await eventually(lambda: session.progress[0] == 2)
+    assert len(parts.windows) < 10
+    shown = session.hub.picture.cells != -128
+    np.testing.assert_array_equal(shown, session.view().observed)
+
+
+def test_the_parts_of_a_map_take_a_few_hundredths_of_a_second(
+    office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a clock that counts 5 ms for each scan no part is larger than the four scans that fill the time."""
+    now, sizes = 0.0, []
+
+    def counted(grid: Any, log: Any, config: Any, trajectory: Any, start: int, stop: int) -> Any:
+        nonlocal now
+        now += 0.005 * (stop - start)
+        sizes.append(stop - start)
+        return integrate_scans(grid, log, config, trajectory, start, stop)
+
+    monkeypatch.setattr("time.thread_time", lambda: now)
+    monkeypatch.setattr(integrate, "integrate_scans", counted)
+    config = MappingConfig(resolution=0.1)
+    parts, whole = (OccupancyGrid(geometry_for(office_log, config)) for _ in range(2))
+    reached = [at for at, _ in integrate.integrate_parts(parts, office_log, config, None, 0, 100)]
+    assert max(sizes) == 4
+    assert sizes[0] == 1
+    assert reached[-1] == sum(sizes) == 100
+    integrate_scans(whole, office_log, config, None, 0, 100)
+    np.testing.assert_array_equal(parts.log_odds, whole.log_odds)

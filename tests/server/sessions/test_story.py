@@ -1,0 +1,191 @@
+"""Stories are replayed in slices, at a cost that is estimated before, and only as long as somebody waits."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import threading
+from collections.abc import Callable
+from http.client import HTTPConnection
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+
+from mapper.course import UnwantedError
+from mapper.errors import LimitError
+from mapper.world import WORLDS
+from server.sessions import SessionRegistry, world_commands
+from server.sessions.outcome import Outcome
+from server.sessions.story_cost import check_story, story_seconds
+from server.sessions.world_commands import act, retold, story_of
+from server.sessions.world_mapper import WorldMapper
+from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
+
+BOX = ["box", 300, 300, 340, 340]
+
+
+def edits(count: int, every: int = 2) -> dict[str, Any]:
+    """A story of so many edits, each of another box; every world has walked for 100 steps before the first."""
+    journal = [
+        [100 + every * i, {"type": "edit", "added": [["box", 300 + i, 300, 340 + i, 340]], "erased": []}]
+        for i in range(count)
+    ]
+    return {"world": "room", "seed": 1, "journal": journal, "steps": 100 + every * count}
+
+
+def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between two questions whether it is wanted there is one edit, one step, or one part of the map."""
+    done: list[str] = []
+    advance = WorldMapper.advance
+
+    def edit(*arguments: Any) -> None:
+        done.append("edit")
+        act(*arguments)
+
+    def step(self: WorldMapper, dt: float) -> Any:
+        done.append("step")
+        return advance(self, dt)
+
+    monkeypatch.setattr(world_commands, "act", edit)
+    monkeypatch.setattr(WorldMapper, "advance", step)
+    asked = []
+
+    def wanted() -> bool:
+        asked.append(tuple(done))
+        done.clear()
+        return True
+
+    retold(edits(30), wanted=wanted)
+    assert max(len(slice_) for slice_ in asked[1:]) == 1  # the first holds the two seconds of every world's beginning
+    assert sum(slice_.count("edit") for slice_ in asked) == 30
+
+
+@pytest.mark.parametrize("at", [0, 10, 60, 100])
+def test_a_story_that_is_not_wanted_any_more_ends(at: int) -> None:
+    asked = 0
+
+    def wanted() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked <= at
+
+    with pytest.raises(UnwantedError):
+        retold(edits(30), wanted=wanted)
+    assert asked <= at + 30  # those of the world's beginning, whose time passes in any case
+
+
+def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> None:
+    live = WorldMapper(WORLDS["room"], 5)
+    acts = (
+        {"type": "teleport", "x": 6.0, "y": 6.2},
+        {"type": "sensor", "values": {"n_beams": 90}},
+        {"type": "edit", "added": [BOX], "erased": [9]},
+        {"type": "sensor", "values": {"kind": "sonar_ring"}},
+        {"type": "auto", "value": True},
+    )
+    for command in acts:
+        act(live, command, Outcome())
+        live.advance(1.3)
+    told = retold(json.loads(json.dumps(story_of(live))))
+    assert told.config == live.config
+    assert told.grid.geometry == live.grid.geometry
+    np.testing.assert_array_equal(told.grid.log_odds, live.grid.log_odds)
+    np.testing.assert_array_equal(told.grid.observed, live.grid.observed)
+    for mapper in (told, live):
+        mapper.advance(0.5)
+    np.testing.assert_array_equal(told.grid.log_odds, live.grid.log_odds)
+
+
+def test_a_story_costs_more_the_more_happens_in_it() -> None:
+    plain = {"world": "office", "seed": 1, "steps": 10_000}
+    cost = story_seconds(plain)
+    assert cost > story_seconds(plain | {"steps": 5000})
+    assert story_seconds(plain | {"sensor": {"n_beams": 1080, "scan_rate": 25}}) > 2 * cost
+    sonar = {"kind": "sonar_ring", "n_sonars": 48, "beam_width": 1.0, "scan_rate": 25}
+    early, late = ([[at, {"type": "sensor", "values": sonar}]] for at in (0, 9000))
+    assert story_seconds(plain | {"journal": early}) > story_seconds(plain | {"journal": late}) > cost
+    assert story_seconds(edits(900)) > 10 * story_seconds(edits(30))
+    many = [[0, {"type": "edit", "added": [BOX] * 100}]]
+    assert story_seconds({"journal": many}) > story_seconds({"journal": [[0, {"type": "edit", "added": [BOX]}]]})
+
+
+@pytest.mark.parametrize(
+    "story",
+    [{"sensor": {"n_beams": "x"}}, {"journal": [[0, {}]]}, {"journal": [[5, {"type": "edit", "added": 3}]]}, {}],
+)
+def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
+    assert story_seconds(story) < 0.1
+
+
+async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
+    make_registry: Callable[..., SessionRegistry], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    registry = make_registry(max_story_s=2.0)
+    monkeypatch.setattr("server.sessions.registry.retold", lambda *_, **__: pytest.fail("it began"))
+    with pytest.raises(LimitError, match=r"about 8 s of computing, more than the 2 s .* GRIDBLOOM_MAX_STORY_S"):
+        await registry.create_world("me", "room", 1, edits(900))
+    assert len(registry) == 0
+
+
+def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> None:
+    """What the service tells, the service takes: where the whole story is too costly, it tells where things stand."""
+    mapper = WorldMapper(WORLDS["room"], 3)
+    for i in range(20):
+        mapper.journal.append((i, {"type": "edit", "added": [BOX], "erased": []}))
+    cost = story_seconds(story_of(mapper))
+    assert story_of(mapper, most_s=1.01 * cost)["journal"] is not None
+    short = story_of(mapper, most_s=0.99 * cost)
+    assert short["journal"] is None
+    check_story(short, 0.99 * cost)
+
+
+async def test_a_story_whose_visitor_has_gone_ends(registry: SessionRegistry) -> None:
+    task = asyncio.ensure_future(registry.create_world("me", "room", 1, edits(900, every=30), name="mine"))
+    await eventually(lambda: not registry.under_way.is_empty)
+    making = registry.under_way.get("me", "mine")
+    await eventually(lambda: making.fraction > 0.0)
+    task.cancel()
+    await asyncio.gather(task, return_exceptions=True)
+    assert not making.is_wanted
+    # The turn is free again: somebody else's world begins.
+    await asyncio.wait_for(registry.create_world("you", "room", 1), PATIENCE_S)
+    assert making.fraction < 1.0
+
+
+def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    went_on, ended = threading.Event(), threading.Event()
+
+    def slow(_: Any, *, wanted: Callable[[], bool], report: Callable[[float], None], **__: Any) -> WorldMapper:
+        report(0.25)
+        went_on.set()
+        while wanted():
+            threading.Event().wait(0.005)
+        ended.set()
+        raise UnwantedError("story.unwanted", "It is not wanted.")
+
+    with running(settings_for(tmp_path)) as service:
+        monkeypatch.setattr("server.sessions.registry.retold", slow)
+        _check_leaving(service, went_on, ended)
+
+
+def _check_leaving(service: Service, went_on: threading.Event, ended: threading.Event) -> None:
+    service.http.get("/")  # the visitor's cookie
+    wanted = {"kind": "world", "name": "mine", "story": {"steps": 5}}
+    base = service.http.base_url
+    cookies = "; ".join(f"{name}={value}" for name, value in service.http.cookies.items())
+    headers = {"Content-Type": "application/json", "Cookie": cookies}
+    with contextlib.closing(HTTPConnection(base.host, base.port or 80)) as page:
+        page.request("POST", "/api/sessions", json.dumps(wanted), headers)
+        assert went_on.wait(PATIENCE_S)
+        told = service.http.get("/api/sessions/making/mine").json()
+        assert told["fraction"] == 0.25
+        assert told["elapsed_s"] >= 0.0
+        assert httpx.get(f"{base}/api/sessions/making/mine").status_code == 404  # it is nobody else's
+    assert ended.wait(PATIENCE_S)
+    until(lambda: service.http.get("/api/sessions/making/mine").status_code == 404)
+    assert service.http.get("/api/sessions/making/mine").json()["code"] == "session.not_making"
