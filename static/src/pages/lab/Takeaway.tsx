@@ -44,7 +44,8 @@ export function Takeaway({ id }: { readonly id: string }) {
       </div>
       <p class="panel-note">
         pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
-        picture of it. Share makes a link to a copy of this world; with the live link others watch and drive in this one.
+        picture of it. Share makes a link to a copy of this world; with the live link others watch and drive in this
+        one.
       </p>
     </Panel>
   );

@@ -250,8 +250,8 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
           ))}
         </div>
         <p class="quiet">
-          pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a picture
-          of it.
+          pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
+          picture of it.
           {!isGuest &&
             " mcap contains the scans, the poses and this map for Rerun and ROS 2, and for Foxglove and Lichtblick, where the topics /map, /scan and /pose are enabled in the 3D panel."}
         </p>
