@@ -21,7 +21,8 @@ def drift_note(log: ScanLog, trajectory: str | None, config: MappingConfig) -> s
     """Return one line on poses that the doctor calls drifted, with what to do about it; None for other poses."""
     from mapper.doctor import drift_finding  # noqa: PLC0415 - start-up
 
-    if drift_finding(log, trajectory, config) is None:
+    found = drift_finding(log, trajectory, config)
+    if found is None or found.check != "walls.drift":  # a log without poses already has a note
         return None
     name = trajectory or log.default_trajectory
     poses = log.trajectory(name).poses

@@ -14,27 +14,27 @@ from mapper.world.odometry import drifting_odometry
 
 @pytest.fixture(scope="module")
 def run_of_a_robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A CARMEN log of a simulated robot: true poses in its FLASER lines, odometry that drifts in its ODOM lines."""
+    """A CARMEN log of a simulated robot: true poses with its scans, odometry that drifts in its ODOM lines."""
     log = sample_log(300)
     true = log.trajectory("true").poses
     odometry = drifting_odometry(true, np.random.default_rng(3))
+    beams = f"{log.angle_min} {log.angle_increment * log.n_beams} {log.angle_increment} {log.range_max} 0.01 0"
     lines = []
     for k in range(log.n_scans):
-        # A reading beyond the greatest range is no return, as is +Inf.
-        readings = " ".join(f"{r:.3f}" for r in np.nan_to_num(log.ranges[k], nan=0.0, posinf=81.83))
+        # What exceeds the greatest range is no return.
+        readings = " ".join(f"{r:.3f}" for r in np.nan_to_num(log.ranges[k], nan=0.0, posinf=log.range_max + 1.0))
         pose, wheels = (" ".join(f"{v:.6f}" for v in poses[k]) for poses in (true, odometry))
         lines += [
             f"ODOM {wheels} 0 0 0 {k / 5} host {k / 5}",
-            f"FLASER {log.n_beams} {readings} {pose} {pose} {k / 5} host {k / 5}",
+            f"ROBOTLASER1 0 {beams} {log.n_beams} {readings} 0 {pose} {pose} 0 0 0 0 0 {k / 5} host {k / 5}",
         ]
     path = tmp_path_factory.mktemp("drift") / "robot.log"
-    increment = np.degrees(log.angle_increment * (log.n_beams - 1))
-    path.write_text(f"PARAM laser_front_laser_fov {increment} host 0\n" + "\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n")
     return path
 
 
 def test_drift_is_said_on_one_line_with_its_remedy(run, run_of_a_robot):
-    options = ["--trajectory", "wheel", "--max-range", 8]
+    options = ["--trajectory", "wheel"]
     line = (
         "The poses of trajectory 'wheel' drift, so walls may be double: try other poses of this log with "
         "--trajectory scan."
@@ -43,6 +43,7 @@ def test_drift_is_said_on_one_line_with_its_remedy(run, run_of_a_robot):
     assert (status, err) == (0, "")
     assert [one for one in out.splitlines() if "drift" in one] == [f"  note: {line}"]
     assert json.loads(run("map", run_of_a_robot, *options, "--json").out)["drift"] == line
+    assert json.loads(run("map", run_of_a_robot, "--json").out)["drift"] is None
 
 
 def test_quiet_maps_without_the_check_and_without_notes(run, run_of_a_robot, monkeypatch):
