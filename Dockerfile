@@ -32,7 +32,7 @@ RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
 USER gridbloom
 WORKDIR /data
 # Compiles every kernel. On a processor of another kind than the builder's numba compiles them again at first use.
-RUN python -m mapper.warm
+RUN python -m mapper.tools.precompile
 VOLUME /data
 EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s --retries=3 CMD ["python", "-c", \

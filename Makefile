@@ -52,7 +52,7 @@ test-pages: setup
 	$(NPM) test
 
 kernels: setup ## compile every kernel once, so that no test waits for it
-	$(BIN)/python -m mapper.warm
+	$(BIN)/python -m mapper.tools.precompile
 
 programs: setup ## find Chromium and PostgreSQL, or install them where that is possible
 	$(BIN)/python -m tests.browser.find_chromium

@@ -11,12 +11,14 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.downloads import Downloads
+from server.http.errors import CatchAll, Ending, install_error_handlers
+from server.http.metrics import Metrics
+from server.http.routes import compare as comparing
+from server.http.routes import docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream
+from server.http.routes import downloads as taking
+from server.http.security import Security
 from server.library import Library
-from server.metrics import Metrics
-from server.routes import comparing, docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream, taking
-from server.routes.errors import CatchAll, Ending, install_error_handlers
 from server.scenes import Scenes
-from server.security import Security
 from server.sessions import SessionRegistry
 from server.settings import Settings
 from server.version import package_version

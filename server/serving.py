@@ -19,8 +19,8 @@ import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from server.app import create_app
-from server.connections import Connections, Listener
-from server.http_protocol import HttpProtocol
+from server.http.connections import Connections, Listener
+from server.http.uvicorn_protocol import HttpProtocol
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.settings import Settings

@@ -28,7 +28,7 @@ export default defineConfig({
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.
   server: {
-    // The lecture shows lines of mapper/textbook.py itself.
+    // The lecture shows lines of mapper/mapping/textbook.py itself.
     fs: { allow: [".", page("../mapper")] },
     proxy: {
       "/api": { target: service, ws: true },

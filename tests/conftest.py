@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from mapper.scan import ScanLog
-from mapper.world import sample_log
+from mapper.sensors.scan import ScanLog
+from mapper.simulation import sample_log
 from tests.programs import in_ci
 
 # Speed is never asserted, so examples have no deadline; CI must not fail by the luck of the draw.

@@ -17,7 +17,7 @@ from fastapi.routing import APIRoute
 from pydantic_core import PydanticUndefined
 from typer.testing import CliRunner
 
-from mapper.parameters import PARAMETERS
+from mapper.mapping.parameters import PARAMETERS
 from server.app import create_app
 from server.cli import app
 from server.settings import Settings

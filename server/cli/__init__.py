@@ -18,16 +18,16 @@ from server.cli import logs  # noqa: F401
 from server.cli import maps  # noqa: F401
 
 # isort: split
-from server.cli import asking  # noqa: F401
+from server.cli import why as asking  # noqa: F401
 
 # isort: split
-from server.cli import merging  # noqa: F401
+from server.cli import merge as merging  # noqa: F401
 
 # isort: split
-from server.cli import comparing  # noqa: F401
+from server.cli import compare as comparing  # noqa: F401
 
 # isort: split
-from server.cli import measuring  # noqa: F401
+from server.cli import bench as measuring  # noqa: F401
 
 # isort: split
 from server.cli.app import app

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from mapper.errors import MapperError
-from mapper.parameters import BY_NAME, MappingConfig, Parameter
+from mapper.core.errors import MapperError
+from mapper.mapping.parameters import BY_NAME, MappingConfig, Parameter
 
 if TYPE_CHECKING:
-    from mapper.scan import ScanLog
+    from mapper.sensors.scan import ScanLog
 
 BAD_INPUT = 2  #: exit status
 MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
@@ -156,7 +156,7 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
 
 def read_log(path: Path, topic: str | None = None) -> ScanLog:
     """Return the log at ``path``, or end the command with what is wrong with it."""
-    from mapper.logs import open_log  # noqa: PLC0415 - start-up
+    from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
         return open_log(path, topic=topic, progress=progress)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from mapper.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig
 
 if TYPE_CHECKING:
-    from mapper.scan import ScanLog
+    from mapper.sensors.scan import ScanLog
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print no notes, and do not check whether the poses drift.")]
 
@@ -19,7 +19,7 @@ SAME_POSES_M = 0.2  #: two trajectories that are nowhere farther apart are the s
 
 def drift_note(log: ScanLog, trajectory: str | None, config: MappingConfig) -> str | None:
     """Return one line on poses that the doctor calls drifted, with what to do about it; None for other poses."""
-    from mapper.doctor import drift_finding  # noqa: PLC0415 - start-up
+    from mapper.diagnosis import drift_finding  # noqa: PLC0415 - start-up
 
     found = drift_finding(log, trajectory, config)
     if found is None or found.check != "walls.drift":  # a log without poses already has a note

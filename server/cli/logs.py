@@ -15,7 +15,7 @@ from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_b
 @app.command()
 def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
     """Say what a log holds."""
-    from mapper.logs.summary import summarise  # noqa: PLC0415 - start-up
+    from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     facts = asdict(summarise(read_log(log, topic)))
     if as_json:
@@ -81,7 +81,7 @@ def doctor(
     as_json: AsJson = False,
 ) -> None:
     """Say what is wrong with a log, where, how surely, and what to do about it."""
-    from mapper.doctor import examine  # noqa: PLC0415 - start-up
+    from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     scans = read_log(log, topic)
     with refusing(log), progress_bar("Examining") as bar:

@@ -30,7 +30,7 @@ def save(
     frame: str | None = None,
 ) -> list[Path]:
     """Write a map, with the name of its frame where that is known; return the paths of its image and its yaml."""
-    from mapper.maps import save_map  # noqa: PLC0415 - start-up
+    from mapper.io.maps import save_map  # noqa: PLC0415 - start-up
 
     with refusing(prefix):
         yaml_path, image_path = save_map(grid, prefix, mode, frame=frame)
@@ -39,7 +39,7 @@ def save(
 
 def states(grid: OccupancyGrid) -> dict[str, float]:
     """Return how many cells are in which state, and what is known of them in bits."""
-    from mapper.metrics import map_metrics  # noqa: PLC0415 - start-up
+    from mapper.grid.metrics import map_metrics  # noqa: PLC0415 - start-up
 
     found = map_metrics(grid)
     return {

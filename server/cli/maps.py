@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mapper.parameters import PARAMETERS
+from mapper.mapping.parameters import PARAMETERS
 from server.cli.app import app
 from server.cli.common import (
     MOUNT,
@@ -33,8 +33,8 @@ from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
 
 if TYPE_CHECKING:
-    from mapper.export import GrowingMap
-    from mapper.scan import ScanLog
+    from mapper.io.export import GrowingMap
+    from mapper.sensors.scan import ScanLog
 
 
 @app.command("map")
@@ -58,9 +58,9 @@ def map_log(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make the map of a log."""
-    from mapper.export import GrowingMap  # noqa: PLC0415 - start-up
-    from mapper.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.suited import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
@@ -133,8 +133,8 @@ def _export(
     log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
     """Write what was asked for; return the paths."""
-    from mapper.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
-    from mapper.files import whole_file  # noqa: PLC0415 - start-up
+    from mapper.core.atomic_file import whole_file  # noqa: PLC0415 - start-up
+    from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
 
     for path in (mcap, tum):
         if path is None:
@@ -157,8 +157,8 @@ def view(
     width: Annotated[int | None, typer.Option(help="Characters across. [the terminal's]")] = None,
 ) -> None:
     """Draw a map file as text: in three states, and in characters that grow denser with the occupancy."""
-    from mapper.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.render import RAMP, density, three_state  # noqa: PLC0415 - start-up
+    from mapper.grid.text import RAMP, density, three_state  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
 
     across = shutil.get_terminal_size().columns if width is None else width
     with refusing(map_yaml):

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mapper.parameters import BY_NAME, MappingConfig
+from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.cli.common import configured, fail, refusing, value_of
 
 if TYPE_CHECKING:
     from mapper.grid import OccupancyGrid
-    from mapper.scan import ScanLog
+    from mapper.sensors.scan import ScanLog
 
 Prior = Annotated[
     str | None,
@@ -82,8 +82,8 @@ def given_prior(text: str | None, frame: str | None, given: dict[str, Any]) -> t
             given = given | {"log_odds_prior": number}
             configured(given)
         return given, None
-    from mapper.integrate import check_resolution  # noqa: PLC0415 - start-up
-    from mapper.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import check_resolution  # noqa: PLC0415 - start-up
 
     path = Path(text)
     with refusing(path):

@@ -60,7 +60,7 @@ def upload(
 ) -> None:
     """Send a log to a service, go on after a cut, and say where its map is to be seen."""
     from server.settings import Settings  # noqa: PLC0415 - start-up
-    from server.uploading import upload as send  # noqa: PLC0415 - start-up
+    from server.upload_client import upload as send  # noqa: PLC0415 - start-up
 
     with refusing(file), progress_bar("Uploading") as progress:
         record, link = send(file, url, Settings().data_dir / "visitors.json", progress=progress)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 from server.downloads.moments import Moments
 from server.downloads.places import Places
 

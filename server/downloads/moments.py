@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from mapper.errors import MapperError
+from mapper.core.errors import MapperError
 from mapper.grid import GridGeometry
 from server.downloads.snapshot import Snapshot
 

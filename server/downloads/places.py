@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 
 MAX_AT_ONCE = 8  #: downloads of all visitors that are being made or sent
 MAX_OF_GUESTS = 4  #: of them those of all who came by a link

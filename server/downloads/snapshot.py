@@ -12,7 +12,7 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.maps.images import Bands
+from mapper.io.maps.images import Bands
 
 MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; beyond it they go to a file
 ZSTD_LEVEL = 1

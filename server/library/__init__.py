@@ -1,11 +1,11 @@
 """Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
 
-from server.library.intake import Part
 from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError, check_stores
 from server.library.link import Link, LinkGoneError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
 from server.library.storage import StorageError, claimed
+from server.library.upload_receiver import Part
 
 __all__ = [
     "SAMPLE_ID",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
-from mapper.scan import ScanLog
+from mapper.sensors.scan import ScanLog
 from server.library.packed import nbytes
 
 

@@ -19,7 +19,7 @@ import structlog
 from server.library.blobs import Blobs, Incoming
 from server.library.cache import LogCache
 from server.library.folder import FolderLog
-from server.library.older import take_over
+from server.library.legacy_import import take_over
 from server.library.records import Record, Records
 from server.library.storage import StorageError
 

@@ -8,7 +8,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from mapper.logs import is_log
+from mapper.io.logs import is_log
 
 MAX_LOGS = 1000
 MAX_FILES = 100  #: in a folder that is one log

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
-from mapper.errors import LimitError
-from mapper.logs import open_log
-from mapper.logs.summary import LogSummary, summarise
+from mapper.core.errors import LimitError
+from mapper.io.logs import open_log
+from mapper.io.logs.summary import LogSummary, summarise
 from server.library.packed import write_pack
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import structlog
 
-from mapper.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library.catalogue import INTERRUPTED, Catalogue
 from server.library.reading import Reader
 from server.library.records import Failure, Record

@@ -12,12 +12,11 @@ import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 
-from mapper.errors import LimitError, MapperError, ReadError
-from mapper.scan import ScanLog
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
-from server.library.intake import Intake, Part, Received, too_large
 from server.library.jobs import Jobs, full, unstored
 from server.library.names import display_name
 from server.library.packed import StalePackError
@@ -28,6 +27,7 @@ from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.storage import private_folder
+from server.library.upload_receiver import Intake, Part, Received, too_large
 from server.library.workers import worker_at
 from server.settings import Settings
 
@@ -61,8 +61,8 @@ class LibraryLimits:
 
 def check_stores(settings: Settings) -> None:
     """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
-    from server.library.belonging import check_belonging  # noqa: PLC0415 - who reads logs does without SQLAlchemy
     from server.library.database import Database  # noqa: PLC0415
+    from server.library.store_identity import check_belonging  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
     root = settings.data_dir / "library"
     private_folder(root)
@@ -120,7 +120,7 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.belonging import is_sure_to_belong  # noqa: PLC0415
+        from server.library.store_identity import is_sure_to_belong  # noqa: PLC0415
 
         await self._folder.look()
         is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)

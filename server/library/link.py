@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from mapper.errors import MapperError
+from mapper.core.errors import MapperError
 
 
 class LinkGoneError(MapperError):

@@ -13,7 +13,7 @@ from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 from server.library.database import Database
 from server.library.link import Link, LinkGoneError
 from server.library.log_rows import upsert_log

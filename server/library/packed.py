@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from mapper.errors import MapperError
-from mapper.scan import ScanLog, Topic, Trajectory
+from mapper.core.errors import MapperError
+from mapper.sensors.scan import ScanLog, Topic, Trajectory
 
 VERSION = 3
 

@@ -14,7 +14,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 
 LEAST_BYTES_PER_S = (
     4096  #: of an upload, on average over the seconds in which nothing may come; slower ones are given up

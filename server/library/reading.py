@@ -8,12 +8,12 @@ from concurrent.futures import BrokenExecutor
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 
-from mapper.errors import ReadError
-from mapper.logs.summary import LogSummary
+from mapper.core.errors import ReadError
+from mapper.io.logs.summary import LogSummary
 from server.library import workers
 from server.library.job import Job, time_error
-from server.library.turns import Turns
 from server.library.workers import PoolWorker, Worker
+from server.work.fair_lock import Turns
 
 
 class Reader:

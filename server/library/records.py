@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
-from mapper.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
 from server.library.packed import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 
-from mapper.logs.summary import summarise
-from mapper.scan import ScanLog
+from mapper.io.logs.summary import summarise
+from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.records import Record
 
@@ -37,7 +37,7 @@ class Sample:
         return await asyncio.shield(self._job)
 
     async def _make(self) -> ScanLog:
-        from mapper.world import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
+        from mapper.simulation import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
 
         try:
             log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)

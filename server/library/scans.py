@@ -7,9 +7,9 @@ import secrets
 from dataclasses import replace
 from pathlib import Path
 
-from mapper.errors import MapperError
-from mapper.logs.summary import summarise
-from mapper.scan import ScanLog
+from mapper.core.errors import MapperError
+from mapper.io.logs.summary import summarise
+from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.jobs import unstored, without_paths

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from mapper.errors import MapperError
+from mapper.core.errors import MapperError
 
 
 class StorageError(MapperError):

@@ -18,7 +18,7 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 from typing import Protocol
 
-from mapper.logs.summary import LogSummary
+from mapper.io.logs.summary import LogSummary
 from server.library import job as jobs
 from server.library.job import Job
 from server.library.storage import StorageError
@@ -162,7 +162,7 @@ class ExecutorWorker:
 
 def read_apart(job: Job, lease: str) -> LogSummary:
     """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
-    command = [sys.executable, "-m", "server.library.apart"]
+    command = [sys.executable, "-m", "server.library.worker_main"]
     try:
         done = subprocess.run(  # noqa: S603 - nothing of it is anybody's input
             command,

@@ -9,9 +9,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from mapper.geometry import compose, inverse
+from mapper.core.se2 import compose, inverse
 from mapper.grid import GridGeometry
-from mapper.world import World
+from mapper.simulation import World
 from server.scenes.belief import Picture, changed_tiles, picture, tile_columns
 from server.scenes.shapes import arrow, boxes, extruded
 from server.sessions import SessionView

@@ -17,8 +17,8 @@ import structlog
 import viser
 from numpy.typing import NDArray
 
-from mapper.parameters import PARAMETERS
-from mapper.world import SENSOR_PARAMETERS, WORLDS
+from mapper.mapping.parameters import PARAMETERS
+from mapper.simulation import SENSOR_PARAMETERS, WORLDS
 from server.logging import short_hash
 from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
 from server.scenes.panel import Clock, NamedChoice, ParameterControls, Post, add_layers

@@ -7,20 +7,20 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from mapper.compare import Comparison
-from mapper.course import UnwantedError
-from mapper.errors import MapperError
+from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
-from mapper.parameters import MappingConfig
+from mapper.grid.compare import Comparison
+from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.scan import ScanLog
-from server.sessions.other_side import OtherSide, Wanted, comparison_message
-from server.sessions.outcome import Outcome
-from server.sessions.scheduler import checkpoint
+from mapper.replay.incremental import UnwantedError
+from mapper.sensors.scan import ScanLog
+from server.sessions.second_map_view import OtherSide, Wanted, comparison_message
 from server.sessions.session import Session
+from server.sessions.tick import Outcome
 from server.sessions.view import Side
 from server.stream.hub import Hub
 from server.stream.tiles import TilePicture, followed, picture_of
+from server.work.scheduler import checkpoint
 
 
 class ComparedSession(Session):

@@ -11,26 +11,26 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.course import Scout
-from mapper.errors import LimitError
-from mapper.export import GrowingMap
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
-from mapper.limits import Limits
-from mapper.logs.summary import recorded_seconds
-from mapper.parameters import BY_NAME, MappingConfig
+from mapper.io.export import GrowingMap
+from mapper.io.logs.summary import recorded_seconds
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.sensor_defaults import suited_parameters
 from mapper.replay import Replay
-from mapper.scan import ScanLog
-from mapper.suited import suited_parameters
+from mapper.replay.incremental import Scout
+from mapper.sensors.scan import ScanLog
 from server.sessions.compared import ComparedSession
-from server.sessions.examining import examination
-from server.sessions.outcome import Outcome
+from server.sessions.diagnosing import examination
 from server.sessions.session import Session
+from server.sessions.tick import Outcome
 from server.sessions.view import LogView, Moment, as_pose
 from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text
 
 if TYPE_CHECKING:
-    from mapper.doctor import Finding
+    from mapper.diagnosis import Finding
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
 MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
@@ -63,7 +63,7 @@ def first_config(log: ScanLog) -> MappingConfig:
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
     """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
 
-    Raises :class:`mapper.course.UnwantedError` where ``wanted``, asked now and then, says False.
+    Raises :class:`mapper.replay.incremental.UnwantedError` where ``wanted``, asked now and then, says False.
     """
     config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
@@ -144,7 +144,7 @@ class LogSession(ComparedSession):
         """Return what the doctor finds in the log with the trajectory of the moment.
 
         Whoever asks while it is being examined waits for the same answer; an examination that failed is made anew for
-        the next who asks, and the end of the session ends it. Raises as :func:`mapper.doctor.examine`.
+        the next who asks, and the end of the session ends it. Raises as :func:`mapper.diagnosis.examine`.
         """
         name = self.trajectory
         known = self._examinations.get(name)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from mapper.errors import MapperError
-from server.sessions.scheduler import checkpoint
+from mapper.core.errors import MapperError
+from server.work.scheduler import checkpoint
 
 
 @dataclass(slots=True, eq=False)

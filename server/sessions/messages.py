@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
-from mapper.parameters import PARAMETERS, MappingConfig
-from mapper.scan import RangeScan, SonarScan
-from mapper.world import SensorConfig
+from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.sensors.scan import RangeScan, SonarScan
+from mapper.simulation import SensorConfig
 from server.sessions.view import Moment, Pose
 
 

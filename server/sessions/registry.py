@@ -14,20 +14,20 @@ from typing import Any, Protocol
 
 import structlog
 
-from mapper.errors import MapperError
-from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.scan import ScanLog
+from mapper.core.errors import MapperError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.sensors.scan import ScanLog
+from mapper.simulation.live_map import world_named
 from server.sessions.log_session import LogSession, first_replay
 from server.sessions.making import UnderWay
-from server.sessions.preparing import Preparing
-from server.sessions.scheduler import URGENT_S, Party, Scheduler
+from server.sessions.prefetching import Preparing
 from server.sessions.session import Session
+from server.sessions.simulation_commands import retold
+from server.sessions.simulation_session import DEFAULT_WORLD, WorldSession
 from server.sessions.story_cost import check_story
 from server.sessions.view import LogView
-from server.sessions.world_commands import retold
-from server.sessions.world_mapper import world_named
-from server.sessions.world_session import DEFAULT_WORLD, WorldSession
 from server.stream.hub import Traffic
+from server.work.scheduler import URGENT_S, Party, Scheduler
 
 REAP_EVERY_S = 5.0
 THREADS_OF_SESSION = 4  #: at most: its tick, another side for it, and what is asked by HTTP
@@ -131,8 +131,8 @@ class SessionRegistry:
         from; while the story is replayed, :attr:`under_way` tells under ``name`` how far that is. Cancelled, the
         replay ends.
 
-        Raises :class:`SessionBudgetError`, :class:`mapper.errors.LimitError` for a story that would take too long, and
-        :class:`MapperError` for no world and for a story that makes no sense.
+        Raises :class:`SessionBudgetError`, :class:`mapper.core.errors.LimitError` for a story that would take too long,
+        and :class:`MapperError` for no world and for a story that makes no sense.
         """
         cost_s = check_story(story or {}, self._settings.max_story_s)
         named = world_named(DEFAULT_WORLD if world is None else world).name

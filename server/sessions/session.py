@@ -19,18 +19,18 @@ from typing import Any, TypeVar
 
 import structlog
 
-from mapper.course import Scout
-from mapper.errors import MapperError
+from mapper.core.errors import MapperError
+from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
-from mapper.limits import Limits
-from mapper.parameters import MappingConfig
-from server.sessions.content import Content
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay.incremental import Scout
 from server.sessions.messages import parameter_table, working_message
-from server.sessions.outcome import Order, Outcome, error_message
-from server.sessions.scheduler import Party, Scheduler, checkpoint
+from server.sessions.model import Content
+from server.sessions.tick import Order, Outcome, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.stream.tiles import picture_of
+from server.work.scheduler import Party, Scheduler, checkpoint
 
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower

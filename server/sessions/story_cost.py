@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from mapper.errors import LimitError, MapperError
-from mapper.world import SensorConfig
-from mapper.world.simulation import STEP
-from mapper.world.sonar import rays_of_cone
+from mapper.core.errors import LimitError, MapperError
+from mapper.simulation import SensorConfig
+from mapper.simulation.simulation import STEP
+from mapper.simulation.sonar import rays_of_cone
 
 # Processor time in seconds, measured in the largest world on one core of a small server.
 STEP_S = 1.2e-4  #: one step of the simulation
@@ -20,7 +20,7 @@ _PLANNED_ANEW = ("teleport", "edit", "auto")
 
 
 def story_seconds(story: dict[str, Any]) -> float:
-    """Return the estimated processor time, in seconds, of :func:`server.sessions.world_commands.retold`.
+    """Return the estimated processor time, in seconds, of :func:`server.sessions.simulation_commands.retold`.
 
     Values that make no sense count as nothing: they are refused when the story is replayed.
     """

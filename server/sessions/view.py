@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.parameters import MappingConfig
-from mapper.scan import RangeScan
-from mapper.world import SensorConfig, World
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import RangeScan
+from mapper.simulation import SensorConfig, World
 from server.sessions.why import Source
 
 Pose = tuple[float, float, float]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
-from mapper.integrate import sweep_of_log
-from mapper.parameters import MappingConfig
-from mapper.provenance import Provenance, provenance
-from mapper.scan import ScanLog
+from mapper.mapping.integrate import sweep_of_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.provenance import Provenance, provenance
+from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
 
 MAX_TOUCHES = 300  #: told in detail

@@ -26,8 +26,9 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
                 first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
-                log has no times; ``table`` is rows of mapper.parameters.Parameter as objects, whose ``initial`` is what
-                such a session begins with; ``epoch_id`` changes when the server restarts or the session is made anew
+                log has no times; ``table`` is rows of mapper.mapping.parameters.Parameter as objects, whose ``initial``
+                is what such a session begins with; ``epoch_id`` changes when the server restarts or the session is made
+                anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
 ``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
                  scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, bearings?, beam_width?,
@@ -52,8 +53,8 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
 ``comparison``  {index, refused: sentence|null, numbers: {cells, states, same, only: [a, b], both, entropy_bits: [a, b],
                 contrast: [a, b], mean_difference, max_difference, max_at: [x, y]|null}|null}
                 log sessions only: how the map of ``index`` scans, B, differs from the second one, A, as
-                :class:`mapper.compare.Comparison` has it; ``states[i][j]`` counts the cells in state i in A and j in B
-                (free, occupied, unknown); ``refused`` says why there are no numbers; neither: nothing is compared
+                :class:`mapper.grid.compare.Comparison` has it; ``states[i][j]`` counts the cells in state i in A and j
+                in B (free, occupied, unknown); ``refused`` says why there are no numbers; neither: nothing is compared
 ``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...], ids: [i, ...],
                  edits: {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...]}, polished: [[ax, ay, bx, by], ...]}
                 what is solid; ``ids`` say of each polygon which solid of the world it is (from 0), or −1 − its place

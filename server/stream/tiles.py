@@ -12,9 +12,9 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, GridGeometry, OccupancyGrid, log_odds
-from mapper.integrate import CellBox
-from mapper.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.parameters import BY_NAME, MappingConfig
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.protocol import TilePayload
 
 ZSTD_LEVEL = 1

@@ -1,4 +1,4 @@
-/** Amanatides and Woo's traversal, the twin of `mapper/traversal.py`; checked against vectors from there. */
+/** Amanatides and Woo's traversal, the twin of `mapper/mapping/traversal.py`; checked against vectors from there. */
 
 import type { Cell } from "./lattice";
 import type { Point } from "./protocol";

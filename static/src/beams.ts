@@ -36,7 +36,7 @@ export function beamToward(frame: Frame, from: Pose, [x, y]: Point): Beam | null
   return Math.round((TURN - swept) / Math.abs(step)) === 0 ? beamAt(frame, 0) : null;
 }
 
-/** The beam nearest to a bearing, at most half a right angle away: as `uneven_fields` in `mapper/scan.py`. */
+/** The beam nearest to a bearing, at most half a right angle away: as `uneven_fields` in `mapper/sensors/scan.py`. */
 function beamNear(frame: Frame, bearings: readonly number[], bearing: number): Beam | null {
   const off = bearings.map((one) => Math.abs(Math.atan2(Math.sin(one - bearing), Math.cos(one - bearing))));
   const nearest = off.indexOf(Math.min(...off));

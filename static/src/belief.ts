@@ -5,7 +5,7 @@ import type { CellState, Geometry } from "./protocol";
 
 type Range = Pick<Geometry, "log_odds_min" | "log_odds_max">;
 
-/** p of occupied above which a cell is occupied, and below which it is free; as mapper/grid.py (map_server's). */
+/** p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py (map_server's). */
 export const OCCUPIED_THRESHOLD = 0.65;
 export const FREE_THRESHOLD = 0.25;
 

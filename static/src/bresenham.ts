@@ -1,4 +1,4 @@
-/** Bresenham's line, the twin of `mapper/traversal.py`; checked against vectors from there. */
+/** Bresenham's line, the twin of `mapper/mapping/traversal.py`; checked against vectors from there. */
 
 import type { Cell } from "./lattice";
 

@@ -1,4 +1,4 @@
-/** Where the cells lie in the world, as `GridGeometry` of mapper/grid.py has it; checked against vectors from there. */
+/** Where the cells lie in the world, as `GridGeometry` of mapper/grid/occupancy_grid.py has it; checked against vectors from there. */
 
 import type { Geometry, Point, Pose } from "./protocol";
 import type { Bounds } from "./view";

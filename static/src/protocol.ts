@@ -173,7 +173,7 @@ export interface Compared {
   readonly title?: string;
 }
 
-/** How a log's map, b, differs from its other side, a; pairs are [a, b]. As `Comparison` of mapper/compare.py has it. */
+/** How a log's map, b, differs from its other side, a; pairs are [a, b]. As `Comparison` of mapper/grid/compare.py has it. */
 export interface Numbers {
   readonly cells: number;
   /** Cells by state in a, then in b: free, occupied, unknown. */

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mapper import textbook
-from mapper.provenance import provenance
-from mapper.scan import RangeScan
+from mapper.mapping import textbook
+from mapper.mapping.provenance import provenance
+from mapper.sensors.scan import RangeScan
 from tests.agreement.inputs import MappingCase
 
 

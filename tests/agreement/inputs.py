@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from mapper.geometry import compose, transform_points
+from mapper.core.se2 import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.parameters import MappingConfig
-from mapper.scan import RangeScan, ScanLog, Trajectory
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
 
 STEPS = ("fixed_increments", "step_window")  #: models of three zones
 QUARTERS = [k * np.pi / 4 for k in range(-4, 5)]

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from mapper import textbook, traversal
-from mapper.geometry import transform_points
+from mapper.core.se2 import transform_points
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
-from mapper.integrate import geometry_for, integrate_log
-from mapper.kernels.crossings import draw_rays
-from mapper.kernels.lines import draw_lines
-from mapper.kernels.provenance import touches_of_rays
-from mapper.kernels.quantise import quantise
-from mapper.merge import merged
-from mapper.metrics import entropy, information_gain
+from mapper.grid.kernels.quantise import quantise
+from mapper.grid.merge import merged
+from mapper.grid.metrics import entropy, information_gain
+from mapper.mapping import textbook, traversal
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.kernels.amanatides_woo import draw_rays
+from mapper.mapping.kernels.bresenham import draw_lines
+from mapper.mapping.kernels.contributions import touches_of_rays
 from tests.agreement.asking import (
     provenance_by_kernel,
     provenance_by_textbook,

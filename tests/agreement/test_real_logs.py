@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper import textbook
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log
-from mapper.logs import open_log
-from mapper.parameters import MappingConfig
-from mapper.provenance import provenance
+from mapper.io.logs import open_log
+from mapper.mapping import textbook
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.provenance import provenance
 from mapper.replay import Replay
-from mapper.scan import ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog, Trajectory
 
 LOGS = ["intel-corrected.log.gz", "aces-corrected.log.gz", "fhw-corrected.log.gz"]
 

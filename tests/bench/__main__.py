@@ -15,14 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
-from mapper.bench import bench_map
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import geometry_for, grid_for, integrate_log
-from mapper.logs import open_log
-from mapper.metrics import map_metrics
-from mapper.parameters import BY_NAME, MappingConfig
-from mapper.provenance import provenance
-from mapper.scan import ScanLog, Trajectory
+from mapper.grid.metrics import map_metrics
+from mapper.io.logs import open_log
+from mapper.mapping.integrate import geometry_for, grid_for, integrate_log
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.provenance import provenance
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.tools.bench import bench_map
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting

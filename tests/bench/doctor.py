@@ -16,16 +16,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.doctor import drift_finding
-from mapper.doctor.finding import POSSIBLE
-from mapper.geometry import compose, inverse
-from mapper.logs import open_log
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog, Trajectory
-from mapper.world import WORLDS, Simulation, World, sample_log
-from mapper.world.lidar import RANGE_MIN
-from mapper.world.odometry import ALPHAS, TURN_BIAS, drifting_odometry
-from mapper.world.sample import SAMPLE_SENSOR
+from mapper.core.se2 import compose, inverse
+from mapper.diagnosis import drift_finding
+from mapper.diagnosis.finding import POSSIBLE
+from mapper.io.logs import open_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.simulation import WORLDS, Simulation, World, sample_log
+from mapper.simulation.lidar import RANGE_MIN
+from mapper.simulation.odometry import ALPHAS, TURN_BIAS, drifting_odometry
+from mapper.simulation.sample import SAMPLE_SENSOR
 
 DOUBLE_M, SINGLE_M = 0.3, 0.15  #: walls that are farther apart than the one are double, nearer than the other single
 REVISIT_M = 5.0  #: two scans from places nearer than this see the same walls

@@ -18,11 +18,11 @@ import viser
 from viser._scene_api import _encode_image_binary  # what ViserServer sends of a picture, to count its bytes
 from websockets.sync.client import connect
 
-from mapper.export.recording import write_mcap
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
-from mapper.integrate import CellBox
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.io.export.recording import write_mcap
+from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 from server.stream.protocol import decode_tiles, encode_tiles
 from server.stream.tiles import picture_of
 from tests.bench.feel import new_page

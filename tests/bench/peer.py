@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mapper.scan import ScanLog
+from mapper.sensors.scan import ScanLog
 
 LIBRARIES = [
     "maps",

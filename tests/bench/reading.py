@@ -16,9 +16,9 @@ import numpy as np
 from mcap.reader import make_reader
 from rosbags import rosbag1
 
-from mapper.logs import open_log
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND
+from mapper.io.logs import open_log
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND
 from tests.server.service import Service, running, settings_for
 
 WANTED = frozenset({"sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"})

@@ -19,8 +19,8 @@ from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 from websockets.typing import Subprotocol
 
-from mapper.export.recording import write_mcap
-from mapper.scan import ScanLog
+from mapper.io.export.recording import write_mcap
+from mapper.sensors.scan import ScanLog
 from tests.browser.running import running_server
 
 PATIENCE_S = 300.0

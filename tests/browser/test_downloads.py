@@ -7,7 +7,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page
 
-from mapper.maps import load_map, pgm_bytes
+from mapper.io.maps import load_map, pgm_bytes
 from tests.browser.looking import frame, settled_digest, until
 
 

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, expect
 
-from mapper.parameters import PARAMETERS
+from mapper.mapping.parameters import PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, drag, frame, map_digest, observed, settled_digest, still, until
 

@@ -15,7 +15,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import SECONDS, drag, frame, map_bytes, map_digest, painted, settled_digest, until
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
-from tests.mapper.logs.test_split import split
+from tests.mapper.io.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 

@@ -15,8 +15,8 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 from PIL import Image
 
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND, odometry, scan, sonar, transform
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, odometry, scan, sonar, transform
 
 # -- text ---------------------------------------------------------------------------------------------------------
 

@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 from numpy.random import Generator
 
-from mapper.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log
-from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.logs import open_log
-from mapper.logs.summary import summarise
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.io.logs import open_log
+from mapper.io.logs.summary import summarise
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 
 ALL = "GRIDBLOOM_FUZZ" in os.environ
 ROUNDS = int(os.environ.get("GRIDBLOOM_FUZZ", "150"))  #: damaged files of each format

@@ -11,9 +11,9 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from mapper.errors import MapperError
-from mapper.limits import DEFAULT_LIMITS
-from mapper.logs import open_log
+from mapper.core.errors import MapperError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.logs import open_log
 
 
 def main() -> None:

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS
-from mapper.logs import open_log
-from mapper.scan import ScanLog
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.logs import open_log
+from mapper.sensors.scan import ScanLog
 from tests.hostile.archives import tarred
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS, TEXTS, recording
 from tests.hostile.damage import ALL, ROUNDS, flipped, opened

@@ -16,8 +16,8 @@ import lz4.frame
 import pytest
 import zstandard
 
-from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
 from tests.hostile import bombs
 from tests.hostile.corpus import TEXTS, bag_record, bag_with_chunk, mcap_with_chunk
 from tests.hostile.damage import ALL, opened

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.scan import ScanLog
+from mapper.sensors.scan import ScanLog
 from tests.hostile import lengths
 from tests.hostile.corpus import (
     BAGS,
@@ -22,7 +22,7 @@ from tests.hostile.corpus import (
     said,
 )
 from tests.hostile.damage import ALL, ROUNDS, flipped, mangled, opened, opened_from
-from tests.mapper.logs import recorded
+from tests.mapper.io.logs import recorded
 
 pytestmark = pytest.mark.sampled
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mapper.errors import ReadError
-from mapper.logs import open_log
+from mapper.core.errors import ReadError
+from mapper.io.logs import open_log
 from tests.hostile.corpus import recording
 from tests.hostile.damage import opened
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import zstandard
 
-from mapper.errors import ReadError
-from mapper.logs import open_log
-from mapper.scan import ScanLog
+from mapper.core.errors import ReadError
+from mapper.io.logs import open_log
+from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import (
     BAGS,
     MCAPS,
@@ -24,8 +24,8 @@ from tests.hostile.corpus import (
     recording,
 )
 from tests.hostile.damage import ALL, opened, opened_from
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import scan
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import scan
 
 pytestmark = pytest.mark.sampled
 

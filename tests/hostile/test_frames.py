@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from mapper.errors import LimitError
-from mapper.logs.transforms import MAX_DEPTH, MAX_WORLDS, Int64Array, Poses3, Timeline
-from mapper.scan import ScanLog
+from mapper.core.errors import LimitError
+from mapper.io.logs.transforms import MAX_DEPTH, MAX_WORLDS, Int64Array, Poses3, Timeline
+from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0
 from tests.hostile.damage import opened
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND, scan, transform
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, scan, transform
 
 
 def chain(n: int, *, moving: bool = False) -> list[recorded.Said]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from mapper.integrate import integrate_scans
+from mapper.mapping.integrate import integrate_scans
 from server.sessions import Session
 from tests.server.service import PATIENCE_S, Service, Watcher, eventually, until_closed
 
@@ -27,7 +27,7 @@ def session_of(service: Service, session_id: str) -> Session:
 async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.routes.stream.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
     session_id = await asyncio.to_thread(lambda: service.begin(kind="world", world="office"))
     session = session_of(service, session_id)
     async with undisturbed(service), service.connect(session_id) as socket:
@@ -59,9 +59,9 @@ async def test_a_session_ends_in_the_middle_of_a_long_computation(
             time.sleep(0.01)
         return integrate_scans(*arguments)
 
-    monkeypatch.setattr("mapper.course.PART_READINGS", 360)
+    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 360)
     async with service.connect(session_id) as socket:
-        monkeypatch.setattr("mapper.course.integrate_scans", slow)
+        monkeypatch.setattr("mapper.replay.incremental.integrate_scans", slow)
         await socket.send(json.dumps({"type": "seek", "index": 600}))
         await asyncio.to_thread(begun.wait, PATIENCE_S)
         assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204
@@ -93,7 +93,7 @@ async def test_a_visitors_many_questions_are_answered_once_a_tick(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Only the newest "why" of each client counts: a thousand of them are not a thousand searches of the log."""
-    monkeypatch.setattr("server.routes.stream.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
     session_id = await asyncio.to_thread(lambda: service.begin(kind="log", log="sample-office"))
     async with undisturbed(service), service.connect(session_id) as socket:
         watcher = Watcher(socket)

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.errors import LimitError, MapperError, ReadError
-from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.logs import open_log
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs import open_log
 
 GOOD = "FLASER 4 1.0 2.0 3.0 4.0 0.1 0.2 0.3 0.1 0.2 0.3 12.5 host 12.5"
 ODOM = "ODOM 0.1 0.2 0.3 0 0 0 12.4 host 12.4"

@@ -13,10 +13,10 @@ import pytest
 import yaml
 from PIL import Image, PpmImagePlugin
 
-from mapper.errors import LimitError, MapperError, ReadError
-from mapper.limits import DEFAULT_LIMITS, Limits
-from mapper.maps import LoadedMap, load_map
-from mapper.maps.plain_images import open_plain_image
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.maps import LoadedMap, load_map
+from mapper.io.maps.plain_images import open_plain_image
 from tests.hostile.corpus import MAP_YAML, images
 from tests.hostile.damage import ALL, ROUNDS, check_sentence, flipped, mangled
 

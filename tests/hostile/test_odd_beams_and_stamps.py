@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.doctor import examine
-from mapper.errors import ConfigError, ReadError
-from mapper.logs import open_log
-from mapper.logs.summary import summarise
-from mapper.scan import LaserScan
+from mapper.core.errors import ConfigError, ReadError
+from mapper.diagnosis import examine
+from mapper.io.logs import open_log
+from mapper.io.logs.summary import summarise
+from mapper.sensors.scan import LaserScan
 from tests.hostile.corpus import T0
 from tests.hostile.test_times import EVEN, N, written
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND
 
 FORMATS = ["carmen", "csv", "breezyslam", *recorded.KINDS]
 ODD = [0.0, 1e-30, -1e-30, 50.0]

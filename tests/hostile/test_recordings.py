@@ -11,14 +11,14 @@ import pytest
 from mcap.data_stream import RecordBuilder
 from mcap.records import Channel, Schema
 
-from mapper.errors import LimitError, ReadError
-from mapper.limits import DEFAULT_LIMITS
-from mapper.logs import open_log
-from mapper.scan import ScanLog
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.logs import open_log
+from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0, bag_record, ended, recording, said
 from tests.hostile.damage import opened
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import odometry, scan, transform
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import odometry, scan, transform
 
 
 @pytest.fixture
@@ -204,7 +204,7 @@ def test_an_mcap_whose_summary_has_another_checksum_is_marked_and_its_summary_no
 
 def test_what_is_no_known_type_is_counted_and_never_decoded(tmp_path, monkeypatch):
     """Types that are named nearly as the known ones, and a known one that is said to be encoded in another way."""
-    from mapper.logs import ros_messages
+    from mapper.io.logs import ros_messages
 
     decoded: list[bytes] = []
     decode = ros_messages.laser_scan

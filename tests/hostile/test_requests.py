@@ -160,7 +160,7 @@ def test_a_name_that_no_file_can_have_is_not_there(
 ) -> None:
     (tmp_path / "index.html").write_text("<!doctype html>")
     (tmp_path / "round.html").symlink_to("round.html")
-    monkeypatch.setattr("server.routes.pages.PLACES", (tmp_path,))
+    monkeypatch.setattr("server.http.routes.pages.PLACES", (tmp_path,))
     assert service.http.get("/index.html").status_code == 200
     for name in ("a" * 5000 + ".html", "assets/" + "a/" * 3000 + "a.js", "round.html"):
         answer = service.http.get("/" + name)
@@ -168,7 +168,7 @@ def test_a_name_that_no_file_can_have_is_not_there(
 
 
 def test_a_body_that_does_not_come_is_given_up(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.security.BODY_S", 0.2)
+    monkeypatch.setattr("server.http.security.BODY_S", 0.2)
     head = f"POST /api/sessions HTTP/1.1\nHost: 127.0.0.1:{service.port}\nContent-Length: 100"
     status, content = raw(service, head, b'{"kind":')
     assert (status, check_error(content)) == (408, "request.stalled")

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from mapper.parameters import PARAMETERS, Parameter
-from mapper.world import SENSOR_PARAMETERS
+from mapper.mapping.parameters import PARAMETERS, Parameter
+from mapper.simulation import SENSOR_PARAMETERS
 from server.serving import listen
 from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for, until_closed
 
@@ -146,8 +146,8 @@ async def test_pings_and_empty_parts_without_end_cost_only_their_sender(
 @pytest.fixture
 def unthrottled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Commands as fast as they come: how many a client may send is not the matter here."""
-    monkeypatch.setattr("server.routes.stream.COMMAND_BURST", 1e9)
-    monkeypatch.setattr("server.routes.stream.MAX_MALFORMED", 10**9)
+    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.routes.stream.MAX_MALFORMED", 10**9)
 
 
 async def barrier(watcher: Watcher, number: int) -> None:

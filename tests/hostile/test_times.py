@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.doctor import examine
-from mapper.errors import ReadError
-from mapper.logs import open_log
-from mapper.logs.summary import summarise
+from mapper.core.errors import ReadError
+from mapper.diagnosis import examine
+from mapper.io.logs import open_log
+from mapper.io.logs.summary import summarise
 from tests.hostile.corpus import T0
 from tests.hostile.damage import check_usable
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND
 
 N = 14
 EVEN = np.arange(N, dtype=np.int64) * SECOND // 10

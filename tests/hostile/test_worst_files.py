@@ -16,8 +16,8 @@ from tests.hostile import bombs
 from tests.hostile.archives import tarred
 from tests.hostile.corpus import TEXTS, bag_record, bag_with_chunk, images, mcap_with_chunk, recording
 from tests.hostile.test_crash import files, served
-from tests.mapper.logs import recorded
-from tests.mapper.logs.recorded import SECOND, scan
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, scan
 from tests.server.service import once_read
 
 T0 = 1_700_000_000 * SECOND

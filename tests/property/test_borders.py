@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
-from mapper.integrate import integrate_log, integrate_scan
-from mapper.parameters import MODELS, MappingConfig
-from mapper.scan import LaserScan, ScanLog, Trajectory
+from mapper.mapping.integrate import integrate_log, integrate_scan
+from mapper.mapping.parameters import MODELS, MappingConfig
+from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 
 SIDE = 40
 

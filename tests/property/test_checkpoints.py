@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper import checkpoints, course
-from mapper.checkpoints import Checkpoints
-from mapper.course import Course
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, grid_for, integrate_log, integrate_scans
-from mapper.parameters import MappingConfig
-from mapper.replay import Replay
-from mapper.scan import ScanLog, Trajectory
+from mapper.mapping.integrate import geometry_for, grid_for, integrate_log, integrate_scans
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay import Replay, checkpoints
+from mapper.replay import incremental as course
+from mapper.replay.checkpoints import Checkpoints
+from mapper.replay.incremental import Course
+from mapper.sensors.scan import ScanLog, Trajectory
 
 N = 60
 WAYS = [

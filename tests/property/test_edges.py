@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import integrate_log
-from mapper.parameters import MODELS, MappingConfig
-from mapper.provenance import provenance
-from mapper.scan import ScanLog, Trajectory
+from mapper.mapping.integrate import integrate_log
+from mapper.mapping.parameters import MODELS, MappingConfig
+from mapper.mapping.provenance import provenance
+from mapper.sensors.scan import ScanLog, Trajectory
 
 #: Ways of mapping: model, update, traversal.
 THIN = [

@@ -5,15 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper import fields, textbook
-from mapper.errors import ConfigError
+from mapper.core.errors import ConfigError
+from mapper.core.limits import Limits
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import sweep_of_log
-from mapper.kernels.sheet import HITS
-from mapper.limits import Limits
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog, Trajectory
-from mapper.sweep import rule_of
+from mapper.mapping import per_scan_update as fields
+from mapper.mapping import textbook
+from mapper.mapping.integrate import sweep_of_log
+from mapper.mapping.kernels.bitmask_fill import HITS
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.scan_batch import rule_of
+from mapper.sensors.scan import ScanLog, Trajectory
 
 
 def log_of(seed: int, n_beams: int, increment: float, pose: tuple[float, float, float]) -> ScanLog:

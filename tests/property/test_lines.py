@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mapper.kernels.lines import MAX_STEPS, draw_lines
-from mapper.traversal import bresenham
+from mapper.mapping.kernels.bresenham import MAX_STEPS, draw_lines
+from mapper.mapping.traversal import bresenham
 
 
 def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) -> NDArray[np.float32]:

@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.limits import Limits
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log
-from mapper.limits import Limits
-from mapper.merge import merged
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.grid.merge import merged
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 
 
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import integrate_log, integrate_scan
-from mapper.parameters import MappingConfig
-from mapper.scan import LaserScan, ScanLog, Trajectory
+from mapper.mapping.integrate import integrate_log, integrate_scan
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 
 HERE = (0.5, 0.5, 0.0)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mapper.errors import ConfigError
+from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import grid_for, integrate_log
-from mapper.merge import merged
-from mapper.parameters import MODELS, MappingConfig
+from mapper.grid.merge import merged
+from mapper.mapping.integrate import grid_for, integrate_log
+from mapper.mapping.parameters import MODELS, MappingConfig
 from mapper.replay import Replay
-from mapper.scan import ScanLog
+from mapper.sensors.scan import ScanLog
 
 #: Increments that float32 adds without rounding.
 CONFIG = MappingConfig(resolution=0.1, clamp=False, range_max=8.0, log_odds_hit=0.75, log_odds_miss=-0.25)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mapper.errors import ConfigError
-from mapper.parameters import MODELS, MappingConfig
-from mapper.provenance import provenance
+from mapper.core.errors import ConfigError
+from mapper.mapping.parameters import MODELS, MappingConfig
+from mapper.mapping.provenance import provenance
 from mapper.replay import Replay
-from mapper.scan import ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog, Trajectory
 
 KINDS = list(
     itertools.product(["per_beam", "per_scan"], ["bresenham", "amanatides_woo"], [0.0, 0.3], ["ignore", "free"])

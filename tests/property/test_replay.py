@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper.course import UnwantedError
-from mapper.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
-from mapper.integrate import CellBox, geometry_for, integrate_log, integrate_scan
-from mapper.limits import Limits
-from mapper.parameters import MappingConfig
+from mapper.mapping.integrate import CellBox, geometry_for, integrate_log, integrate_scan
+from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.scan import ScanLog, Trajectory
+from mapper.replay.incremental import UnwantedError
+from mapper.sensors.scan import ScanLog, Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_any_order_of_jumps_is_the_map_made_in_one_go(log: ScanLog, update: str,
 
 def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     config = MappingConfig(resolution=0.2)
-    monkeypatch.setattr("mapper.course.PART_READINGS", 3 * log.n_beams)
+    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3 * log.n_beams)
     replay = Replay(log, config)
     change = replay.advance_to(20)
     assert same(replay.grid, one_go(log, config, 20))
@@ -81,7 +81,7 @@ def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch
 
 
 def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mapper.course.PART_READINGS", log.n_beams)
+    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", log.n_beams)
     replay = Replay(log, MappingConfig(resolution=0.2))
     answers = iter([True, True, False])
     replay.wanted = lambda: next(answers)

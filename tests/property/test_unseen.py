@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from mapper import textbook
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import integrate_log
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog, Trajectory
+from mapper.mapping import textbook
+from mapper.mapping.integrate import integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog, Trajectory
 
 
 @pytest.mark.parametrize("traversal", ["bresenham", "amanatides_woo"])

@@ -32,7 +32,7 @@ export function drawn(kind: "wall" | "box", from: Point, to: Point): Drawn | nul
   return (kind === "wall" ? Math.hypot(width, height) : Math.min(width, height)) < LEAST ? null : made;
 }
 
-/** The outline of what was drawn, as mapper/world/edits.py makes it. */
+/** The outline of what was drawn, as mapper/simulation/edits.py makes it. */
 export function outline([kind, ...corners]: Drawn): readonly Point[] {
   const [x0, y0, x1, y1] = corners.map((value) => value / 100) as [number, number, number, number];
   if (kind === "box") {

@@ -15,7 +15,7 @@ const TOLERANCE = 1e-3;
 
 /**
  * The lattice that holds two maps; null where their cells do not coincide. Maps of one resolution are whole tiles apart
- * (`GridGeometry.covering` of mapper/grid.py).
+ * (`GridGeometry.covering` of mapper/grid/occupancy_grid.py).
  */
 export function together(a: Geometry, b: Geometry): Together | null {
   const size = b.resolution;

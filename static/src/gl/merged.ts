@@ -1,4 +1,4 @@
-/** Two maps as one, in the bytes of the wire: ℓ = ℓ_a + ℓ_b − ℓ₀, as mapper/merge.py adds them. */
+/** Two maps as one, in the bytes of the wire: ℓ = ℓ_a + ℓ_b − ℓ₀, as mapper/grid/merge.py adds them. */
 
 import { logOddsAt, shownByteAt } from "../belief";
 import type { Geometry } from "../protocol";

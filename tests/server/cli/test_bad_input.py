@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mapper.parameters import MODELS
+from mapper.mapping.parameters import MODELS
 
 BAD_OPTIONS = {
     "resolution of 0": (["--resolution", "0"], "Resolution (resolution) must be between 0.01 and 1 m"),

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 
-from tests.mapper.logs import recorded
+from tests.mapper.io.logs import recorded
 
 
 def test_info_says_what_a_log_holds(run, log):

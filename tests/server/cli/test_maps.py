@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mapper.parameters import MODELS, PARAMETERS
+from mapper.mapping.parameters import MODELS, PARAMETERS
 from server.cli import SHORT_NAMES
 from tests.server.cli.running import state_counts
 

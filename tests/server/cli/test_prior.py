@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.mapper.logs import recorded
-from tests.mapper.maps.map_server import served
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.maps.map_server import served
 from tests.server.cli.running import state_counts
 
 T0 = 1_700_000_000 * recorded.SECOND

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 import yaml
 
-from mapper.maps import load_map, pgm_bytes
-from mapper.maps.images import Bands
+from mapper.io.maps import load_map, pgm_bytes
+from mapper.io.maps.images import Bands
 from server.downloads import file_stem
 from tests.server.library.small_logs import carmen
 from tests.server.service import Service, Watcher, once_read, until
@@ -104,7 +104,7 @@ def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, m
         return made()
 
     places = service.state.downloads.places
-    monkeypatch.setattr("server.routes.maps.probability_pixels", endless)
+    monkeypatch.setattr("server.http.routes.maps.probability_pixels", endless)
     with httpx.Client(base_url=service.http.base_url) as leaving:
         with pytest.raises(httpx.ReadTimeout):
             leaving.get(f"/api/sessions/{session}/map.png", timeout=1.0)
@@ -126,7 +126,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
         release.wait(60.0)
         return [np.zeros((1, 10), np.uint8)]
 
-    monkeypatch.setattr("server.routes.maps.probability_pixels", slow)
+    monkeypatch.setattr("server.http.routes.maps.probability_pixels", slow)
     monkeypatch.setattr(places, "_wait_s", 0.2)
     answers: list[httpx.Response] = []
 
@@ -156,7 +156,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
 def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     session = service.begin(kind="world", world="room", seed=9)
     noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
-    monkeypatch.setattr("server.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
+    monkeypatch.setattr("server.http.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
     monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)
     places = service.state.downloads.places
     with service.http.stream("GET", f"/api/sessions/{session}/map.png") as answer:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 from server.downloads import Downloads, Snapshot
 from server.downloads.downloads import StoppedError
 from server.downloads.snapshot import MEMORY_BYTES

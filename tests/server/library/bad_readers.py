@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from mapper.logs.summary import LogSummary
-from mapper.scan import ScanLog
+from mapper.io.logs.summary import LogSummary
+from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from tests.server.library.small_logs import carmen
 

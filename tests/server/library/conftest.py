@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from mapper.world import sample_log
+from mapper.simulation import sample_log
 from server.library import Library, LibraryLimits
 from server.library.reading import Reader
 from server.settings import Settings
@@ -46,7 +46,7 @@ async def reader() -> AsyncIterator[Reader]:
 @pytest.fixture(autouse=True)
 def _short_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sample as short as a sample can be: every list of logs has it made."""
-    monkeypatch.setattr("mapper.world.sample_log", lambda: sample_log(5))
+    monkeypatch.setattr("mapper.simulation.sample_log", lambda: sample_log(5))
 
 
 Make = Callable[..., "Library"]

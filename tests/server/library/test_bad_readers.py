@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from server.library import Library, LogNotFoundError, LogReadOnlyError
-from server.library.turns import Turns
+from server.work.fair_lock import Turns
 from tests.server.library import bad_readers
 from tests.server.library.kept import settled
 from tests.server.library.small_logs import carmen, in_pieces

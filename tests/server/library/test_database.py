@@ -18,8 +18,8 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import event, text
 
-from mapper.logs.summary import summarise
-from mapper.world import sample_log
+from mapper.io.logs.summary import summarise
+from mapper.simulation import sample_log
 from server.library.database import MIGRATIONS, Database
 from server.library.log_rows import LogRows
 from server.library.migrations import HEAD

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from mapper.errors import ReadError
-from mapper.logs import open_log
+from mapper.core.errors import ReadError
+from mapper.io.logs import open_log
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
 from server.library.folder import MAX_FILES
 from server.settings import Settings
-from tests.mapper.logs.test_split import split
+from tests.mapper.io.logs.test_split import split
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.errors import LimitError, ReadError
+from mapper.core.errors import LimitError, ReadError
 from server.library import Library, LogNotFoundError
 from server.settings import Settings
 from tests.server.library import bad_readers

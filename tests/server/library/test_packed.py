@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.scan import ScanLog, Topic, Trajectory
+from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from server.library.cache import LogCache
 from server.library.packed import StalePackError, nbytes, read_pack, write_pack
 

@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 
-from server.library import intake
+from server.library import upload_receiver as intake
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 from server.library.places import Places
 from tests.server.service import eventually
 

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Callable
 
 import pytest
 
-from mapper.errors import LimitError, MapperError
+from mapper.core.errors import LimitError, MapperError
 from server.library import Library
 from server.settings import Settings
 from tests.server.library.kept import files, settled

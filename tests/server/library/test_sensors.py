@@ -7,10 +7,10 @@ from pathlib import Path
 import httpx
 import pytest
 
-from mapper.errors import ReadError
+from mapper.core.errors import ReadError
 from server.library import Library, LogNotFoundError
 from server.settings import Settings
-from tests.mapper.logs import recorded
+from tests.mapper.io.logs import recorded
 from tests.server.library.small_logs import in_pieces
 from tests.server.service import Service, running, settings_for
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from mapper.errors import LimitError, ReadError
+from mapper.core.errors import LimitError, ReadError
 from server.library import StorageError
 from server.library.reading import Reader
 from server.library.workers import ExecutorWorker, worker_at

@@ -78,7 +78,7 @@ def counted(then: Callable[[], object]) -> Iterator[Writes]:
         with (
             patch("obstore.open_writer_async", lambda *a, **k: _Writer(open_writer(*a, **k), writes)),
             patch("obstore.rename_async", counted_rename),
-            patch("server.library.intake.BATCH_BYTES", 10_000),
+            patch("server.library.upload_receiver.BATCH_BYTES", 10_000),
             patch("server.library.blobs.LOCAL_PART_BYTES", 10_000),
         ):
             yield writes

@@ -12,7 +12,7 @@ import pytest
 import uvicorn
 from fastapi import FastAPI
 
-from server.routes.scenes import router
+from server.http.routes.scenes import router
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings

@@ -8,8 +8,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from mapper.geometry import transform_points
-from mapper.parameters import MappingConfig
+from mapper.core.se2 import transform_points
+from mapper.mapping.parameters import MappingConfig
 from server.scenes.drawing import BEAM_START, MAX_BEAMS, MAX_PATH, beam_segments, path_segments
 from server.sessions import SessionView
 

@@ -19,8 +19,8 @@ from websockets.asyncio.client import connect, unix_connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
 
-from mapper.parameters import PARAMETERS
-from mapper.world import SENSOR_PARAMETERS, WORLDS, sample_log
+from mapper.mapping.parameters import PARAMETERS
+from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL, passes
 from server.sessions import Session, SessionRegistry

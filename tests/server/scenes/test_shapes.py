@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mapper.world import WORLDS
+from mapper.simulation import WORLDS
 from server.scenes.shapes import arrow, boxes, extruded, triangles
 
 

@@ -37,7 +37,7 @@ def registry(make_registry: Callable[..., SessionRegistry]) -> SessionRegistry:
 @pytest.fixture
 def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is asked of a session at once is carried out in one tick, however slow the machine is."""
-    monkeypatch.setattr("server.sessions.content.ORDERS_S", float("inf"))
+    monkeypatch.setattr("server.sessions.model.ORDERS_S", float("inf"))
 
 
 async def obeyed(session: Session, **command: Any) -> None:

@@ -13,12 +13,12 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from mapper.errors import ConfigError, MapperError
-from mapper.limits import Limits
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.core.errors import ConfigError, MapperError
+from mapper.core.limits import Limits
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 from server.sessions import LogView, SessionRegistry
-from server.sessions.other_side import Wanted
+from server.sessions.second_map_view import Wanted
 from tests.server.service import Service, Watcher, eventually, running, settings_for
 from tests.server.sessions.test_log_session import whole_map
 
@@ -62,7 +62,7 @@ async def test_another_trajectory_follows_all_parameters(
         await obey(session, type="parameters", values=values)
         other = session.side(second=True)
         assert other.config == session.config
-        from mapper.integrate import grid_for, integrate_log
+        from mapper.mapping.integrate import grid_for, integrate_log
 
         expected = grid_for(office_log, session.config, wheel)
         integrate_log(expected, office_log, session.config, wheel)

@@ -18,13 +18,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mapper.course import UnwantedError
-from mapper.errors import LimitError
+from mapper.core.errors import LimitError
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log, integrate_scans
-from mapper.logs import open_log
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog, Trajectory
+from mapper.io.logs import open_log
+from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay.incremental import UnwantedError
+from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times
 from tests.server.service import eventually
@@ -191,7 +191,7 @@ async def test_an_examination_steps_back_behind_what_somebody_waits_for(
         found.append(os.getpriority(os.PRIO_PROCESS, threading.get_native_id()))
         return []
 
-    monkeypatch.setattr("mapper.doctor.examine", look)
+    monkeypatch.setattr("mapper.diagnosis.examine", look)
     session = await registry.create_log("me", office_log)
     assert await session.examined() == []
     assert found == [min(own + 10, 19)]
@@ -212,7 +212,7 @@ async def test_an_examination_ends_with_its_session(
             time.sleep(0.001)
         integrate_scans(*arguments)
 
-    monkeypatch.setattr("mapper.doctor.consistency.integrate_scans", slow)
+    monkeypatch.setattr("mapper.diagnosis.consistency.integrate_scans", slow)
     asked = asyncio.ensure_future(session.examined())
     await asyncio.to_thread(begun.wait)
     await registry.close(session.id)
@@ -230,7 +230,7 @@ async def test_an_examination_that_failed_is_made_anew(
         raise MemoryError
 
     with monkeypatch.context() as patched:
-        patched.setattr("mapper.doctor.consistency.integrate_scans", no_memory)
+        patched.setattr("mapper.diagnosis.consistency.integrate_scans", no_memory)
         for asked in await asyncio.gather(session.examined(), session.examined(), return_exceptions=True):
             assert isinstance(asked, MemoryError)
     assert await session.examined() == []

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mapper import integrate
 from mapper.grid import OccupancyGrid
-from mapper.integrate import geometry_for, integrate_log, integrate_scans
-from mapper.parameters import MappingConfig
-from mapper.scan import ScanLog
+from mapper.mapping import integrate
+from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry, WorldSession
 from server.sessions import session as session_module
 from tests.server.service import PATIENCE_S, eventually
@@ -56,8 +56,8 @@ class Parts:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.windows: list[float] = []
         self.held, self.released = threading.Event(), threading.Event()
-        monkeypatch.setattr("mapper.course.integrate_scans", self._integrate)
-        monkeypatch.setattr("mapper.course.PART_READINGS", 3600)
+        monkeypatch.setattr("mapper.replay.incremental.integrate_scans", self._integrate)
+        monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
 
     def _integrate(self, grid: Any, log: Any, config: Any, *more: Any) -> Any:
         self.windows.append(config.window)

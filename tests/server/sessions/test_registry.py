@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mapper.scan import ScanLog
+from mapper.sensors.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from tests.server.service import eventually
 

@@ -14,14 +14,15 @@ import httpx
 import numpy as np
 import pytest
 
-from mapper.course import UnwantedError
-from mapper.errors import LimitError
-from mapper.world import WORLDS
-from server.sessions import SessionRegistry, world_commands
-from server.sessions.outcome import Outcome
+from mapper.core.errors import LimitError
+from mapper.replay.incremental import UnwantedError
+from mapper.simulation import WORLDS
+from mapper.simulation.live_map import WorldMapper
+from server.sessions import SessionRegistry
+from server.sessions import simulation_commands as world_commands
+from server.sessions.simulation_commands import act, retold, story_of
 from server.sessions.story_cost import check_story, story_seconds
-from server.sessions.world_commands import act, retold, story_of
-from server.sessions.world_mapper import WorldMapper
+from server.sessions.tick import Outcome
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 
 BOX = ["box", 300, 300, 340, 340]

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mapper import textbook
-from mapper.geometry import compose
-from mapper.scan import ScanLog
+from mapper.core.se2 import compose
+from mapper.mapping import textbook
+from mapper.sensors.scan import ScanLog
 from server.sessions import Session, SessionRegistry
 from server.sessions.why import MAX_TOUCHES, STRETCHES, thinned
 from server.stream.protocol import encode_text

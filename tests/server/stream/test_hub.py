@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import CellBox
+from mapper.mapping.integrate import CellBox
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
 from server.stream.protocol import ProtocolError
 from server.stream.tiles import TilePicture

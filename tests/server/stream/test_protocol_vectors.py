@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import zstandard
 
-from mapper.geometry import compose
+from mapper.core.se2 import compose
 from mapper.grid import GridGeometry
-from mapper.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.traversal import bresenham
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.mapping.traversal import bresenham
 from server.stream.protocol import (
     HEADER,
     ProtocolError,

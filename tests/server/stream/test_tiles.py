@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.integrate import CellBox
-from mapper.parameters import MappingConfig
+from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import MappingConfig
 from server.stream.tiles import TilePicture, picture_range
 
 

@@ -1,4 +1,4 @@
-/** One cell under a row of readings: `ℓ ← clamp(ℓ + evidence)`, as `mapper/integrate.py` does it. */
+/** One cell under a row of readings: `ℓ ← clamp(ℓ + evidence)`, as `mapper/mapping/integrate.py` does it. */
 
 import { beamModel, type ProfileParameters } from "../profile/model";
 

@@ -1,4 +1,4 @@
-/** Whether two maps can be added; as `merged` of mapper/merge.py refuses them. */
+/** Whether two maps can be added; as `merged` of mapper/grid/merge.py refuses them. */
 
 import type { Values } from "../../protocol";
 

@@ -1,5 +1,5 @@
 /**
- * Occupancy grid mapping, the twin of `mapper/textbook.py`, function by function under the same names; held to it by
+ * Occupancy grid mapping, the twin of `mapper/mapping/textbook.py`, function by function under the same names; held to it by
  * vectors that the mapper writes (lesson.vectors.json). Source: Probabilistic Robotics, tables 4.2, 9.1 and 9.2.
  */
 

@@ -16,7 +16,7 @@ export interface Crossed {
 }
 
 /**
- * The cells of which a beam speaks and what it says, as `evidence_along_beam` of mapper/textbook.py has it; along a
+ * The cells of which a beam speaks and what it says, as `evidence_along_beam` of mapper/mapping/textbook.py has it; along a
  * cone's axis as along a thin beam. `rangeMax` is the greatest range of the sensor and the map; `values` are the map's.
  */
 export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number, values: Values): Crossed[] {

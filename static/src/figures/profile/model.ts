@@ -1,5 +1,5 @@
 /**
- * The inverse sensor model along one beam, as `mapper/sensor_model.py` and the per-beam update compute it.
+ * The inverse sensor model along one beam, as `mapper/mapping/sensor_model.py` and the per-beam update compute it.
  *
  * Pure functions of the parameters, checked against vectors that the mapper writes (`vectors.json`). Distances are
  * metres from the sensor, evidence is log-odds. Source: Thrun, Burgard & Fox, Probabilistic Robotics, table 9.2; of the

@@ -172,7 +172,7 @@ function Text({ here }: { here: Step }) {
   const isLit = (line: SourceLine): boolean => line.fn === here.fn && line.offset === here.offset;
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a box that scrolls must be reachable by keyboard
-    <section class="program-text" ref={box} tabIndex={0} aria-label="mapper/textbook.py, docstrings left out">
+    <section class="program-text" ref={box} tabIndex={0} aria-label="mapper/mapping/textbook.py, docstrings left out">
       {PROGRAM.map((lines) => (
         <pre key={lines[0]?.fn}>
           {lines.map((line) => (

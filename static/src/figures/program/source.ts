@@ -1,6 +1,6 @@
-/** The program's text: lines of mapper/textbook.py itself, taken from the file when the pages are built. */
+/** The program's text: lines of mapper/mapping/textbook.py itself, taken from the file when the pages are built. */
 
-import textbook from "../../../../mapper/textbook.py?raw";
+import textbook from "../../../../mapper/mapping/textbook.py?raw";
 
 /** What the figure shows, in the order in which one calls the other. */
 export const SHOWN = ["update_per_beam", "evidence_of_beam", "evidence_along_beam", "update", "bayes_filter"] as const;
@@ -17,7 +17,7 @@ export interface SourceLine {
 export function linesOf(fn: FunctionName, source: string = textbook): readonly SourceLine[] {
   const all = source.split("\n");
   const first = all.findIndex((line) => line.startsWith(`def ${fn}(`));
-  if (first < 0) throw new Error(`mapper/textbook.py has no function ${fn}`);
+  if (first < 0) throw new Error(`mapper/mapping/textbook.py has no function ${fn}`);
   let end = first + 1;
   while (end < all.length && (all[end] === "" || /^[\s)]/.test(all[end] ?? ""))) end++;
   const lines: SourceLine[] = [];
@@ -37,6 +37,6 @@ export const PROGRAM: readonly (readonly SourceLine[])[] = SHOWN.map((fn) => lin
 /** The first line of a function that begins with some text. */
 export function lineOf(fn: FunctionName, beginning: string): number {
   const found = PROGRAM[SHOWN.indexOf(fn)]?.find((line) => line.text.trim().startsWith(beginning));
-  if (!found) throw new Error(`${fn} of mapper/textbook.py has no line that begins with ${beginning}`);
+  if (!found) throw new Error(`${fn} of mapper/mapping/textbook.py has no line that begins with ${beginning}`);
   return found.offset;
 }

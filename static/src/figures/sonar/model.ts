@@ -1,6 +1,6 @@
 /**
  * Wide beams: the sonar cone as Bayes' filter takes it, and the two certainties of Moravec and Elfes, the twins of
- * `evidence_in_cone` and `update_moravec_elfes` in mapper/textbook.py; held to them by vectors (sonar.vectors.json).
+ * `evidence_in_cone` and `update_moravec_elfes` in mapper/mapping/textbook.py; held to them by vectors (sonar.vectors.json).
  * Source: Moravec & Elfes 1985; Elfes 1989; Probabilistic Robotics, table 9.2.
  */
 

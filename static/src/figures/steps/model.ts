@@ -1,5 +1,5 @@
 /**
- * One scan, cell by cell: every update that the core makes of it, in its order, as `mapper/textbook.py` has it
+ * One scan, cell by cell: every update that the core makes of it, in its order, as `mapper/mapping/textbook.py` has it
  * (update_per_beam on Bresenham's line). Only for what is a sum along thin beams; the other ways have no such order.
  */
 

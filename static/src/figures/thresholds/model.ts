@@ -1,6 +1,6 @@
 /**
- * From probabilities to the file that a navigation stack reads, as `mapper/maps/writing.py` writes it, and back, as
- * `mapper/maps/reading.py` reads it. Checked against bytes and texts that the mapper wrote (thresholds.vectors.json).
+ * From probabilities to the file that a navigation stack reads, as `mapper/io/maps/writing.py` writes it, and back, as
+ * `mapper/io/maps/reading.py` reads it. Checked against bytes and texts that the mapper wrote (thresholds.vectors.json).
  * Source: nav2_map_server, map_io.cpp, mode trinary.
  */
 

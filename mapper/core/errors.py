@@ -1,0 +1,32 @@
+"""The errors of the mapping core: each has a stable code and one clear sentence."""
+
+from __future__ import annotations
+
+
+class MapperError(Exception):
+    """Something the caller gave cannot be used.
+
+    ``code`` is a stable, dotted, lower-case identifier for programs (``"log.no_scans"``); ``message`` is one
+    sentence for people that says what is wrong and where.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+
+    def __reduce__(self) -> tuple[type[MapperError], tuple[str, str]]:
+        """Errors cross process borders (log readers run in a process of their own) with their code."""
+        return (type(self), (self.code, self.message))
+
+
+class ReadError(MapperError):
+    """A log or a map file is not what it should be. The message names the place: line, byte or key."""
+
+
+class LimitError(MapperError):
+    """The input is well formed but larger than :class:`mapper.core.limits.Limits` allows."""
+
+
+class ConfigError(MapperError):
+    """A parameter, a geometry or a pose is impossible: not finite, out of its range, or of a wrong shape."""

@@ -1,0 +1,7 @@
+"""The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
+
+from mapper.diagnosis.drifting import drift_finding
+from mapper.diagnosis.examination import CHECKS, examine
+from mapper.diagnosis.finding import Finding
+
+__all__ = ["CHECKS", "Finding", "drift_finding", "examine"]

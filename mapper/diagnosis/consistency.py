@@ -1,0 +1,112 @@
+"""How well the readings of a log agree with one another on where things are.
+
+Every check that asks "would the map be better if …" asks this: of the cells in which beams ended, how often did a beam
+end there of all that came by? Where poses, mount and times are right, walls are hit again and again and hardly ever
+passed; every error smears them over cells that other beams passed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import OccupancyGrid
+from mapper.mapping.integrate import geometry_for, integrate_scans
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay.incremental import UnwantedError
+from mapper.sensors.scan import ScanLog, Trajectory
+
+RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be quick and not to mind a reading's noise
+LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
+PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: where the grids lie that a mean is taken over
+MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
+
+
+@dataclass(frozen=True)  # without slots: what is derived once is kept
+class Examined:
+    """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
+
+    ``wanted`` is asked before each map that is made of it: False ends the examination.
+    """
+
+    log: ScanLog
+    trajectory: str
+    scans: NDArray[np.int64]
+    config: MappingConfig
+    wanted: Callable[[], bool] = lambda: True
+
+    @cached_property
+    def agreement(self) -> float:
+        """:func:`consistency` as the log states everything: what every check compares with, computed once."""
+        return consistency(self)
+
+    def check_wanted(self) -> None:
+        """Raise :class:`UnwantedError` where nobody wants the examination any more."""
+        if not self.wanted():
+            raise UnwantedError("doctor.unwanted", "The examination was given up: its session has ended.")
+
+    def with_poses(self, poses: NDArray[np.float64]) -> Examined:
+        """Return the same scans at other poses of the base (n, 3)."""
+        return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
+
+
+def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
+    """Return what is looked at of a log: at most :data:`MOST_READINGS` readings, whole scans, evenly spread."""
+    name = trajectory or log.default_trajectory
+    used = max(1, min(log.n_scans, MOST_READINGS // max(1, log.n_beams)))
+    scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
+    thinned = replace(
+        log,
+        ranges=log.ranges[scans],
+        stamps_ns=log.stamps_ns[scans],
+        trajectories={name: Trajectory(log.trajectory(name).poses[scans])},
+    )
+    span = float(np.ptp(thinned.trajectory().poses[:, :2], axis=0).max()) + 2.0 * min(log.range_max, 30.0)
+    resolution = min(1.0, max(RESOLUTION, span / LARGEST_SIDE))
+    config = MappingConfig(model="hit_counting", resolution=resolution, range_max=min(30.0, max(0.5, log.range_max)))
+    return Examined(thinned, name, scans, config)
+
+
+def unthinned(log: ScanLog, seen: Examined) -> Examined:
+    """Return all scans of ``log`` with the trajectory and the configuration of ``seen``."""
+    whole = replace(log, trajectories={seen.trajectory: log.trajectory(seen.trajectory)})
+    return replace(seen, log=whole, scans=np.arange(log.n_scans))
+
+
+def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
+    """Return the grid of hits and visits of what was examined. Raises :class:`UnwantedError`."""
+    seen.check_wanted()
+    config = config or seen.config
+    grid = OccupancyGrid(geometry_for(seen.log, config))
+    integrate_scans(grid, seen.log, config, None, 0, seen.log.n_scans)
+    return grid
+
+
+def consistency(seen: Examined, **parameters: object) -> float:
+    """Return how often a beam ended, of all that came by, where beams end: 0 … 1, averaged over all endpoints.
+
+    ``parameters`` replace values of the table, as the mount. A wall that happens to lie on a border between cells is
+    split by the least noise, so the mean is taken over grids that lie differently.
+    """
+    config = seen.config.with_values(parameters)
+    poses = seen.log.trajectory().poses
+    values = []
+    for share_x, share_y in PHASES:
+        shift = config.resolution * np.array([share_x, share_y, 0.0])
+        values.append(_agreement(counts(seen.with_poses(poses + shift), config)))
+    return float(np.mean(values))
+
+
+def _agreement(grid: OccupancyGrid) -> float:
+    if grid.tallies is None:
+        return 0.0
+    hits, misses = grid.tallies.astype(np.float64)
+    total = hits.sum()
+    # An endpoint alone says nothing of agreement, so each is judged by the others in its cell.
+    others = np.maximum(hits - 1.0, 0.0)
+    share = np.divide(others, others + misses, out=np.zeros_like(hits), where=others + misses > 0)
+    return float((hits * share).sum() / total) if total else 0.0

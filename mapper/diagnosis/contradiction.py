@@ -1,0 +1,149 @@
+"""How often readings end where readings of another part of the log passed: the evidence for walls that are double.
+
+A beam that ends in a cell says that something is there; a beam that passes through it says that nothing is. Where the
+poses are right, two parts of a log contradict each other only by what moved and by noise, and that share is the same
+for parts recorded a moment apart and for parts recorded minutes apart. Where the poses drift it grows with the time
+between them. So the second share is compared with the first, from the same log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from mapper.diagnosis.consistency import Examined
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.integrate import geometry_for, integrate_scans
+from mapper.sensors.scan import Trajectory
+
+PARTS = 24  #: of the whole log
+FAR = 3  #: parts: from here on two parts are far apart in time
+WINDOW = 16  #: scans in which drift does not show; its two halves are the parts that are near in time
+TOLERANCE = 2  #: cells: a beam that passes nearer to an endpoint does not contradict it
+LEAST_PASSES = 2  #: beams through a cell that make it free
+RANGE_MAX = 10.0  #: metres: farther away a heading that is wrong by 1° exceeds the tolerance
+LEAST_EVIDENCE = 1000.0  #: endpoints that fall into cells of a part far in time
+_DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 1]) <= TOLERANCE + 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """Shares of endpoints, 0 … 1, that lie in free space of another part of the log.
+
+    ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
+    the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.
+    """
+
+    near: float
+    far: float
+    evidence: float
+    by_part: NDArray[np.float64]
+
+    @property
+    def excess(self) -> float:
+        """What is contradicted far apart in time of all that is not contradicted a moment apart; 0 without evidence."""
+        if self.evidence < LEAST_EVIDENCE:
+            return 0.0
+        return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Flat cell numbers of one part: with endpoints, how many, near an endpoint, and free."""
+
+    ends: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    near: NDArray[np.int64]
+    free: NDArray[np.int64]
+
+
+def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
+    """Return how far parts of one log contradict each other with one of its trajectories.
+
+    ``thinned`` holds scans from all over the log, which are compared far apart in time; ``whole`` holds all scans, of
+    which short windows are compared. The mount and the largest range are those of their configurations. Raises
+    :class:`UnwantedError`.
+    """
+    whole, thinned = (
+        replace(seen, config=replace(seen.config, range_max=min(seen.config.range_max, RANGE_MAX)))
+        for seen in (whole, thinned)
+    )
+    parts, n_cells = _parts(thinned, PARTS)
+    far = _compared(parts, n_cells, lambda i, j: abs(i - j) >= FAR)
+    starts = np.unique(np.linspace(0, max(0, whole.log.n_scans - WINDOW), PARTS).astype(np.int64))
+    near = np.zeros(2)
+    for start in starts.tolist():
+        window = cut(whole, start, start + WINDOW)
+        halves, n_cells = _parts(window, 2)
+        near += _compared(halves, n_cells, lambda i, j: i != j).sum(axis=0)
+    totals = far.sum(axis=1)
+    by_part = np.divide(far[:, 0], totals, out=np.full(len(far), np.nan), where=totals > 0)
+    return Contradiction(_share(near), _share(far.sum(axis=0)), float(totals.sum()), by_part)
+
+
+def cut(seen: Examined, start: int, stop: int) -> Examined:
+    """Return scans ``start`` up to ``stop`` alone."""
+    log = replace(
+        seen.log,
+        ranges=seen.log.ranges[start:stop],
+        stamps_ns=seen.log.stamps_ns[start:stop],
+        trajectories={seen.trajectory: Trajectory(seen.log.trajectory(seen.trajectory).poses[start:stop])},
+    )
+    return replace(seen, log=log, scans=seen.scans[start:stop])
+
+
+def _share(counts: NDArray[np.float64]) -> float:
+    return float(counts[0] / counts.sum()) if counts.sum() else 0.0
+
+
+def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], int]:
+    """Return the scans in ``n_parts`` parts of equal length, and the number of cells of the grid that they share."""
+    seen.check_wanted()
+    geometry = geometry_for(seen.log, seen.config)
+    edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)
+    found = []
+    for start, stop in pairwise(edges.tolist()):
+        grid = OccupancyGrid(geometry)
+        integrate_scans(grid, seen.log, seen.config, None, start, stop)
+        found.append(_part(grid, geometry))
+    return found, geometry.rows * geometry.cols
+
+
+def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
+    nothing = np.zeros(0, dtype=np.int64)
+    if grid.tallies is None:
+        return _Part(nothing, np.zeros(0), nothing, nothing)
+    hits, misses = grid.tallies
+    touched = (hits > 0) | (misses > 0)
+    rows, cols = np.flatnonzero(touched.any(axis=1)), np.flatnonzero(touched.any(axis=0))
+    if not len(rows):
+        return _Part(nothing, np.zeros(0), nothing, nothing)
+    box = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
+    ended = hits[box] > 0
+    near = ndimage.binary_dilation(ended, structure=_DISK)
+
+    def numbers(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+        row, col = np.nonzero(mask)
+        return np.asarray((row + rows[0]) * geometry.cols + col + cols[0], dtype=np.int64)
+
+    free = (misses[box] >= LEAST_PASSES) & ~near
+    return _Part(numbers(ended), hits[box][ended].astype(np.float64), numbers(near), numbers(free))
+
+
+def _compared(parts: Sequence[_Part], n_cells: int, counts: Callable[[int, int], bool]) -> NDArray[np.float64]:
+    """Return for each part (n, 2) how many of its endpoints the others contradict and how many they confirm."""
+    found = np.zeros((len(parts), 2))
+    said = np.zeros(n_cells, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
+    for i, other in enumerate(parts):
+        said[other.free], said[other.near] = 1, 2
+        for j, part in enumerate(parts):
+            if counts(i, j):
+                here = said[part.ends]
+                found[j] += (part.weights[here == 1].sum(), part.weights[here == 2].sum())
+        said[other.free] = said[other.near] = 0
+    return found

@@ -1,0 +1,37 @@
+"""What an examination says: one finding for each thing that is wrong, and where."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+POSSIBLE = 0.7  #: how sure a finding has to be to be stated as a fact
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something about a log that makes its map worse.
+
+    ``check`` is the stable name of the check; ``sentence`` says what was found and ``advice`` what to do about it, one
+    sentence each; ``sure`` is 0 … 1; ``scans`` are the first places, as scan numbers, at which it shows, and
+    ``parameters`` the values of :data:`mapper.mapping.parameters.PARAMETERS` that would help, if any do.
+    """
+
+    check: str
+    sentence: str
+    advice: str
+    sure: float
+    scans: tuple[int, ...] = ()
+    parameters: dict[str, Any] | None = None
+
+    @property
+    def possible(self) -> bool:
+        """Whether the finding is to be stated as possible only: it is less sure than :data:`POSSIBLE`."""
+        return self.sure < POSSIBLE
+
+    def public(self) -> dict[str, Any]:
+        """Return the fields and ``possible``, for JSON."""
+        return {**asdict(self), "possible": self.possible}
+
+
+MOST_SCANS = 20  #: places that a finding names

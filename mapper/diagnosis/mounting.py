@@ -1,0 +1,77 @@
+"""Where the sensor sits: turned, mirrored, or a little beside where the log says."""
+
+from __future__ import annotations
+
+import math
+
+from mapper.diagnosis.consistency import Examined, consistency
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.scan import ScanLog
+
+BETTER = 1.3  #: times as consistent, and by
+BY = 0.08  #: at least: only then a sensor is said to be turned
+FINER = 1.12  #: for an offset: what drifting poses gain by one is less
+FINER_BY = 0.04
+
+_TURNS = (
+    ("turned by 180°", math.pi),
+    ("turned by 90° to the left", math.pi / 2),
+    ("turned by 90° to the right", -math.pi / 2),
+)
+
+
+def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
+    """Try the sensor upside down, backwards and sideways."""
+    now = seen.agreement
+    tried: list[tuple[float, str, dict[str, object]]] = []
+    for over in (False, True):
+        for words, yaw in (("", 0.0), *_TURNS):
+            if not over and not yaw:
+                continue
+            what = " and ".join(part for part in ("upside down (mirrored)" if over else "", words) if part)
+            values: dict[str, object] = {"mount_upside_down": over, "mount_yaw": min(yaw, 3.1415)}
+            tried.append((consistency(seen, **values), what, values))
+    best, what, values = max(tried, key=lambda one: one[0])
+    if best < BETTER * now or best < now + BY:
+        return []
+    return [
+        Finding(
+            "mount.turned",
+            f"The laser fits much better {what}: beams end where others end in {100 * best:.0f} % instead of "
+            f"{100 * now:.0f} % of all cases.",
+            "Correct the sensor's mount.",
+            min(0.99, 0.5 + (best - now)),
+            (),
+            values,
+        )
+    ]
+
+
+def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
+    """Move and turn the mount a little, one axis after another, as long as the map gets sharper."""
+    now = best = seen.agreement
+    at = {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": 0.0}
+    steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
+    for _ in range(5):
+        for name in ("mount_yaw", "mount_x", "mount_y"):
+            for sign in (1.0, -1.0):
+                tried = at | {name: at[name] + sign * steps[name]}
+                value = consistency(seen, **tried)
+                if value > best:
+                    best, at = value, tried
+                    break
+        steps = {name: step / 2.0 for name, step in steps.items()}
+    x, y, yaw = at["mount_x"], at["mount_y"], at["mount_yaw"]
+    if best < FINER * now or best < now + FINER_BY or (math.hypot(x, y) < 0.03 and abs(yaw) < math.radians(0.4)):
+        return []
+    return [
+        Finding(
+            "mount.offset",
+            f"Walls get sharper with the sensor {x:+.2f} m ahead, {y:+.2f} m to the left and {math.degrees(yaw):+.1f}° "
+            f"turned: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
+            "Measure the mount again, or correct it by this.",
+            min(0.95, 0.4 + 4.0 * (best - now)),
+            (),
+            {name: round(value, 4) for name, value in at.items()},
+        )
+    ]

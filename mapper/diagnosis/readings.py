@@ -1,0 +1,91 @@
+"""The readings by themselves: a no return that is written as a range, and beams that see the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.diagnosis.consistency import Examined
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.scan import ScanLog
+
+FEW = "readings.few"
+LEAST_MEASURED = 1000  #: ranges: of fewer, chance decides which of two maps is sharper
+LEAST_SHARE = 0.003  #: of all measured readings: an exact value that comes so often is a code
+SELF_RANGE = 1.5  #: metres: parts of the robot are nearer
+SELF_SPREAD = 0.02  #: metres
+SELF_SHARE = 0.7  #: of a beam's readings
+MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wall
+
+
+def check(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Look at what was measured."""
+    return [*_few(log), *_at_max_range(log), *_of_itself(log, seen)]
+
+
+def _few(log: ScanLog) -> list[Finding]:
+    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
+    if measured >= LEAST_MEASURED:
+        return []
+    return [
+        Finding(
+            FEW,
+            f"Only {measured} of {log.ranges.size} readings are measured ranges: too few to judge by the map they make "
+            "whether mount, clocks and poses are right.",
+            "Choose the sensor that measures most, or record for longer.",
+            1.0,
+        )
+    ]
+
+
+def _at_max_range(log: ScanLog) -> list[Finding]:
+    measured = (log.ranges >= log.range_min) & (log.ranges <= log.range_max)
+    if not measured.any():
+        return []
+    values = log.ranges[measured]
+    greatest = float(values.max())
+    exactly = values == np.float32(greatest)
+    # Of truly measured ranges hardly two are equal to the last bit, and the greatest one is the rarest.
+    if exactly.sum() < max(20, LEAST_SHARE * len(values)):
+        return []
+    scans = np.flatnonzero((log.ranges == np.float32(greatest)).any(axis=1))
+    return [
+        Finding(
+            "readings.max_range",
+            f"{100 * exactly.mean():.1f} % of the readings are exactly {greatest:.2f} m, the greatest there is: "
+            "they say that nothing returned, and are taken for a wall.",
+            "Set the max range a little lower; then they count as no return.",
+            0.95,
+            tuple(scans[:20].tolist()),
+            {"range_max": float(np.floor(10.0 * greatest - 0.5) / 10.0)},
+        )
+    ]
+
+
+def _of_itself(log: ScanLog, seen: Examined) -> list[Finding]:
+    poses = seen.log.trajectory().poses
+    if float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum()) < MOVED:
+        return []
+    ranges = seen.log.ranges.astype(np.float64)
+    valid = (ranges >= log.range_min) & (ranges <= log.range_max)
+    enough = valid.mean(axis=0) > SELF_SHARE
+    if not enough.any():
+        return []
+    masked = np.where(valid, ranges, np.nan)
+    middle = np.full(log.n_beams, np.nan)
+    middle[enough] = np.nanmedian(masked[:, enough], axis=0)
+    with np.errstate(invalid="ignore"):
+        near = (np.abs(masked - middle) < SELF_SPREAD).mean(axis=0)
+        itself = enough & (middle < SELF_RANGE) & (near > SELF_SHARE)
+    beams = np.flatnonzero(itself)
+    if not len(beams):
+        return []
+    bearings = np.degrees(log.angles[beams])
+    return [
+        Finding(
+            "readings.itself",
+            f"{len(beams)} beam{'s' if len(beams) > 1 else ''} around {np.median(bearings):.0f}° read "
+            f"{np.median(middle[beams]):.2f} m wherever the robot is: they see the robot itself.",
+            "Leave these beams out when recording, or the map gets a wall that travels with the robot.",
+            0.95,
+        )
+    ]

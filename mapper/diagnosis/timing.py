@@ -1,0 +1,46 @@
+"""Scans and poses that are out of step by a constant delay."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.core.se2 import wrap_angle
+from mapper.diagnosis.consistency import Examined, consistency
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.scan import ScanLog
+
+DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried both ways
+BETTER = 1.06
+BY = 0.015
+
+
+def check(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Take each scan's pose from a little earlier or later on the trajectory."""
+    stamps = log.stamps_ns.astype(np.float64) * 1e-9
+    if np.ptp(stamps) == 0.0:
+        return []
+    order = np.argsort(stamps, kind="stable")
+    poses = log.trajectory(seen.trajectory).poses[order]
+    times, yaw = stamps[order], np.unwrap(poses[:, 2])
+    at = stamps[seen.scans]
+
+    def delayed(delay: float) -> float:
+        moved = [np.interp(at + delay, times, column) for column in (poses[:, 0], poses[:, 1], yaw)]
+        moved[2] = wrap_angle(moved[2])
+        return consistency(seen.with_poses(np.stack(moved, axis=-1)))
+
+    now = delayed(0.0)
+    tried = [(delayed(sign * delay), sign * delay) for delay in DELAYS_S for sign in (1.0, -1.0)]
+    best, delay = max(tried)
+    if best < BETTER * now or best < now + BY:
+        return []
+    who = "after" if delay > 0.0 else "before"
+    return [
+        Finding(
+            "timing.delay",
+            f"Poses and scans are out of step: the map is sharper with poses from about {abs(delay):.2f} s {who} each "
+            f"scan's time: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
+            "Check how the two clocks are set, and whether scans are stamped when they begin, end or arrive.",
+            min(0.95, 0.4 + 4.0 * (best - now)),
+        )
+    ]

@@ -1,0 +1,146 @@
+"""Walls that are double, because poses drift or are missing, and walls that come and go, because things move."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from mapper.diagnosis.consistency import Examined, consistency, counts, unthinned
+from mapper.diagnosis.contradiction import contradiction, cut
+from mapper.diagnosis.finding import MOST_SCANS, POSSIBLE, Finding
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid.kernels.lattice import cell_of
+from mapper.mapping.integrate import geometry_for, integrate_scans
+from mapper.sensors.scan import ScanLog
+
+STRETCH = 16  #: scans that motion hardly shows in
+MOVED = 0.88  #: the whole is less consistent than this, as a share of its stretches: the robot moved
+EVEN_ODDS, SLOPE = 0.08, 0.05  #: of the logistic curve from the excess of contradictions to how sure drift is
+LEAST_SURE = 0.35  #: from here on drift is reported
+STRETCHES = 8  #: of the whole log, for what comes and goes
+SOLID, PASSED = 0.6, 0.05  #: shares of hits of a cell that was there, and of one that was gone
+LEAST_VISITS = 5
+LEAST_CELLS = 12  #: of one thing that moved
+LEAST_CONSISTENT = 0.35  #: below this nothing can be said of what moves
+
+
+def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Where all poses are the same: compare how consistent the whole is with how consistent its short stretches are."""
+    if np.ptp(seen.log.trajectory().poses, axis=0).any():
+        return []
+    n = log.n_scans
+    starts = np.unique(np.linspace(0, max(0, n - STRETCH), 24).astype(np.int64))
+    whole = unthinned(log, seen)
+    local = float(np.median([consistency(cut(whole, start, start + STRETCH)) for start in starts.tolist()]))
+    far = seen.agreement
+    if local <= 0.0 or far >= MOVED * local:
+        return []
+    return [
+        Finding(
+            "poses.still",
+            f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
+            f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
+            "Record /tf and /tf_static, or the odometry, beside the scans; or have a SLAM program find the poses.",
+            float(np.clip(0.5 + 4.0 * (MOVED - far / local), 0.5, 0.99)),
+        )
+    ]
+
+
+def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Compare how often parts of the log that are far apart in time contradict each other with parts a moment apart."""
+    # A sonar's echo arises anywhere on its arc, so its thin beam says little of where things are.
+    if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():
+        return []
+    found = contradiction(unthinned(log, seen), seen)
+    sure = drift_confidence(found.excess)
+    if sure < LEAST_SURE:
+        return []
+    return [
+        Finding(
+            "walls.drift",
+            f"The poses {'may drift' if sure < POSSIBLE else 'drift'}: {100 * found.far:.0f} % of the readings end "
+            "where beams of another time passed freely, against "
+            f"{100 * found.near:.0f} % between scans a moment apart. Walls that the robot comes back to are double.",
+            "Take another trajectory, or poses that a SLAM program has corrected.",
+            sure,
+            _worst_scans(seen),
+        )
+    ]
+
+
+def drift_confidence(excess: float) -> float:
+    """Return how sure it is, 0 … 0.99, that poses with this :attr:`Contradiction.excess` draw walls double.
+
+    docs/doctor.md says on which logs the two constants were chosen.
+    """
+    return min(0.99, 1.0 / (1.0 + math.exp((EVEN_ODDS - excess) / SLOPE)))
+
+
+def _worst_scans(seen: Examined) -> tuple[int, ...]:
+    """Return the scans whose beams end where most others passed, in their order."""
+    grid = counts(seen)
+    if grid.tallies is None:
+        return ()
+    hits, misses = grid.tallies
+    share = np.divide(hits, hits + misses, out=np.zeros_like(hits), where=hits + misses > 0)
+    means = np.ones(len(seen.scans))
+    for t, cells in enumerate(_endpoints(seen, grid.geometry)):
+        if len(cells):
+            means[t] = share[cells[:, 0], cells[:, 1]].mean()
+    return tuple(sorted(seen.scans[np.argsort(means)[:MOST_SCANS]].tolist()))
+
+
+def _endpoints(seen: Examined, geometry: GridGeometry) -> list[NDArray[np.int64]]:
+    log = seen.log
+    out = []
+    for ranges, (x, y, theta) in zip(log.ranges.astype(np.float64), log.sensor_poses(), strict=True):
+        measured = (ranges >= log.range_min) & (ranges <= min(log.range_max, seen.config.range_max))
+        bearing = theta + log.angles[measured]
+        ends = np.stack([x + ranges[measured] * np.cos(bearing), y + ranges[measured] * np.sin(bearing)], axis=-1)
+        cells = np.asarray(cell_of(geometry.to_lattice(ends)[:, ::-1]), dtype=np.int64)
+        out.append(cells[geometry.contains(cells)])
+    return out
+
+
+def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
+    """Look for things that were solid in one stretch of the log and passed through in another."""
+    if seen.agreement < LEAST_CONSISTENT:
+        return []
+    geometry = geometry_for(seen.log, seen.config)
+    edges = np.linspace(0, seen.log.n_scans, STRETCHES + 1).astype(int)
+    solid, passed = np.zeros((2, STRETCHES, *geometry.shape), dtype=np.bool_)
+    for k, (start, stop) in enumerate(pairwise(edges.tolist())):
+        grid = OccupancyGrid(geometry)
+        integrate_scans(grid, seen.log, seen.config, None, start, stop)
+        if grid.tallies is None:
+            continue
+        hits, misses = grid.tallies
+        visits = hits + misses
+        # A reading's noise puts some hits into the next cell: what was passed must have been so with room around it.
+        around = ndimage.maximum_filter(hits, 3)
+        solid[k] = (visits >= LEAST_VISITS) & (hits > SOLID * visits)
+        passed[k] = (visits >= LEAST_VISITS) & (around < PASSED * visits)
+    labels, n = ndimage.label(solid.any(axis=0) & passed.any(axis=0), structure=np.ones((3, 3)))
+    sizes = ndimage.sum_labels(labels > 0, labels, np.arange(1, n + 1)) if n else np.zeros(0)
+    things = np.flatnonzero(sizes >= LEAST_CELLS) + 1
+    if not len(things):
+        return []
+    largest = labels == things[int(np.argmax(sizes[things - 1]))]
+    x, y = geometry.cell_to_world(np.argwhere(largest).mean(axis=0))
+    was, left = (np.flatnonzero(seen_in[:, largest].mean(axis=1) > 0.2) for seen_in in (solid, passed))
+    went = len(was) and len(left) and was.mean() < left.mean()
+    change = (left if went else was).min(initial=STRETCHES - 1)
+    more = f"{len(things)} things came or went: the largest" if len(things) > 1 else "Something came or went"
+    return [
+        Finding(
+            "walls.moving",
+            f"{more}, {int(sizes.max())} cells around ({x:.1f}, {y:.1f}) m, {'went' if went else 'came'}.",
+            "Keep the clamp on, so that the map can change its mind; or map only the part of the log that counts.",
+            0.7,
+            (int(seen.scans[min(int(edges[change]), len(seen.scans) - 1)]),),
+        )
+    ]

@@ -1,0 +1,160 @@
+"""A log and its map as an MCAP file of ROS 2 messages, which Foxglove, Lichtblick and Rerun open, and ROS 2 plays.
+
+| topic | type | |
+|---|---|---|
+| ``/map`` | nav_msgs/OccupancyGrid | the map after the first scan, at some instants on the way, and after the last |
+| ``/tf_static`` | tf2_msgs/TFMessage | base → sensor, the sensor's mount |
+| ``/tf`` | tf2_msgs/TFMessage | the trajectory's frame → base at each scan |
+| ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
+| ``/scan`` | sensor_msgs/LaserScan | each scan |
+| ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
+| ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
+
+Frames have the names that the log and its trajectory state: poses of odometry are odom → base_link, and the map that
+was made with them lies in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map lies in the base's
+frame. ``/map`` and ``/tf_static`` are latched (transient local): who joins a playback late receives the last one.
+
+Source: mcap.dev/spec, and its registry on the ``ros2`` profile; REP 105 (frames).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import IO
+
+import numpy as np
+from mcap.writer import CompressionType, Writer
+from numpy.typing import NDArray
+
+from mapper.io.export import ros2
+from mapper.io.export.growing_map import GrowingMap
+from mapper.sensors.scan import LaserScan, ScanLog
+
+SECOND = ros2.SECOND
+LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
+BETWEEN_NS = SECOND // 10  #: two scans of a log without times
+LATCHED = frozenset({"/map", "/tf_static"})
+
+
+def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a time for each scan (n,) that every player takes: rising from 0 or later, and within 32 bits of seconds.
+
+    Times that are so already stay. A step back waits until the clock has caught up; a clock that began elsewhere is
+    set to begin at 0; a log without times gets ten scans a second.
+    """
+    if len(stamps_ns) == 0:
+        return stamps_ns
+    if (stamps_ns == stamps_ns[0]).all():
+        return np.arange(len(stamps_ns), dtype=np.int64) * BETWEEN_NS
+    rising = np.maximum.accumulate(stamps_ns)
+    if rising[0] < 0 or rising[-1] > LAST_STAMP_NS:
+        span = rising.view(np.uint64) - rising[:1].view(np.uint64)  # unsigned: it need not fit a signed number
+        rising = np.minimum(span, np.uint64(LAST_STAMP_NS)).astype(np.int64)
+    return rising
+
+
+class _Topics:
+    """The channels of the file, registered when the first message comes."""
+
+    def __init__(self, writer: Writer) -> None:
+        self._writer = writer
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+
+    def send(self, topic: str, kind: str, stamp_ns: int, message: bytes) -> None:
+        if kind not in self._schemas:
+            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", ros2.definition(kind).encode())
+        if topic not in self._channels:
+            quality = {"offered_qos_profiles": _quality(latched=topic in LATCHED)}
+            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind], quality)
+        self._writer.add_message(self._channels[topic], log_time=stamp_ns, data=message, publish_time=stamp_ns)
+
+
+def _quality(*, latched: bool) -> str:
+    """Return how a topic was offered, as rosbag2 writes it down: numbers, which its older and newer versions read.
+
+    Kept are the last one where it is latched, else the last ten; reliable; no deadlines.
+    """
+    forever = "{sec: 9223372036, nsec: 854775807}"
+    return (
+        f"- history: 1\n  depth: {1 if latched else 10}\n  reliability: 1\n  durability: {1 if latched else 2}\n"
+        f"  deadline: {forever}\n  lifespan: {forever}\n  liveliness: 1\n"
+        f"  liveliness_lease_duration: {forever}\n  avoid_ros_namespace_conventions: false\n"
+    )
+
+
+def write_mcap(
+    file: IO[bytes],
+    log: ScanLog,
+    growing_map: GrowingMap | None = None,
+    trajectory: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Write ``log`` with one of its trajectories, and the map as it grows, to ``file``.
+
+    ``progress`` is called with the share that is done, 0 … 1; what it raises ends the writing. Raises
+    :class:`ConfigError` for a trajectory that the log lacks.
+    """
+    way = log.trajectory(trajectory)
+    frame, base = way.frame_id or "map", way.child_frame_id
+    stamps = export_stamps(log.stamps_ns)
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start("ros2", "gridbloom")
+    topics = _Topics(writer)
+    first = int(stamps[0]) if len(stamps) else 0
+    edges = [] if base == log.frame_id else [(base, log.frame_id, log.mount, log.upside_down)]
+    if log.bearings is not None and log.n_beams > 1:
+        edges += [(log.frame_id, f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
+    if edges:
+        topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
+    maps = iter(()) if growing_map is None else growing_map.maps(log, trajectory)
+    coming = next(maps, None)
+    angles = log.angle_min + log.angle_increment * np.arange(log.n_beams)
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    for index, stamp in enumerate(stamps.tolist()):
+        if not way.is_placeholder:
+            x, y, yaw = (float(value) for value in way.poses[index])
+            edge = (frame, base, (x, y, yaw), False)
+            topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
+            topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, (x, y, yaw)))
+        if log.bearings is None:
+            _send_scan(topics, log, index, stamp, rays)
+        else:
+            _send_sonars(topics, log, index, stamp)
+        if coming is not None and growing_map is not None and coming[0] == index:
+            geometry = growing_map.grid.geometry
+            message = ros2.occupancy_grid(stamp, frame, geometry.resolution, geometry.origin, coming[1])
+            topics.send("/map", "nav_msgs/msg/OccupancyGrid", stamp, message)
+            coming = next(maps, None)
+        if progress is not None and index % 256 == 0:
+            progress(index / len(stamps))
+    writer.finish()  # type: ignore[no-untyped-call] # mcap's writer has no types there
+
+
+def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDArray[np.float64]) -> None:
+    """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame.
+
+    ``rays`` (n_beams, 2) are its beams' directions.
+    """
+    ranges = log.ranges[index]
+    scan = LaserScan(
+        ranges,
+        log.angle_min,
+        log.angle_increment,
+        log.range_min,
+        log.range_max,
+        time_increment=log.time_increment,
+        scan_time=log.scan_time,
+    )
+    topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, log.frame_id, scan))
+    measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
+    points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
+    points[:, :2] = ranges[measured, None] * rays[measured]
+    topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, log.frame_id, points))
+
+
+def _send_sonars(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
+    for i, reading in enumerate(log.ranges[index].tolist()):
+        frame = f"sonar_{i}" if log.n_beams > 1 else log.frame_id
+        message = ros2.range_reading(stamp, frame, log.beam_width, log.range_min, log.range_max, reading)
+        topics.send(f"/sonar_{i}", "sensor_msgs/msg/Range", stamp, message)

@@ -1,0 +1,34 @@
+"""A trajectory in the format of the TUM RGB-D benchmark, which evo and many others read.
+
+Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, seconds, metres, a unit quaternion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mapper.sensors.scan import ScanLog
+
+
+def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
+    """Return where the robot's base was at each scan, a line a scan, in the file's order and with its stamps.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    """
+    return "".join(tum_lines(log, trajectory))
+
+
+def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
+    """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
+    poses = log.trajectory(trajectory).poses
+    half = poses[:, 2] / 2.0
+    rows = zip(log.stamps_ns, poses[:, :2], np.sin(half), np.cos(half), strict=True)
+    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in rows)
+
+
+def _seconds(stamp_ns: int) -> str:
+    """Return nanoseconds as seconds, to the last digit, which a float would not keep."""
+    whole, rest = divmod(abs(stamp_ns), 1_000_000_000)
+    return f"{'-' if stamp_ns < 0 else ''}{whole}.{rest:09d}"

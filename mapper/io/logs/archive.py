@@ -1,0 +1,150 @@
+"""The files in a tar archive, each read where it stands: nothing is unpacked, and no name in it is ever a path.
+
+Source: POSIX.1-2017, pax (the ustar format, and the record ``path`` of its extended headers); the GNU tar manual (long
+names, numbers to the base 256). Of everything else that an archive may hold, as links, nothing is made.
+
+Python's own ``tarfile`` is not used: it takes a name of any length into memory, calls itself for every record of a name
+(thousands of them end in RecursionError) and goes where a size that lies sends it, backwards too.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Literal
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.names import printable
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer as Buffer
+
+MAGIC, MAGIC_AT = b"ustar", 257
+BLOCK = 512
+MAX_NAME_BYTES = 1 << 14  #: of a name that has a record of its own
+REGULAR, WITHOUT_DATA, LONG_NAME, EXTENDED = b"0\x007", b"123456", b"L", b"x"
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is."""
+
+    name: str
+    folder: str
+    archive: Path
+    at: int
+    size: int
+
+    def open(self, mode: Literal["rb"] = "rb") -> BinaryIO:
+        """Return its bytes as a file. Raises :class:`OSError`."""
+        window: io.RawIOBase = _Window(self.archive.open(mode), self.at, self.size)
+        return io.BufferedReader(window)
+
+
+Source = Path | Member  #: a file that a reader opens
+
+
+class _Window(io.RawIOBase):
+    """Bytes of an open file, which it closes in the end."""
+
+    def __init__(self, file: BinaryIO, at: int, size: int) -> None:
+        self._file, self._begin, self._size = file, at, size
+        self._at = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        self._at = max(0, offset + {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self._size}[whence])
+        return self._at
+
+    def readinto(self, buffer: Buffer) -> int:
+        view = memoryview(buffer)
+        self._file.seek(self._begin + self._at)
+        data = self._file.read(min(len(view), max(0, self._size - self._at)))
+        view[: len(data)] = data
+        self._at += len(data)
+        return len(data)
+
+    def close(self) -> None:
+        self._file.close()
+        super().close()
+
+
+class _NoHeaderError(Exception):
+    """The bytes are no header."""
+
+
+def is_tar(head: bytes) -> bool:
+    """Return whether a file that begins with ``head`` is a tar archive."""
+    return head.startswith(MAGIC, MAGIC_AT)
+
+
+def members(archive: Path, limits: Limits) -> tuple[list[Member], list[str]]:
+    """Return the files in an archive in its order, without hidden ones, and what is to be noted of its end.
+
+    Raises :class:`ReadError` for a file that cannot be read and :class:`LimitError` for too many files.
+    """
+    found: list[Member] = []
+    with archive.open("rb") as file:
+        end = file.seek(0, io.SEEK_END)
+        at = count = 0
+        name = ""
+        try:
+            while at + BLOCK <= end:
+                file.seek(at)
+                header = file.read(BLOCK)
+                if not header.strip(b"\0"):
+                    return found, []
+                kind, size, stated = _header(header)
+                count += 1
+                if count > limits.max_archive_files:
+                    raise LimitError(
+                        "log.too_many_files", f"The archive has more than {limits.max_archive_files} files."
+                    )
+                start = at + BLOCK
+                at = start if kind in WITHOUT_DATA else start + -(-size // BLOCK) * BLOCK
+                if kind in (LONG_NAME, EXTENDED):
+                    name = _long_name(kind, file.read(min(size, MAX_NAME_BYTES))) or name
+                    continue
+                folder, _, last = (name or stated).replace("\\", "/").rpartition("/")
+                name = ""
+                if kind in REGULAR and last and not last.startswith("."):
+                    there = max(0, min(size, end - start))
+                    found.append(Member(printable(last[:200]), folder, archive, start, there))
+        except _NoHeaderError:
+            return found, [f"The archive is damaged at byte {at}: what stands before is there."]
+        except OSError as error:
+            raise ReadError("log.unreadable", f"The archive cannot be read: {error.strerror}.") from error
+    return found, ["The archive ends early: what stands before is there."]
+
+
+def _header(header: bytes) -> tuple[bytes, int, str]:
+    """Return a header's kind, the bytes that follow it, and the name. Raises :class:`_NoHeaderError`."""
+    if _number(header[148:156]) != sum(header) - sum(header[148:156]) + 8 * ord(" "):
+        raise _NoHeaderError
+    name = header[:100].split(b"\0", 1)[0]
+    prefix = header[345:500].split(b"\0", 1)[0] if header[257:263] == b"ustar\0" else b""
+    return header[156:157], _number(header[124:136]), b"/".join(filter(None, (prefix, name))).decode("utf-8", "replace")
+
+
+def _number(field: bytes) -> int:
+    if field[0] & 0x80:
+        return int.from_bytes(bytes([field[0] & 0x7F]) + field[1:], "big")
+    try:
+        return int(field.strip(b" \0") or b"0", 8)
+    except ValueError:
+        raise _NoHeaderError from None
+
+
+def _long_name(kind: bytes, data: bytes) -> str:
+    """Return the name that a record of its own states for the file after it; "" where it states none."""
+    if kind == LONG_NAME:
+        return data.split(b"\0", 1)[0].decode("utf-8", "replace")
+    _, _, path = data.partition(b" path=")  # other records may come before it
+    return path.split(b"\n", 1)[0].decode("utf-8", "replace")

@@ -1,0 +1,390 @@
+"""CARMEN logs: FLASER, RLASER, ROBOTLASER1, ROBOTLASER2, ODOM, TRUEPOS and PARAM lines.
+
+Source: the header that CARMEN's logger writes, and its log reader (readlog.c). One message per line, times in
+seconds, metres, radians::
+
+    FLASER n r1 … rn  x y theta  odom_x odom_y odom_theta  stamp host logger_stamp      (x y theta: the laser's pose)
+    ROBOTLASER1 type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
+                n r1 … rn  m q1 … qm  laser_x laser_y laser_theta  x y theta
+                tv rv forward_safety side_safety turn_axis  stamp host logger_stamp
+    ODOM x y theta tv rv acceleration  stamp host logger_stamp
+    TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
+    PARAM name value …
+
+A FLASER line states neither angles nor range: 180 or 181 beams stand 1° apart, as a SICK LMS sends them; an even n
+spreads over π in n steps, an odd n in n − 1, from −π/2. Readings of 80 m or more are the SICK's "no return" (81.83 m:
+its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and counted in the notes.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from array import array
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.io.logs import fields
+from mapper.io.logs.archive import Source
+from mapper.io.logs.interpolation import poses_at_scans, restarts, without_restarts
+from mapper.io.logs.lines import TextLines, take_lines
+from mapper.io.logs.packing import ScanStack, note_on_largest_reading
+from mapper.io.logs.unpacking import Progress
+from mapper.sensors.scan import ScanLog, Topic, Trajectory, is_angle_step
+
+NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
+PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2")  #: the sensor that is taken, where there are several
+FRONT = ("ROBOTLASER1", "FLASER")
+WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "RAWLASER1", "VERTEX2", "EDGE2"})
+_MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
+_SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
+_NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
+
+
+@dataclass(frozen=True, slots=True)
+class _Beams:
+    """What the scan lines of one sensor say of all its beams."""
+
+    angle_min: float
+    angle_increment: float
+    range_max: float | None = None
+
+
+def front_laser_beams(n_beams: int) -> tuple[float, float]:
+    """Return (angle_min, angle_increment) in radians of a FLASER or RLASER line with ``n_beams``."""
+    if n_beams in (180, 181):
+        step = math.pi / 180.0
+    else:
+        step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
+    return -math.pi / 2.0, step
+
+
+class _Messages:
+    """Poses that come in lines of their own: ODOM or TRUEPOS."""
+
+    def __init__(self) -> None:
+        self._poses = array("d")
+        self._stamps = array("d")
+
+    def add(self, pose: list[float], stamp: float) -> None:
+        self._poses.extend(pose)
+        self._stamps.append(stamp)
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        return np.frombuffer(self._poses).reshape(-1, 3)
+
+    @property
+    def stamps(self) -> NDArray[np.float64]:
+        return np.frombuffer(self._stamps)
+
+
+class CarmenReader:
+    """Takes a log line by line; :meth:`log` packs what it took."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.sensors: dict[str, ScanStack] = {}
+        self.beams: dict[str, _Beams] = {}
+        self.odometry = _Messages()
+        self.truth = _Messages()
+        self.parameters: dict[str, tuple[float, int]] = {}
+        self.ignored: Counter[str] = Counter()
+        self._take: dict[str, Callable[[list[str], int], None]] = {
+            "FLASER": self._take_laser,
+            "RLASER": self._take_laser,
+            "ROBOTLASER1": self._take_robot_laser,
+            "ROBOTLASER2": self._take_robot_laser,
+            "ODOM": self._take_odometry,
+            "TRUEPOS": self._take_truth,
+            "PARAM": self._take_parameter,
+        }
+
+    @property
+    def n_scans(self) -> int:
+        """Scans taken so far, of all sensors."""
+        return sum(sensor.n_scans for sensor in self.sensors.values())
+
+    def take(self, line: int, text: bytes) -> None:
+        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        if text.startswith((b"FLASER ", b"RLASER ")) and self._take_plain_laser(text, line):
+            return
+        tokens = text.decode("latin-1").split()
+        if not tokens or tokens[0].startswith("#"):
+            return
+        take = self._take.get(tokens[0])
+        if take is not None:
+            take(tokens, line)
+        elif _MESSAGE_WORD.match(tokens[0]) and len(tokens[0]) <= 40:
+            self.ignored[tokens[0] if tokens[0] in self.ignored or len(self.ignored) < 20 else "other words"] += 1
+        else:
+            raise ReadError(
+                "log.garbage", f"Line {line} is no CARMEN message: it starts with {text[:30].decode('latin-1')!r}."
+            )
+
+    def _stack(self, word: str) -> ScanStack:
+        if word not in self.sensors:
+            self.sensors[word] = ScanStack(word, self.limits)
+        return self.sensors[word]
+
+    @property
+    def _messages_before(self) -> tuple[int, int]:
+        return (len(self.odometry), len(self.truth))
+
+    def _take_plain_laser(self, text: bytes, line: int) -> bool:
+        """Take a whole line of a laser as CARMEN writes it, faster; False, and nothing taken, for any other."""
+        head, *tail = text.rsplit(b" ", 9)
+        word, stated, readings = [*head.split(b" ", 2), b"", b""][:3]
+        rest = b" ".join(tail).decode("latin-1").split()
+        values = (
+            fields.listed(readings) if len(rest) == len(tail) == 9 and len(stated) < 9 and stated.isdigit() else None
+        )
+        if not values or len(values) != int(stated) or len(values) > self.limits.max_beams:
+            return False
+        self._add_laser(word.decode(), values, rest, line)
+        return True
+
+    def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
+        """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
+        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[6], line, word)
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
+        if word not in self.beams:
+            self.beams[word] = _Beams(*front_laser_beams(len(readings)))
+
+    def _take_laser(self, tokens: list[str], line: int) -> None:
+        word = tokens[0]
+        if len(tokens) < 2:
+            raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends after its first word.")
+        n = fields.count(tokens[1], line, word, "beams", self.limits.max_beams)
+        fields.require_fields(tokens, (n + 9, n + 11), line, word, f"{n} beams")
+        readings = fields.numbers(tokens[2 : n + 2], line, word)
+        self._add_laser(word, readings, tokens[n + 2 : n + 9], line)
+
+    def _take_robot_laser(self, tokens: list[str], line: int) -> None:
+        word = tokens[0]
+        if len(tokens) < 9:
+            raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends before its number of beams.")
+        n = fields.count(tokens[8], line, word, "beams", self.limits.max_beams)
+        if len(tokens) < n + 10:
+            fields.require_fields(tokens, (n + 22, n + 24), line, word, f"{n} beams")
+        m = fields.count(tokens[n + 9], line, word, "remissions", self.limits.max_beams, least=0)
+        fields.require_fields(tokens, (n + m + 22, n + m + 24), line, word, f"{n} beams and {m} remissions")
+        readings = fields.numbers(tokens[9 : n + 9], line, word)
+        rest = tokens[n + m + 10 :]
+        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[11], line, word)
+        beams = _robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
+        if self.beams.setdefault(word, beams) != beams:
+            raise ReadError(
+                "log.beams_vary",
+                f"Line {line}: this {word} line states other angles or another maximum range than line "
+                f"{self.sensors[word].first_line}; a log's scans must have the same beams.",
+            )
+
+    def _take_odometry(self, tokens: list[str], line: int) -> None:
+        if len(tokens) < 8:
+            raise ReadError(
+                "log.truncated_line", f"Line {line}: this ODOM line ends early: {len(tokens)} fields of 10."
+            )
+        pose = fields.pose(tokens[1:4], line, "ODOM", "the robot's", self.limits)
+        (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
+        # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
+        self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
+
+    def _take_truth(self, tokens: list[str], line: int) -> None:
+        if len(tokens) < 8:
+            raise ReadError(
+                "log.truncated_line", f"Line {line}: this TRUEPOS line ends early: {len(tokens)} fields of 10."
+            )
+        pose = fields.pose(tokens[1:4], line, "TRUEPOS", "the true", self.limits)
+        self.truth.add(pose, fields.stamp(tokens[7], line, "TRUEPOS"))
+
+    def _take_parameter(self, tokens: list[str], line: int) -> None:
+        """Keep the few parameters that concern the lasers; the others may hold any text."""
+        if len(tokens) < 3 or tokens[1] not in _PARAMETERS:
+            return
+        (value,) = fields.numbers(tokens[2:3], line, "PARAM")
+        if not abs(value) <= 1000.0 or (tokens[1].endswith("_max") and value <= 0.0):
+            raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} m.")
+        self.parameters[tokens[1]] = (value, line)
+
+    def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
+        """Return the scans of one sensor, the preferred one where ``topic`` names none.
+
+        Raises :class:`ReadError` if there is none.
+        """
+        if not self.sensors:
+            raise ReadError(
+                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER1 or ROBOTLASER2 line."
+            )
+        if topic is not None and topic not in self.sensors:
+            raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
+        word = topic or next(word for word in PREFERENCE if word in self.sensors)
+        sensor = self.sensors[word]
+        for other, stack in self.sensors.items():
+            if other != word:
+                notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
+        stated = self.beams[word].range_max
+        range_max = stated if stated is not None else self._parameter(word, "max")
+        ranges, notes_on_ranges = sensor.clean_ranges(NO_RETURN if range_max is None else range_max)
+        notes += notes_on_ranges
+        if range_max is None:
+            notes += note_on_largest_reading(ranges)
+        notes += sensor.notes_on_time()
+        mount = self._mount(sensor, notes)
+        if self.ignored:
+            notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
+        return ScanLog(
+            ranges=ranges,
+            angle_min=self.beams[word].angle_min,
+            angle_increment=self.beams[word].angle_increment,
+            range_min=0.0,
+            range_max=NO_RETURN if range_max is None else range_max,
+            stamps_ns=sensor.stamps_ns,
+            trajectories=self._trajectories(sensor, mount),
+            mount=mount,
+            name=name,
+            format=f"CARMEN {word}",
+            topics=self._topics(word, mount),
+            notes=tuple(notes),
+            limits=self.limits,
+        )
+
+    def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
+        """Return the sensors, and the other messages that were taken."""
+        found = []
+        for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
+            step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
+            view = math.degrees(abs(self.beams[word].angle_increment)) * (stack.n_beams - 1)
+            found.append(
+                Topic(
+                    word,
+                    "laser scan",
+                    stack.n_scans,
+                    beams=stack.n_beams,
+                    field_of_view_deg=view,
+                    rate_hz=1.0 / step if step > 0.0 else None,
+                    mount=mount if word == chosen else None,
+                    chosen=word == chosen,
+                )
+            )
+        poses = {"ODOM": ("odometry", len(self.odometry)), "TRUEPOS": ("true pose", len(self.truth))}
+        return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
+
+    def _parameter(self, word: str, which: str) -> float | None:
+        side = "front" if word in FRONT else "rear"
+        value = self.parameters.get(f"robot_{side}laser_{which}")
+        return None if value is None else value[0]
+
+    def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
+        """Return ``T_base_laser``: what PARAM states, else what lies between a line's two poses, if always the same."""
+        yaw = 0.0 if sensor.word in FRONT else math.pi
+        ahead, aside, turned = (
+            self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
+        )
+        if ahead is not None:
+            return (ahead, aside or 0.0, yaw if turned is None else turned)
+        relative = compose(inverse(sensor.robot_poses), sensor.laser_poses)
+        away = np.abs(relative - relative[0])
+        away[:, 2] = np.abs(wrap_angle(relative[:, 2] - relative[0, 2]))
+        if (away[:, :2] > 5 * _SAME_M).any() or (away[:, 2] > 5 * _SAME_RAD).any():
+            return (0.0, 0.0, yaw)
+        first = relative[0]
+        if _same_pose(first, np.zeros(3)):
+            # A log that was simplified to one pose per scan says nothing of a mount.
+            return (0.0, 0.0, yaw)
+        notes.append(
+            f"The laser's mount is taken from the scan lines' two poses: {first[0]:.3f} m, {first[1]:.3f} m, "
+            f"{math.degrees(first[2]):.1f}°."
+        )
+        return (float(first[0]), float(first[1]), float(first[2]))
+
+    def _trajectories(self, sensor: ScanStack, mount: tuple[float, float, float]) -> dict[str, Trajectory]:
+        scan = compose(sensor.laser_poses, inverse(np.array(mount)))
+        found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
+        if not _same_pose(scan, sensor.robot_poses):
+            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line", "odom")
+        if len(self.odometry):
+            poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
+            restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
+            text = "the ODOM messages at the time of each scan"
+            if restart.any():
+                poses = without_restarts(poses, restart)
+                text += ", chained where the log starts them again from a corrected pose"
+            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
+            if _is_near(scan, found["wheel"].poses):
+                # Nothing has corrected the scans' poses: they are the odometry.
+                found["scan"] = replace(found["scan"], frame_id="odom")
+        if len(self.truth):
+            found["truepos"] = Trajectory(
+                poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps),
+                "the simulator's true pose at the time of each scan",
+                "map",
+            )
+        return found
+
+
+_PARAMETERS = frozenset(
+    f"robot_{side}laser_{which}"
+    for side in ("front", "rear")
+    for which in ("offset", "side_offset", "angular_offset", "max")
+)
+
+
+def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    position = np.abs(a[..., :2] - b[..., :2]).max()
+    return bool(position < _SAME_M and np.abs(wrap_angle(a[..., 2] - b[..., 2])).max() < _SAME_RAD)
+
+
+def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    """Return whether nine tenths of the poses (n, 3) lie within :data:`_NEAR_M` of one another."""
+    return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
+
+
+def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Beams:
+    """Check what a ROBOTLASER line states of its n beams: start angle, field of view, resolution, maximum range.
+
+    The stated resolution has six digits, too few for a thousand beams; where it is the field of view in n or n − 1
+    steps, that quotient is taken.
+    """
+    start, fov, resolution, range_max = stated
+    if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0 and is_angle_step(resolution, n)):
+        raise ReadError(
+            "log.beam_angles",
+            f"Line {line}: this {word} line states impossible angles: start {start}, field of view {fov}, "
+            f"resolution {resolution} rad.",
+        )
+    if not 0.0 < range_max <= 1e4:
+        raise ReadError("log.range_max", f"Line {line}: this {word} line states a maximum range of {range_max} m.")
+    for steps in (n, n - 1):
+        if steps > 0 and abs(fov / steps - resolution) < 1e-6:
+            resolution = fov / steps
+            break
+    return _Beams(start, resolution, range_max)
+
+
+def read_carmen(
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the CARMEN log at ``path``, plain or packed; ``topic`` is the word of the sensor's lines.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
+    reader = CarmenReader(limits)
+    notes: list[str] = []
+    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.n_scans, notes)
+    return reader.log(path.name, notes, topic)

@@ -1,0 +1,77 @@
+"""Recordings: the files that messages are kept in, and the log of one of them, or of all that it was split into."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archive import Source
+from mapper.io.logs.recording import Recording
+from mapper.io.logs.unpacking import Progress
+from mapper.sensors.scan import ScanLog
+
+MAX_NOTES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """A format of recordings: its name, and what hands the messages of one file over to a :class:`Recording`."""
+
+    form: str
+    take: Callable[[Source, Recording, Limits, Progress | None], None]
+
+    def read(self, file: Source, limits: Limits, progress: Progress | None, topic: str | None) -> ScanLog:
+        """Return the recording in ``file`` as the log of one of its range sensors; see :class:`Recording`.
+
+        Of a file that is cut or damaged, what could be read, and notes that say what is missing. Raises
+        :class:`ReadError` where there is no scan, and :class:`LimitError`.
+        """
+        recording = Recording(limits)
+        self.take(file, recording, limits, progress)
+        return recording.log(file.name, self.form, topic)
+
+    def read_split(
+        self, files: Sequence[Source], name: str, limits: Limits, progress: Progress | None, topic: str | None
+    ) -> ScanLog:
+        """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
+
+        Files of which nothing can be read are left out, and noted. Raises as :meth:`read`.
+        """
+        recording = Recording(limits)
+        files = sorted(files, key=lambda file: _numbered(file.name))
+        recording.notes.append(f"{len(files)} files are read as one recording.{_missing(files)}")
+        for done, file in enumerate(files):
+            before = len(recording.notes)
+            try:
+                self.take(file, recording, limits, _part_of(progress, done, len(files)))
+            except LimitError:
+                raise
+            except ReadError as error:
+                recording.notes.append(f"It is left out: {error.message}")
+            said = recording.notes[before : max(before, MAX_NOTES)]
+            recording.notes[before:] = [f"{file.name}: {note}" for note in said]
+            recording.next_file()
+            if progress is not None:
+                progress((done + 1) / len(files))
+        return recording.log(name, f"{self.form}, {len(files)} files", topic)
+
+
+def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:
+    return None if progress is None else lambda share: progress((done + share) / of)
+
+
+def _numbered(name: str) -> list[int | str]:
+    """Return a key to sort names by in which numbers count as numbers: ``run_10`` comes after ``run_2``."""
+    return [int(part) if at % 2 else part for at, part in enumerate(re.split(r"([0-9]{1,18})", name))]
+
+
+def _missing(files: Sequence[Source]) -> str:
+    """Return a sentence on the first number that lacks between two files', or nothing."""
+    numbers = [int(found[1]) for file in files if (found := re.search(r"_([0-9]{1,9})\.", file.name))]
+    pairs = pairwise(numbers)
+    gap = next((pair for pair in pairs if pair[1] > pair[0] + 1), None) if len(numbers) == len(files) else None
+    return f" Between number {gap[0]} and number {gap[1]} files are missing." if gap else ""

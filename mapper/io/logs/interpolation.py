@@ -1,0 +1,66 @@
+"""Poses from one stream of messages at the times of another: the odometry at each scan.
+
+All poses are ``T_map_base``: metres and radians; all stamps are seconds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, inverse, wrap_angle
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+
+def poses_at_scans(
+    poses: Float64Array, stamps: Float64Array, before: Int64Array, scan_stamps: Float64Array
+) -> Float64Array:
+    """Return the pose (n, 3) at each of n scans, from m ≥ 1 messages' ``poses`` (m, 3) and ``stamps`` (m,).
+
+    ``before`` (n,) counts the messages that stand before each scan in the file. Recorded clocks jump backwards, so it
+    is the file's order that chooses the two neighbours, and the stamps only weigh them. Where most scans stand
+    before the first or after the last message, as in a file that was sorted by kind, the stamps choose as well.
+    Linear in position, the short way round in angle; nothing is extrapolated.
+    """
+    m = len(poses)
+    after = before
+    if np.count_nonzero((before > 0) & (before < m)) * 2 < len(before):
+        stamps = np.maximum.accumulate(stamps)
+        after = np.searchsorted(stamps, scan_stamps, side="right").astype(np.int64)
+    low, high = np.clip(after - 1, 0, m - 1), np.clip(after, 0, m - 1)
+    span = stamps[high] - stamps[low]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weight = np.where(span > 0.0, np.clip((scan_stamps - stamps[low]) / span, 0.0, 1.0), 0.0)
+    out = np.empty((len(before), 3))
+    out[:, :2] = poses[low, :2] + weight[:, None] * (poses[high, :2] - poses[low, :2])
+    out[:, 2] = wrap_angle(poses[low, 2] + weight * wrap_angle(poses[high, 2] - poses[low, 2]))
+    return out
+
+
+def restarts(
+    poses: Float64Array, stamps: Float64Array, before: Int64Array, scan_poses: Float64Array, scan_stamps: Float64Array
+) -> NDArray[np.bool_]:
+    """Return which of m messages (m,) only restart the odometry from the scan that stands before them.
+
+    A mapper that writes a corrected log (gmapping does) sends, after each scan, an odometry message with the corrected
+    pose, and counts on from there. Its stamp is whatever was in memory, so it is not the scan's.
+    """
+    found = np.zeros(len(poses), dtype=np.bool_)
+    follows = (before > 0) & (before < len(poses))
+    index = before[follows]
+    same_pose = np.all(np.abs(poses[index] - scan_poses[follows]) < 1e-5, axis=-1)
+    found[index[same_pose & (np.abs(stamps[index] - scan_stamps[follows]) > 1.0)]] = True
+    return found
+
+
+def without_restarts(poses: Float64Array, restart: NDArray[np.bool_]) -> Float64Array:
+    """Return the odometry (m, 3) as the wheels alone give it: no motion where a message is a ``restart`` (m,)."""
+    steps = compose(inverse(poses[:-1]), poses[1:])
+    steps[restart[1:]] = 0.0
+    theta = poses[0, 2] + np.concatenate([[0.0], np.cumsum(steps[:, 2])])
+    cos, sin = np.cos(theta[:-1]), np.sin(theta[:-1])
+    x = poses[0, 0] + np.concatenate([[0.0], np.cumsum(cos * steps[:, 0] - sin * steps[:, 1])])
+    y = poses[0, 1] + np.concatenate([[0.0], np.cumsum(sin * steps[:, 0] + cos * steps[:, 1])])
+    return np.stack([x, y, wrap_angle(theta)], axis=-1)

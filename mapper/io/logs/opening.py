@@ -1,0 +1,273 @@
+"""Open a log of any format that is known: the kind is read from the bytes, never from the name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
+from mapper.io.logs.container import Container
+from mapper.io.logs.inflate import ZSTD_MAGIC
+from mapper.io.logs.lines import BOM
+from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
+from mapper.sensors.scan import ScanLog
+
+HEAD = 1 << 16  #: bytes that the kind is read from
+
+#: First bytes of files that are no text log, and what they are.
+FOREIGN: tuple[tuple[bytes, str], ...] = (
+    (b"BZh", "bzip2 data"),
+    (b"\xfd7zXZ\0", "xz data"),
+    (b"\x89PNG\r\n", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"BM", "a BMP picture"),
+    (b"P5", "a PGM picture"),
+    (b"%PDF", "a PDF document"),
+    (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
+    (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
+    (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
+    (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
+    (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
+    (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
+)
+
+#: Archives of several files: where their mark stands, the mark, and what they are.
+ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
+    (0, b"PK\x03\x04", "a zip archive"),
+    (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
+    (0, b"Rar!", "a rar archive"),
+    (257, b"ustar", "a packed tar archive"),
+)
+
+Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
+Reading = Callable[[Limits, Progress | None, str | None], ScanLog]  #: of files that are known already
+
+#: First bytes of the binary formats.
+BINARY: tuple[tuple[bytes, Container], ...] = (
+    (ros1_bag.MAGIC, ros1_bag.ROS1_BAG),
+    (mcap_file.MAGIC, mcap_file.MCAP),
+    (ros2_db3.MAGIC, ros2_db3.ROS2_DB3),
+)
+
+#: First words of the lines of the text formats.
+TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
+    (carmen.WORDS, carmen.read_carmen),
+    (dpslam.WORDS, dpslam.read_dpslam),
+)
+
+#: What tells a text of numbers by its beginning.
+NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
+    (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
+    (breezyslam.is_breezyslam, breezyslam.read_breezyslam),
+    (sonar.is_sonar, sonar.read_sonar),
+)
+
+METADATA = "metadata.yaml"  #: what rosbag2 puts beside the files that a recording was split into
+
+KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
+
+
+def is_log(path: str | os.PathLike[str]) -> bool:
+    """Return whether the file at ``path`` begins as a log of a known format does; only its beginning is read.
+
+    False for a file that cannot be opened. A log may begin well and still be one that :func:`open_log` refuses.
+    """
+    try:
+        _reading(Path(path), DEFAULT_LIMITS)
+    except MapperError:
+        return False
+    return True
+
+
+def open_log(
+    path: str | os.PathLike[str],
+    *,
+    topic: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> ScanLog:
+    """Return the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
+
+    Of a folder, or a tar archive of one, the log in it is read: the one file that is a log, the files that ROS 2 split
+    a recording into, a ring of sonars' two.
+    ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
+    is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
+    which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
+    :class:`LimitError` for one that is larger than ``limits`` allow.
+    """
+    return _reading(Path(path), limits)(limits, progress, topic)
+
+
+def log_files(folder: Path) -> list[Path]:
+    """Return the files that are the log in a folder, with what tells that they belong together.
+
+    Raises :class:`ReadError` where there is none, or several.
+    """
+    files = _files_in(folder, DEFAULT_LIMITS)
+    logs, _ = _one_log(files, "folder")
+    beside = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
+    return [file for file in [*beside, *logs] if isinstance(file, Path)]
+
+
+def _reading(path: Path, limits: Limits) -> Reading:
+    """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
+    if path.is_dir():
+        return _reading_together(_files_in(path, limits), "folder", path.name)
+    if _is_tar(path):
+        files, notes = members(path, limits)
+        if notes and not files:
+            raise ReadError("log.archive", "The tar archive is damaged, or ends, before the first file in it.")
+        return _noting(notes, _reading_together(files, "archive", path.name))
+    return partial(_reader(_kind_of(path)), path)
+
+
+def _is_tar(path: Path) -> bool:
+    with opened(path) as file:
+        return is_tar(file.read(BLOCK))
+
+
+def _files_in(folder: Path, limits: Limits) -> list[Source]:
+    """Return a folder's own files, without hidden ones."""
+    try:
+        inside = sorted(islice(folder.iterdir(), limits.max_archive_files + 1))
+    except OSError as error:
+        raise ReadError("log.unreadable", f"The folder cannot be read: {error.strerror}.") from error
+    if len(inside) > limits.max_archive_files:
+        raise LimitError("log.too_many_files", f"The folder has more than {limits.max_archive_files} files.")
+    return [one for one in inside if one.is_file() and not one.name.startswith(".")]
+
+
+def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading:
+    """Return what reads the one log that these files are."""
+    logs, kind = _one_log(files, where)
+    if len(logs) == 1:
+        return partial(_reader(kind), logs[0])
+    if isinstance(kind, Container):
+        return partial(kind.read_split, logs, name)
+    return partial(sonar.read_sonar, logs[0], poses=logs[1])
+
+
+def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Container | Reader]:
+    """Return which of the files are the one log among them, and of which kind; raise :class:`ReadError` for none."""
+    by_place = {(_folder_of(file), file.name): file for file in files}
+    for (folder, last), readings in by_place.items():
+        if last == sonar.READINGS and (folder, sonar.POSES) in by_place:
+            return [readings, by_place[folder, sonar.POSES]], sonar.read_sonar
+    kinds: dict[Source, Container | Reader] = {}
+    for file in files:
+        try:
+            kinds[file] = _kind_of(file)
+        except MapperError:
+            if len(files) == 1:
+                raise
+    if not kinds:
+        raise ReadError("log.folder", f"The {where} holds no log of a known kind ({KNOWN}).")
+    logs = list(kinds)
+    why = _apart(logs, set(kinds.values()), by_place) if len(logs) > 1 else None
+    if why is not None:
+        names = ", ".join(repr(name)[:80] for name in sorted(one.name for one in logs)[:6])
+        raise ReadError("log.folder", f"The {where} holds {len(logs)} recordings, {why}; open one of them: {names}.")
+    return logs, kinds[logs[0]]
+
+
+def _apart(
+    logs: Sequence[Source], kinds: Collection[Container | Reader], places: Collection[tuple[str, str]]
+) -> str | None:
+    """Return why logs are not the parts of one recording; None where they are."""
+    folders = {_folder_of(log) for log in logs}
+    if len(folders) > 1:
+        return "in different folders"
+    if len(kinds) > 1:
+        return "of different kinds"
+    if not all(isinstance(kind, Container) for kind in kinds):
+        return "each a log by itself"
+    if (*folders, METADATA) not in places:
+        return f"and no {METADATA} that would make them parts of one"
+    return None
+
+
+def _folder_of(file: Source) -> str:
+    return file.folder if isinstance(file, Member) else str(file.parent)
+
+
+def _noting(notes: Sequence[str], reading: Reading) -> Reading:
+    """Return ``reading`` with more notes on the log that it returns."""
+
+    def noted(limits: Limits, progress: Progress | None, topic: str | None) -> ScanLog:
+        log = reading(limits, progress, topic)
+        return replace(log, notes=(*notes, *log.notes))
+
+    return noted if notes else reading
+
+
+def _reader(kind: Container | Reader) -> Reader:
+    return kind.read if isinstance(kind, Container) else kind
+
+
+def _kind_of(file: Source) -> Container | Reader:
+    """Return the format that the file begins in; raise :class:`ReadError` where it begins in none."""
+    head, broken = _head(file)
+    for magic, container in BINARY:
+        if head.startswith(magic):
+            return container
+    archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+    if archive is not None:  # the lines of a log may well stand in it
+        raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
+    words = _first_words(head)
+    for format_words, reader in TEXT:
+        if words & format_words:
+            return reader
+    if not broken or b"\n" in head:  # half a line of numbers looks like another format's
+        for begins, reader in NUMBERS:
+            if begins(head):
+                return reader
+    if broken:
+        raise ReadError("log.truncated", f"The packed data {broken}, before it tells what kind of log it is.")
+    raise _not_a_log(head)
+
+
+def _head(file: Source) -> tuple[bytes, str | None]:
+    """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
+    head = b""
+    with opened(file) as stream:
+        unpacked = Unpacked(stream, lambda: "at the beginning")
+        for piece in unpacked:
+            head += piece
+            if len(head) >= HEAD:
+                break
+    return head[:HEAD].removeprefix(BOM), unpacked.broken
+
+
+def _first_words(head: bytes) -> set[str]:
+    return {line.split(None, 1)[0].decode("latin-1") for line in head.split(b"\n") if line.strip()}
+
+
+def _not_a_log(head: bytes) -> ReadError:
+    if not head:
+        return ReadError("log.empty", "The file is empty.")
+    foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
+    if foreign is not None:
+        return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
+    if b"\0" in head:
+        return ReadError("log.binary", "The file is binary data, not a text log.")
+    if sonar.is_sonar_poses(head):
+        return ReadError(
+            "log.poses",
+            f"The file is poses without readings, four whole numbers a line: a ring of sonars is {sonar.READINGS} and "
+            f"{sonar.POSES} together, or the folder or tar archive that they are in.",
+        )
+    comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())
+    if comments:
+        return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")
+    line = next(line for line in head.split(b"\n") if line.strip())
+    return ReadError(
+        "log.unknown_format",
+        f"The file is no log of a known kind ({KNOWN}): it starts with {line[:40].decode('latin-1')!r}.",
+    )

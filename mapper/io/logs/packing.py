@@ -1,0 +1,174 @@
+"""Scans gathered line by line into packed arrays, with the caps and the clean-up that every text log needs."""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+
+DAY_S = 86_400.0  #: seconds: a longer step between two scans is noted
+
+
+class ScanStack:
+    """The scans of one sensor of a log, as they come.
+
+    Raises :class:`ReadError` for a scan with another number of beams, :class:`LimitError` for more scans or readings
+    than ``limits`` allow.
+    """
+
+    def __init__(self, word: str, limits: Limits) -> None:
+        self.word = word  #: the name of the sensor's lines
+        self.limits = limits
+        self.n_beams = 0
+        self.n_scans = 0
+        self.first_line = 0
+        self._ranges = bytearray()
+        self._laser = array("d")
+        self._robot = array("d")
+        self._stamps = array("d")
+        self._odometry_before = array("q")
+        self._truth_before = array("q")
+
+    def add(
+        self,
+        line: int,
+        readings: list[float],
+        laser_and_robot: tuple[list[float], list[float]],
+        stamp: float,
+        messages_before: tuple[int, int] = (0, 0),
+    ) -> None:
+        """Append one scan: metres, radians, seconds, the laser's pose and the robot's.
+
+        ``messages_before`` counts the odometry messages and those with the true pose that were read so far.
+        """
+        if self.n_scans == 0:
+            self.n_beams, self.first_line = len(readings), line
+        elif len(readings) != self.n_beams:
+            raise ReadError(
+                "log.beams_vary",
+                f"Line {line}: this {self.word} line has {len(readings)} beams, but line {self.first_line} has "
+                f"{self.n_beams}; a log's scans must have the same number of beams.",
+            )
+        if self.n_scans >= self.limits.max_scans or (self.n_scans + 1) * self.n_beams > self.limits.max_readings:
+            raise LimitError(
+                "log.too_many_scans",
+                f"Line {line}: the log has more than {self.n_scans} {self.word} scans of {self.n_beams} beams; "
+                f"the limits are {self.limits.max_scans} scans and {self.limits.max_readings} readings.",
+            )
+        self.n_scans += 1
+        self._ranges += array("f", readings)  # what is too large for 32 bits becomes inf
+        self._laser.extend(laser_and_robot[0])
+        self._robot.extend(laser_and_robot[1])
+        self._stamps.append(stamp)
+        self._odometry_before.append(messages_before[0])
+        self._truth_before.append(messages_before[1])
+
+    @property
+    def laser_poses(self) -> NDArray[np.float64]:
+        """``T_map_laser`` (n_scans, 3)."""
+        return np.frombuffer(self._laser).reshape(-1, 3)
+
+    @property
+    def robot_poses(self) -> NDArray[np.float64]:
+        """``T_map_base`` (n_scans, 3) as the scan lines state it."""
+        return np.frombuffer(self._robot).reshape(-1, 3)
+
+    @property
+    def stamps(self) -> NDArray[np.float64]:
+        """Seconds (n_scans,)."""
+        return np.frombuffer(self._stamps)
+
+    @property
+    def odometry_before(self) -> NDArray[np.int64]:
+        """How many odometry messages stand before each scan (n_scans,)."""
+        return np.frombuffer(self._odometry_before, dtype=np.int64)
+
+    @property
+    def truth_before(self) -> NDArray[np.int64]:
+        """How many messages with the true pose stand before each scan (n_scans,)."""
+        return np.frombuffer(self._truth_before, dtype=np.int64)
+
+    @property
+    def stamps_ns(self) -> NDArray[np.int64]:
+        """Nanoseconds (n_scans,); all zero, as in a log without times, where they were written with too few digits."""
+        if few_digits(self.stamps):
+            return np.zeros(self.n_scans, dtype=np.int64)
+        return np.round(self.stamps * 1e9).astype(np.int64)
+
+    def clean_ranges(self, range_max: float) -> tuple[NDArray[np.float32], list[str]]:
+        """Return the readings (n_scans, n_beams) by REP 117, and what is to be noted about them.
+
+        At or beyond ``range_max`` metres is no return, +inf; zero, negative and NaN are no measurement, NaN.
+        """
+        ranges = np.frombuffer(self._ranges, dtype=np.float32).reshape(self.n_scans, self.n_beams)
+        notes = []
+        with np.errstate(invalid="ignore"):
+            invalid = np.isnan(ranges) | (ranges <= 0.0)
+            ranges[ranges >= range_max] = np.inf
+        n_invalid = int(np.count_nonzero(invalid))
+        if n_invalid:
+            ranges[invalid] = np.nan
+            notes.append(f"{n_invalid} readings that are zero, negative or not a number count as no measurement.")
+        return ranges, notes
+
+    def notes_on_time(self) -> list[str]:
+        """Return notes on stamps with too few digits, that run backwards or that lie far apart."""
+        step = few_digits(self.stamps)
+        if step:
+            note = (
+                f"The stamps have six significant digits, so they are whole multiples of {step:g} s: too coarse to "
+                "tell when a scan was made. The log is read as one without times."
+            )
+            return [note]
+        return notes_on_time(self.stamps_ns)
+
+
+def few_digits(stamps: NDArray[np.float64]) -> float:
+    """Return the step in seconds of stamps (n,) that were printed with six significant digits, 0 for all others.
+
+    That is how C++ prints a double by default: of seconds since 1970 multiples of 10,000 s are left.
+    """
+    largest = float(np.abs(stamps).max(initial=0.0))
+    if len(stamps) < 2 or largest < 1e6:  # below a million seconds six digits say 1 s or less
+        return 0.0
+    step = float(10.0 ** (np.floor(np.log10(largest)) - 5.0))
+    return step if not np.any(np.fmod(stamps, step)) else 0.0
+
+
+def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
+    """Return notes on stamps (n,) in nanoseconds: how often they run backwards, and where they lie far apart."""
+    notes = []
+    back = int(np.count_nonzero(stamps_ns[1:] < stamps_ns[:-1]))
+    if back:
+        times = "once" if back == 1 else f"{back} times"
+        notes.append(f"The time runs backwards {times}; the scans stay in the file's order.")
+    steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9  # in 64 bits the step between two such stamps may overflow
+    far = int(np.count_nonzero(np.abs(steps) > DAY_S))
+    if far:
+        worst = int(np.argmax(np.abs(steps)))
+        more = f", and by more than a day {far} times in all" if far > 1 else ""
+        notes.append(
+            f"Before scan {worst + 1} the time jumps by {steps[worst]:.3g} s ({steps[worst] / DAY_S:.0f} days){more}: "
+            "either stamps are wrong, or the file joins several runs."
+        )
+    return notes
+
+
+def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:
+    """Return a note where the largest readings pile up at one value, as those of a sensor without "no return" do."""
+    finite = ranges[np.isfinite(ranges)]
+    if not finite.size:
+        return []
+    largest = float(finite.max())
+    piled = int(np.count_nonzero(finite > 0.995 * largest))
+    if piled < max(20, 0.002 * finite.size):
+        return []
+    note = (
+        f"{piled} readings lie at the largest value, {largest:.2f} m, which is likely the sensor's way to say "
+        "no return: a max range below it leaves them out."
+    )
+    return [note]

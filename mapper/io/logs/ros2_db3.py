@@ -1,0 +1,155 @@
+"""ROS 2 bags in SQLite (``.db3``), plain, or the whole file gzip or Zstandard.
+
+Source: rosbag2_storage_sqlite3: a table ``topics`` (id, name, type, serialization_format, …) and one ``messages``
+(id, topic_id, timestamp, data).
+
+The file is opened read-only and as hostile as sqlite.org/security.html advises: no trusted schema, nothing but two
+ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+from pathlib import Path
+from urllib.parse import quote
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archive import Source
+from mapper.io.logs.bytestream import byte_stream
+from mapper.io.logs.container import Container
+from mapper.io.logs.names import printable
+from mapper.io.logs.recording import Recording
+from mapper.io.logs.unpacking import Progress, opened
+
+MAGIC = b"SQLite format 3\0"
+TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
+
+
+def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
+
+    Raises :class:`ReadError` where there are none, and :class:`LimitError`.
+    """
+    before = recording.n_scans
+    connection, notes, is_journaled = _opened(file, limits)
+    try:
+        recording.notes += notes
+        if is_journaled:
+            recording.notes.append(
+                "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
+                "file beside it that ends in -wal, which is not read, and is missing here."
+            )
+        _take_all(connection, recording, limits, progress)
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
+        if recording.n_scans == before:
+            raise _unreadable(error) from error
+        recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): what stands before is there.")
+    except ReadError as error:
+        if not is_journaled:
+            raise
+        raise ReadError(
+            error.code,
+            f"{error.message} If the recorder was not closed, what it wrote is in the file beside it that ends in "
+            "-wal; with both in one folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in.",
+        ) from error
+    finally:
+        connection.close()
+
+
+ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
+
+
+def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str], bool]:
+    """Return the database, what is missing of it, and whether it keeps a write-ahead log."""
+    with opened(path) as file:
+        head = file.read(100)
+        size = file.seek(0, os.SEEK_END)
+    notes = []
+    try:
+        if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
+            # immutable: neither locks nor a journal beside it, which a hostile file could come with
+            connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+        else:
+            data = bytearray()
+            with byte_stream(path, limits) as stream:
+                while piece := stream.read(1 << 20):
+                    data += piece
+                notes += stream.notes
+            head = bytes(data[:100])
+            if _is_cut(data, len(data)):
+                notes.append("The SQLite file ends early: what stands before is there.")
+                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
+                pages = len(data) // _page_bytes(data)
+                del data[pages * _page_bytes(data) :]
+                data[28:32] = pages.to_bytes(4, "big")
+            data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
+            connection = sqlite3.connect(":memory:")
+            connection.deserialize(data)
+        connection.text_factory = lambda data: data.decode("utf-8", "replace")
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_EXPR_DEPTH, 50)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
+        for pragma in ("trusted_schema=OFF", "query_only=ON", "cell_size_check=ON", "mmap_size=0", "temp_store=MEMORY"):
+            connection.execute(f"PRAGMA {pragma}")
+    except (sqlite3.Error, OverflowError) as error:
+        raise _unreadable(error) from error
+    return connection, notes, 2 in head[18:20]
+
+
+def _reason(error: Exception) -> str:
+    """Return what SQLite says, which may quote the file."""
+    return printable(" ".join(str(error).split())[:100]).rstrip(".")
+
+
+def _unreadable(error: Exception) -> ReadError:
+    return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}.")
+
+
+def _page_bytes(head: bytes | bytearray) -> int:
+    stated = int.from_bytes(head[16:18], "big")
+    return 65536 if stated == 1 else max(stated, 512)
+
+
+def _is_cut(head: bytes | bytearray, size: int) -> bool:
+    """Return whether a database with this header should have more bytes."""
+    return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
+
+
+def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    for table, needed in TABLES.items():
+        found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
+        # A view, a virtual table or a computed column would run what the file says.
+        if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: it has no table {table!r}.")
+        columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
+        if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
+    rows = connection.execute(
+        "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)
+    )
+    keys = []
+    for key, name, kind, form in rows:
+        if isinstance(key, int):
+            keys.append(key)
+            recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
+    wanted = ",".join(str(key) for key in keys if recording.wants(key))
+    last = 1
+    with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
+        last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    cursor = connection.execute(
+        "SELECT rowid, topic_id, timestamp, "  # noqa: S608 - the ids are whole numbers, and as such here
+        f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
+    )
+    read = 0
+    for index, (row, key, stamp, data) in enumerate(cursor):
+        if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
+            read += len(data)
+            recording.take(key, stamp, data)
+        if read > limits.max_log_bytes:
+            raise LimitError("log.too_many_bytes", f"The bag holds more than {limits.max_log_bytes} bytes of messages.")
+        if progress is not None and index % 256 == 0:
+            progress(min(1.0, max(0.0, row / last)))

@@ -1,0 +1,134 @@
+"""What a log holds, in a few figures."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.sensors.scan import ScanLog, Topic
+
+EPOCH_S = (6e8, 5e9)  #: a stamp between these is seconds since 1970: the years 1989 to 2128
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectorySummary:
+    """``length_m`` is the way from the first scan's pose to the last's, as the sum of its steps."""
+
+    name: str
+    description: str
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingCounts:
+    """How many of all readings are measured ranges, say "no return", or are no valid reading."""
+
+    measured: int
+    no_return: int
+    invalid: int
+
+
+@dataclass(frozen=True, slots=True)
+class TimeSummary:
+    """When the scans were made. ``start_s`` is the earliest stamp since 1970, None for a clock that began elsewhere.
+
+    A gap is a pause of more than a second and five times the usual one between two scans; ``longest_gap_at_s`` is
+    where the longest begins, in seconds since the earliest stamp.
+    """
+
+    start_s: float | None
+    rate_hz: float | None  #: by the median pause between two scans; None for a log without times
+    gaps: int
+    longest_gap_s: float
+    longest_gap_at_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class LogSummary:
+    """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
+
+    name: str
+    format: str
+    scans: int
+    beams: int
+    duration_s: float  #: between the earliest and the latest stamp
+    field_of_view_deg: float  #: from the first beam to the last
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    mount: tuple[float, float, float]
+    readings: ReadingCounts
+    trajectories: tuple[TrajectorySummary, ...]
+    notes: tuple[str, ...]
+    upside_down: bool = False
+    time: TimeSummary | None = None
+    topics: tuple[Topic, ...] = ()
+
+
+def summarise(log: ScanLog) -> LogSummary:
+    """Return the figures of ``log``."""
+    seconds = recorded_seconds(log)
+    return LogSummary(
+        name=log.name,
+        format=log.format,
+        scans=log.n_scans,
+        beams=log.n_beams,
+        duration_s=float(seconds[-1]) if len(seconds) else 0.0,
+        field_of_view_deg=math.degrees(float(np.ptp(log.angles))) if log.n_beams else 0.0,
+        angle_min=log.angle_min,
+        angle_increment=log.angle_increment,
+        range_max=log.range_max,
+        mount=log.mount,
+        readings=_count_readings(log),
+        trajectories=tuple(
+            TrajectorySummary(name, trajectory.description, _length(trajectory.poses))
+            for name, trajectory in log.trajectories.items()
+        ),
+        notes=log.notes,
+        upside_down=log.upside_down,
+        time=_time(log.stamps_ns, seconds),
+        topics=log.topics,
+    )
+
+
+def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
+    """Return how much of the recorded time is over at each scan (n_scans,), in seconds since the earliest stamp.
+
+    Never decreasing: where the clock steps back, time stands still until it has caught up. The last one is the log's
+    duration; all are zero for a log without times.
+    """
+    if log.n_scans == 0:
+        return np.zeros(0)
+    latest = np.maximum.accumulate(log.stamps_ns)
+    # As unsigned numbers: the span of two absurd stamps does not fit into a signed one.
+    span_ns: NDArray[np.uint64] = latest.view(np.uint64) - log.stamps_ns.min(keepdims=True).view(np.uint64)
+    return span_ns.astype(np.float64) * 1e-9
+
+
+def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSummary:
+    pauses = np.diff(seconds)
+    usual = float(np.median(pauses[pauses > 0.0])) if (pauses > 0.0).any() else 0.0
+    gaps = pauses > max(1.0, 5.0 * usual)
+    longest = int(np.argmax(pauses)) if gaps.any() else -1
+    start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
+    return TimeSummary(
+        start_s=start if EPOCH_S[0] < start < EPOCH_S[1] else None,
+        rate_hz=1.0 / usual if usual > 0.0 else None,
+        gaps=int(np.count_nonzero(gaps)),
+        longest_gap_s=float(pauses[longest]) if gaps.any() else 0.0,
+        longest_gap_at_s=float(seconds[longest]) if gaps.any() else 0.0,
+    )
+
+
+def _length(poses: NDArray[np.float64]) -> float:
+    steps = np.diff(poses[:, :2], axis=0)
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def _count_readings(log: ScanLog) -> ReadingCounts:
+    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
+    no_return = int(np.count_nonzero(log.ranges > log.range_max))
+    return ReadingCounts(measured, no_return, log.ranges.size - measured - no_return)

@@ -1,0 +1,240 @@
+"""Poses over time, and the tree of frames that tf keeps: where a frame was in one of its ancestors.
+
+Positions (n, 3) are metres, orientations (n, 4) unit quaternions x y z w. Source: REP 105; the tf2 design (tf2 looks a
+transform up along the way to the common ancestor, interpolating each edge); Shoemake 1985 (slerp).
+"""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.io.logs.ros_messages import BadMessageError, Pose7, StampedPose
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+MAX_FRAMES = 5000
+MAX_DEPTH = 64  #: frames from a sensor's up to the root
+MAX_WORLDS = 8  #: frames in which the robot's way is told
+_MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: an edge that never differs by more is a mount, not a motion
+BASES = ("base_link", "base_footprint", "base", "base_frame")
+WORLDS = ("map", "odom", "odom_combined", "world", "earth")
+
+
+@dataclass(frozen=True, slots=True)
+class Poses3:
+    """``T_a_b`` at n times."""
+
+    positions: Float64Array
+    rotations: Float64Array
+
+    def __matmul__(self, other: Poses3) -> Poses3:
+        """Return ``T_a_c`` for ``T_a_b @ T_b_c``; one of them may have n = 1."""
+        return Poses3(
+            self.positions + _rotated(self.rotations, other.positions), _product(self.rotations, other.rotations)
+        )
+
+    @property
+    def planar(self) -> Float64Array:
+        """The poses seen from above (n, 3): x, y and the heading of the x axis."""
+        ahead = _rotated(self.rotations, np.array([[1.0, 0.0, 0.0]]))
+        return np.column_stack([self.positions[:, :2], np.arctan2(ahead[:, 1], ahead[:, 0])])
+
+    @property
+    def up(self) -> Float64Array:
+        """The z component of the z axis (n,): 1 upright, −1 upside-down."""
+        return np.asarray(_rotated(self.rotations, np.array([[0.0, 0.0, 1.0]]))[:, 2])
+
+
+def _product(a: Float64Array, b: Float64Array) -> Float64Array:
+    ax, ay, az, aw = a.T
+    bx, by, bz, bw = b.T
+    return np.stack(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ],
+        axis=-1,
+    )
+
+
+def _rotated(q: Float64Array, v: Float64Array) -> Float64Array:
+    u, w = q[:, :3], q[:, 3:]
+    t = 2.0 * np.cross(u, v)
+    return np.asarray(v + w * t + np.cross(u, t))
+
+
+class Timeline:
+    """A pose that was stated at several times."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._stamps = array("q")
+        self._values = array("d")
+        self._in_order: tuple[Int64Array, Poses3] | None = None  #: made when first asked for
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def add(self, stamp_ns: int, pose: Pose7) -> None:
+        """Append one. Raises :class:`BadMessageError` for no place or no rotation, :class:`LimitError` for too many."""
+        norm = sum(q * q for q in pose[3:])
+        # Written so that nan fails, too.
+        if not (max(map(abs, pose[:3])) <= self._limits.max_pose and abs(norm - 1.0) < 0.1 and sum(pose) == sum(pose)):
+            raise BadMessageError
+        if len(self._stamps) >= self._limits.max_messages:
+            raise LimitError("log.too_many_poses", f"The log has more than {self._limits.max_messages} poses.")
+        self._in_order = None
+        self._stamps.append(stamp_ns)
+        self._values.extend(pose)
+
+    def _sorted(self) -> tuple[Int64Array, Poses3]:
+        if self._in_order is None:
+            self._in_order = self._put_in_order()
+        return self._in_order
+
+    def _put_in_order(self) -> tuple[Int64Array, Poses3]:
+        stamps = np.frombuffer(self._stamps, dtype=np.int64)
+        values = np.frombuffer(self._values).reshape(-1, 7)
+        if (np.diff(stamps) < 0).any():
+            order = np.argsort(stamps, kind="stable")
+            stamps, values = stamps[order], values[order]
+        return stamps, Poses3(values[:, :3], values[:, 3:] / np.linalg.norm(values[:, 3:], axis=1, keepdims=True))
+
+    def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        """Return which of the times (n,) lie between the first and the last of these, give or take 0.2 s."""
+        stamps, _ = self._sorted()
+        slack = 200_000_000
+        return np.asarray((stamps_ns >= stamps[0] - slack) & (stamps_ns <= stamps[-1] + slack))
+
+    def at(self, stamps_ns: Int64Array) -> Poses3:
+        """Return the poses at n times: linear in position, the short way round in rotation, nothing extrapolated."""
+        stamps, poses = self._sorted()
+        if len(stamps) == 1:
+            return poses
+        high = np.clip(np.searchsorted(stamps, stamps_ns, side="right"), 1, len(stamps) - 1)
+        low = high - 1
+        span = (stamps[high] - stamps[low]).astype(np.float64)
+        into = (stamps_ns - stamps[low]).astype(np.float64)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            w = np.where(span > 0.0, np.clip(into / span, 0.0, 1.0), 0.0)[:, None]
+        positions = poses.positions[low] + w * (poses.positions[high] - poses.positions[low])
+        return Poses3(positions, _slerp(poses.rotations[low], poses.rotations[high], w))
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is ever another pose than at first."""
+        _, poses = self._sorted()
+        dots = np.abs(np.sum(poses.rotations * poses.rotations[0], axis=1))
+        far = np.abs(poses.positions - poses.positions[0]).max() > _MOVED_M
+        return bool(far or (2.0 * np.arccos(np.minimum(dots, 1.0))).max() > _MOVED_RAD)
+
+
+def _slerp(a: Float64Array, b: Float64Array, w: Float64Array) -> Float64Array:
+    dot = np.sum(a * b, axis=1, keepdims=True)
+    b = np.where(dot < 0.0, -b, b)
+    angle = np.arccos(np.clip(np.abs(dot), 0.0, 1.0))
+    sin = np.sin(angle)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.where(sin > 1e-6, np.sin((1.0 - w) * angle) / sin, 1.0 - w)
+        right = np.where(sin > 1e-6, np.sin(w * angle) / sin, w)
+    mixed = left * a + right * b
+    return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))
+
+
+class FrameTree:
+    """Every transform that tf stated."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._parents: dict[str, dict[str, Timeline]] = {}  #: child → parent → T_parent_child
+
+    def add(self, one: StampedPose) -> None:
+        """Take one transform. Raises :class:`BadMessageError`, :class:`LimitError`."""
+        edges = self._parents.setdefault(one.child, {})
+        if one.frame not in edges:
+            if len(self._parents) + len(edges) > MAX_FRAMES:
+                raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_FRAMES} frames.")
+            edges[one.frame] = Timeline(self._limits)
+        edges[one.frame].add(one.stamp_ns, one.pose)
+
+    @property
+    def frames(self) -> int:
+        """How many frames have a parent."""
+        return len(self._parents)
+
+    def ancestors(self, frame: str) -> list[str]:
+        """Return ``frame``, its parent, and so on to the root; where several state to be the parent, the busiest is.
+
+        Raises :class:`LimitError` for a chain that no robot has.
+        """
+        chain = [frame]
+        while True:
+            parents = {parent: edge for parent, edge in self._parents.get(chain[-1], {}).items() if len(edge)}
+            parent = max(parents, key=lambda name: len(parents[name]), default=None)
+            if parent is None or parent in chain:
+                return chain
+            if len(chain) >= MAX_DEPTH:
+                raise LimitError(
+                    "log.too_many_frames", f"In the log's tf tree a chain has more than {MAX_DEPTH} frames."
+                )
+            chain.append(parent)
+
+    def edges(self, chain: list[str]) -> list[Timeline]:
+        """Return the timelines from each of ``chain`` to the next, its parent."""
+        return [self._parents[child][parent] for child, parent in pairwise(chain)]
+
+    def lookup(self, chain: list[str], stamps_ns: Int64Array) -> Poses3:
+        """Return where the first of ``chain`` was in the last, at n times (or once, where nothing on the way moves)."""
+        found = Poses3(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+        for edge in self.edges(chain):
+            found = edge.at(stamps_ns) @ found
+        return found
+
+    def covers(self, chain: list[str], stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        """Return whether all that moves along the chain is known at each time (n,)."""
+        covered = np.ones(len(stamps_ns), dtype=np.bool_)
+        for edge in self.edges(chain):
+            if edge.moves:
+                covered &= edge.covers(stamps_ns)
+        return covered
+
+    def base_of(self, chain: list[str], hints: set[str]) -> int:
+        """Return the index in ``chain``, which begins with a sensor's frame, of the robot's base.
+
+        That is the frame of one of the customary names; else one that an odometry message names (``hints``); else the
+        lowest frame that moves in its parent; else the sensor's frame itself.
+        """
+        last = [frame.rsplit("/", 1)[-1] for frame in chain]
+        for name in BASES:
+            if name in last:
+                return last.index(name)
+        for index, frame in enumerate(chain):
+            if frame in hints:
+                return index
+        for index, edge in enumerate(self.edges(chain)):
+            if edge.moves:
+                return index
+        return 0
+
+    def worlds(self, chain: list[str]) -> list[str]:
+        """Return the ancestors of ``chain``'s first frame in which it moves, or that are named as worlds are.
+
+        ``map`` comes first, then from the root down, at most :data:`MAX_WORLDS`.
+        """
+        found = []
+        moves = False
+        for frame, edge in zip(chain[1:], self.edges(chain), strict=True):
+            moves = moves or edge.moves
+            if moves or frame.rsplit("/", 1)[-1] in WORLDS:
+                found.append(frame)
+        found.reverse()
+        return sorted(found, key=lambda frame: frame.rsplit("/", 1)[-1] != "map")[:MAX_WORLDS]

@@ -1,0 +1,211 @@
+"""The yaml that describes a map's image, read with suspicion.
+
+Only plain scalars and lists count. What YAML 1.1 makes of a scalar is not trusted: ``1:30`` would be the number 90 and
+``010`` the number 8. Aliases are refused, since a few lines of them describe gigabytes.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any, get_args
+
+import yaml
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.maps.writing import FRAME_KEY, Mode
+
+MOST_LEVELS = 10  #: of lists and keys inside one another; a map's yaml has two
+TOO_DEEP = "it is nested too deeply"
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
+LONGEST_FRAME = 255  #: characters of a frame's name
+_BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
+
+
+@dataclass(frozen=True, slots=True)
+class MapDescription:
+    """What the yaml says: metres, radians; ``image`` is a path relative to the yaml's folder.
+
+    ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.io.maps.save_map` writes do.
+    """
+
+    image: str
+    resolution: float
+    origin: tuple[float, float, float]
+    negate: bool
+    occupied_thresh: float
+    free_thresh: float
+    mode: Mode
+    frame: str | None = None
+
+
+class _Loader(yaml.SafeLoader):
+    """Composes nodes without aliases, at most :data:`MOST_LEVELS` deep."""
+
+    _level = 0
+
+    def fetch_flow_collection_start(self, TokenClass: Any) -> None:  # noqa: ANN401, N803 - PyYAML's own
+        # The scanner reads 1024 characters ahead, in time quadratic in the brackets that are open there.
+        if self.flow_level >= MOST_LEVELS:
+            raise yaml.scanner.ScannerError(None, None, TOO_DEEP, self.get_mark())
+        super().fetch_flow_collection_start(TokenClass)
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
+        if self._level >= MOST_LEVELS:
+            raise yaml.composer.ComposerError(None, None, TOO_DEEP, self._mark())
+        self._level += 1
+        try:
+            return self._composed(parent, index)
+        finally:
+            self._level -= 1
+
+    def _composed(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
+        if self.check_event(yaml.events.AliasEvent):
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", self._mark())
+        return super().compose_node(parent, index)
+
+    def _mark(self) -> yaml.Mark:
+        event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
+        return event.start_mark  # type: ignore[no-any-return]
+
+
+def parse_description(data: bytes, limits: Limits) -> MapDescription:
+    """Return what a map's yaml says. Raises :class:`ReadError`, naming the key, and :class:`LimitError`."""
+    if len(data) > limits.max_yaml_bytes:
+        raise LimitError("map.yaml_too_large", f"The map's yaml is larger than {limits.max_yaml_bytes} bytes.")
+    nodes = _top_level(data)
+    missing = [
+        key for key in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh") if key not in nodes
+    ]
+    if missing:
+        raise ReadError("map.key_missing", f"The map's yaml lacks the key {missing[0]!r}.")
+    resolution = _number(nodes["resolution"], "resolution")
+    if resolution <= 0.0:
+        raise ReadError("map.resolution", f"The map's resolution must be positive, not {resolution:g} m.")
+    return MapDescription(
+        image=_image(nodes["image"]),
+        resolution=resolution,
+        origin=_origin(nodes["origin"], limits),
+        negate=_negate(nodes["negate"]),
+        **_thresholds(nodes),
+        mode=_mode(nodes.get("mode")),
+        frame=_frame(nodes.get(FRAME_KEY)),
+    )
+
+
+def _top_level(data: bytes) -> dict[str, yaml.Node]:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ReadError("map.yaml", f"The map's yaml is not UTF-8 text: byte {error.start} is wrong.") from error
+    try:
+        loader = _Loader(text)
+        try:
+            root = loader.get_single_node()
+        finally:
+            loader.dispose()
+    except yaml.MarkedYAMLError as error:
+        place = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise ReadError("map.yaml", f"The map's yaml is malformed{place}: {error.problem}.") from error
+    except yaml.YAMLError as error:
+        raise ReadError("map.yaml", "The map's yaml is malformed: it holds a character that YAML forbids.") from error
+    if not isinstance(root, yaml.MappingNode):
+        raise ReadError("map.yaml", "The map's yaml must be a list of keys with values, one on each line.")
+    nodes: dict[str, yaml.Node] = {}
+    for key, value in root.value:
+        name = key.value if isinstance(key, yaml.ScalarNode) else None
+        if name is None or name in nodes:
+            what = "has a key that is no word" if name is None else f"has the key {name!r:.40} twice"
+            raise ReadError("map.yaml", f"The map's yaml {what}, in line {key.start_mark.line + 1}.")
+        nodes[name] = value
+    return nodes
+
+
+def _scalar(node: yaml.Node, key: str) -> str:
+    if not isinstance(node, yaml.ScalarNode):
+        raise ReadError("map.value", f"The key {key!r} of the map's yaml needs one value.")
+    return str(node.value)
+
+
+def _number(node: yaml.Node, key: str) -> float:
+    text = _scalar(node, key)
+    value = float(text) if _NUMBER.match(text) else math.nan
+    if not math.isfinite(value):
+        raise ReadError("map.value", f"The key {key!r} of the map's yaml must be a finite number, not {text!r:.40}.")
+    return value
+
+
+def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
+    if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
+        raise ReadError("map.origin", "The key 'origin' of the map's yaml must be a list of three numbers: x, y, yaw.")
+    x, y, yaw = (_number(item, "origin") for item in node.value)
+    if max(abs(x), abs(y), abs(yaw)) > limits.max_pose:
+        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} lies beyond {limits.max_pose:g}.")
+    return (x, y, yaw)
+
+
+def _thresholds(nodes: dict[str, yaml.Node]) -> dict[str, float]:
+    occupied, free = (_number(nodes[key], key) for key in ("occupied_thresh", "free_thresh"))
+    if not 0.0 <= free < occupied <= 1.0:
+        raise ReadError(
+            "map.thresholds",
+            f"The map's thresholds must satisfy 0 ≤ free_thresh < occupied_thresh ≤ 1, not {free:g} and {occupied:g}.",
+        )
+    return {"occupied_thresh": occupied, "free_thresh": free}
+
+
+def _negate(node: yaml.Node) -> bool:
+    text = _scalar(node, "negate")
+    if text.lower() not in _BOOLEANS:
+        raise ReadError("map.value", f"The key 'negate' of the map's yaml must be 0 or 1, not {text!r:.40}.")
+    return _BOOLEANS[text.lower()]
+
+
+def _mode(node: yaml.Node | None) -> Mode:
+    text = "trinary" if node is None else _scalar(node, "mode")
+    for mode in get_args(Mode):
+        if text == mode:
+            return mode  # type: ignore[no-any-return] # get_args gives Any
+    raise ReadError("map.mode", f"The map's mode must be trinary, scale or raw, not {text!r:.40}.")
+
+
+def _frame(node: yaml.Node | None) -> str | None:
+    if node is None:
+        return None
+    name = _scalar(node, FRAME_KEY)
+    if not name or not name.isprintable() or len(name) > LONGEST_FRAME:
+        raise ReadError("map.frame", f"The key {FRAME_KEY!r} of the map's yaml must name a frame, not {name!r:.40}.")
+    return name
+
+
+def _image(node: yaml.Node) -> str:
+    name = _scalar(node, "image")
+    if not name or "\0" in name:
+        raise ReadError("map.image_name", f"The map's yaml names no image: {name!r:.40}.")
+    for kind in (PurePosixPath(name), PureWindowsPath(name)):
+        if kind.is_absolute() or kind.drive:
+            raise ReadError(
+                "map.image_outside", f"The map's yaml names an absolute path, {name!r:.80}; it must be beside the yaml."
+            )
+        if ".." in kind.parts:
+            raise ReadError("map.image_outside", f"The map's yaml names an image outside its own folder: {name!r:.80}.")
+    return name
+
+
+def image_path(yaml_path: Path, name: str) -> Path:
+    """Return the path of the image; follows links, and refuses one that leads out of the yaml's folder."""
+    folder = yaml_path.parent
+    path = folder / name
+    try:
+        inside = path.resolve().is_relative_to(folder.resolve())
+        found = path.is_file()
+    except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
+        raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
+    if not inside:
+        raise ReadError("map.image_outside", f"The map's image {name!r:.80} is a link that leaves the folder.")
+    if not found:
+        raise ReadError("map.image_missing", f"The map's yaml names the image {name!r:.80}, which does not exist.")
+    return path

@@ -1,0 +1,172 @@
+"""Read maps as nav2's map_server does.
+
+Source: nav2_map_server, map_io.cpp. With shade s of a pixel, 0 … 1, its occupancy is o = 1 − s, or s where the yaml
+says ``negate``; a cell's value is
+
+``trinary``  100 where o > occupied_thresh, 0 where o < free_thresh, else −1; an alpha channel counts as a fourth colour
+``scale``    −1 where not opaque, else 100 and 0 likewise, and between them stretched over 0 … 100
+``raw``      the grey 0 … 255 itself where it is at most 100, else −1
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.grid import FREE, OCCUPIED, UNKNOWN, GridGeometry, OccupancyGrid, log_odds
+from mapper.io.maps.description import MapDescription, image_path, parse_description
+from mapper.io.maps.pixels import GREY_UNKNOWN
+from mapper.io.maps.plain_images import open_plain_image
+
+#: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
+_READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
+    (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
+    (b"BM", BmpImagePlugin.BmpImageFile),
+)
+_T = TypeVar("_T", bound=np.generic)
+_PIXELS_PER_BYTE = 8 * 1032  #: of one bit each, in a PNG that zlib cannot compress further
+_ROWS = 256
+_SURE = 0.99  #: p_occ of a cell whose value is 100; certainty itself has no log-odds
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedMap:
+    """A map file: the grid, and what its yaml said.
+
+    ``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. In ``grid`` a value v is
+    p_occ = v/100, kept within 0.01 … 0.99, and −1 is a cell never observed.
+    """
+
+    grid: OccupancyGrid
+    values: NDArray[np.int8]
+    description: MapDescription
+    notes: tuple[str, ...] = ()
+
+
+def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> LoadedMap:
+    """Return the map that a yaml describes; its image is PGM, PNG or BMP in the same folder.
+
+    Raises :class:`ReadError`, naming the key or the image, and :class:`LimitError`, before anything large is decoded.
+    """
+    path = Path(yaml_path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(limits.max_yaml_bytes + 1)
+    except FileNotFoundError as error:
+        raise ReadError("map.missing", f"There is no file {path.name!r}.") from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ReadError("map.unreadable", f"The file {path.name!r} cannot be read: {reason}.") from error
+    description = parse_description(data, limits)
+    sums, n_channels, opaque = _shades(image_path(path, description.image), description, limits)
+    in_image_order = _values(sums, n_channels, opaque, description)
+    values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
+    rows, cols = values.shape
+    geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
+    grid = OccupancyGrid(geometry)
+    grid.observed = values != UNKNOWN
+    of_value = log_odds(np.clip(np.arange(101) / 100.0, 1.0 - _SURE, _SURE)).astype(np.float32)
+    _look_up(np.append(of_value, np.float32(0.0)), values, out=grid.log_odds)  # UNKNOWN, -1, is the last
+    return LoadedMap(grid, values, description, _notes(sums, n_channels, description))
+
+
+def _notes(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> tuple[str, ...]:
+    occupancy = 1.0 - GREY_UNKNOWN / 255.0
+    if description.mode != "trinary" or description.negate or n_channels != 1 or occupancy >= description.free_thresh:
+        return ()
+    if not np.any(sums == GREY_UNKNOWN):
+        return ()
+    note = (
+        f"Grey {GREY_UNKNOWN}, which map_saver writes for unknown, counts as free here, since free_thresh is "
+        f"{description.free_thresh:g}; 0.196 keeps it unknown."
+    )
+    return (note,)
+
+
+def _shades(
+    path: Path, description: MapDescription, limits: Limits
+) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None]:
+    """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which are opaque."""
+    named = f"The map's image {path.name!r}"
+    try:
+        size = path.stat().st_size
+        if size > limits.max_image_bytes:
+            raise LimitError("map.image_too_large", f"{named} has more than {limits.max_image_bytes} bytes.")
+        with path.open("rb") as file, _opened(file, named) as image:
+            width, height = image.size
+            if width * height > limits.max_cells or max(width, height) > limits.max_side:
+                raise LimitError(
+                    "map.image_too_large",
+                    f"{named} is larger than the limit of {limits.max_cells} cells, {limits.max_side} a side: "
+                    f"{width} × {height}.",
+                )
+            if width * height > _PIXELS_PER_BYTE * size:
+                raise ReadError(
+                    "map.image",
+                    f"{named} is damaged: it claims {width} × {height} pixels, which its {size} bytes cannot hold.",
+                )
+            return _channel_sums(image, description)
+    except (OSError, ValueError, SyntaxError, EOFError, IndexError, struct.error, zlib.error) as error:
+        raise ReadError("map.image", f"{named} is damaged: {error}.") from error
+
+
+def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:
+    head = file.read(8)
+    file.seek(0)
+    for magic, reader in _READERS:
+        if head.startswith(magic):
+            return reader(file)
+    if head.startswith(b"P"):
+        return open_plain_image(file, named)
+    raise ReadError("map.image", f"{named} is no PGM, PNG or BMP image.")
+
+
+def _channel_sums(
+    image: Image.Image, description: MapDescription
+) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None]:
+    if image.mode.startswith("I"):
+        return np.asarray(image).clip(0, 65535).astype(np.uint16), 0, None
+    if image.has_transparency_data:
+        pixels = np.asarray(image.convert("RGBA"))
+        n = 4 if description.mode == "trinary" else 3
+        return pixels[..., :n].sum(axis=-1, dtype=np.uint16), n, pixels[..., 3] == 255
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L")).astype(np.uint16), 1, None
+    return np.asarray(image.convert("RGB")).sum(axis=-1, dtype=np.uint16), 3, None
+
+
+def _values(
+    sums: NDArray[np.uint16], n_channels: int, opaque: NDArray[np.bool_] | None, description: MapDescription
+) -> NDArray[np.int8]:
+    """Return nav_msgs values (height, width) int8 in image order, by a table over all sums there can be."""
+    brightest = 255 * n_channels if n_channels else 65535
+    shade = np.arange(brightest + 1) / brightest
+    occupancy = shade if description.negate else 1.0 - shade
+    low, high = description.free_thresh, description.occupied_thresh
+    if description.mode == "raw":
+        grey = np.rint(shade * 255.0)
+        table = np.where(grey <= OCCUPIED, grey, UNKNOWN)
+    else:
+        between = np.rint((occupancy - low) / (high - low) * 100.0) if description.mode == "scale" else UNKNOWN
+        table = np.where(occupancy > high, OCCUPIED, np.where(occupancy < low, FREE, between))
+    values = _look_up(table.astype(np.int8), sums, out=np.empty(sums.shape, dtype=np.int8))
+    if description.mode == "scale" and opaque is not None:
+        values[~opaque] = UNKNOWN
+    return values
+
+
+def _look_up(table: NDArray[_T], index: NDArray[Any], out: NDArray[_T]) -> NDArray[_T]:
+    """Put ``table[index]`` into ``out``, a few rows at a time: NumPy makes eight bytes of each index on the way."""
+    for row in range(0, len(index), _ROWS):
+        out[row : row + _ROWS] = table[index[row : row + _ROWS]]
+    return out

@@ -1,0 +1,149 @@
+"""Write maps as nav2's map_saver does: an image and the yaml that describes it.
+
+Source: nav2_map_server, map_io.cpp. The modes:
+
+``trinary``  a PGM of three greys: 0 occupied, 254 free, 205 unknown
+``scale``    a PNG, grey (100 − v) % for a value v of 0 … 100, transparent where nothing was observed
+``raw``      a PGM whose grey is the value 0 … 100 itself, 255 where nothing was observed
+
+The three states are told apart at p_occ 0.65 and 0.25. A trinary yaml states 0.65 and 0.196 all the same, as
+map_saver's does: its reader takes grey 205 for an occupancy of (255 − 205) / 255 = 0.196, so that any higher
+``free_thresh`` would turn the unknown free. A scale yaml states 1 and 0, between which the reader stretches the greys.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from mapper.core.atomic_file import whole_file
+from mapper.core.errors import ConfigError
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid
+from mapper.io.maps.images import pgm_pieces, png_pieces
+from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, raw_pixels, scale_pixels, trinary_pixels
+
+Mode = Literal["trinary", "scale", "raw"]
+
+#: (occupied_thresh, free_thresh) that a yaml of each mode states, so that what is read is what was written
+STATED_THRESHOLDS: dict[Mode, tuple[float, float]] = {
+    "trinary": (OCCUPIED_THRESHOLD, 0.196),
+    "scale": (1.0, 0.0),
+    "raw": (OCCUPIED_THRESHOLD, FREE_THRESHOLD),
+}
+FRAME_KEY = "gridbloom_frame"  #: of the yaml, which by itself has no place for the map's frame
+_PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]*\Z")
+
+
+def pgm_bytes(
+    grid: OccupancyGrid,
+    occupied_threshold: float = OCCUPIED_THRESHOLD,
+    free_threshold: float = FREE_THRESHOLD,
+    mode: Mode = "trinary",
+) -> bytes:
+    """Return the map as a binary PGM, top row first, in mode ``trinary`` or ``raw``. Raises :class:`ConfigError`."""
+    if mode not in ("trinary", "raw"):
+        raise ConfigError(
+            "map.mode", f"A PGM holds a trinary or a raw map, not mode {mode!r}, which needs transparency."
+        )
+    return b"".join(image_pieces(grid, occupied_threshold, free_threshold, mode))
+
+
+def png_bytes(grid: OccupancyGrid) -> bytes:
+    """Return a picture of p_occ: white is surely free, black surely occupied, pale blue never observed. Top row first.
+
+    It is to be looked at, not to be read back.
+    """
+    return b"".join(png_pieces(grid.geometry.shape, probability_pixels(grid), PROBABILITY_PALETTE))
+
+
+def image_pieces(
+    grid: OccupancyGrid,
+    occupied_threshold: float = OCCUPIED_THRESHOLD,
+    free_threshold: float = FREE_THRESHOLD,
+    mode: Mode = "trinary",
+) -> Iterator[bytes]:
+    """Return the image of a map of ``mode`` in pieces, a band of rows at a time: a PGM, in mode scale a PNG."""
+    shape = grid.geometry.shape
+    if mode == "trinary":
+        return pgm_pieces(shape, trinary_pixels(grid, occupied_threshold, free_threshold))
+    if mode == "raw":
+        return pgm_pieces(shape, raw_pixels(grid, occupied_threshold, free_threshold))
+    return png_pieces(shape, scale_pixels(grid, occupied_threshold, free_threshold))
+
+
+def yaml_text(
+    geometry: GridGeometry,
+    image_name: str,
+    mode: Mode = "trinary",
+    *,
+    occupied_thresh: float | None = None,
+    free_thresh: float | None = None,
+    frame: str | None = None,
+) -> str:
+    """Return the yaml for an image beside it: resolution in m, origin as the pose (x, y, yaw) of the lower-left corner.
+
+    The thresholds are those to read the image with, not those it was made with: :data:`STATED_THRESHOLDS` unless given.
+    ``frame`` is the map's frame (None: not stated). It stands under a key of our own, :data:`FRAME_KEY`; map_server and
+    Nav2 read the keys that they know and ignore others.
+    """
+    stated = STATED_THRESHOLDS[mode]
+    occupied = stated[0] if occupied_thresh is None else occupied_thresh
+    free = stated[1] if free_thresh is None else free_thresh
+    origin = ", ".join(_number(value) for value in geometry.origin)
+    stated_frame = "" if frame is None else f"{FRAME_KEY}: {_word(frame)}\n"
+    return (
+        f"image: {_word(image_name)}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\n"
+        f"negate: 0\noccupied_thresh: {_number(occupied)}\nfree_thresh: {_number(free)}\n{stated_frame}"
+    )
+
+
+def _word(text: str) -> str:
+    return text if _PLAIN_NAME.match(text) else _quoted(text)
+
+
+def _quoted(text: str) -> str:
+    """Return a word in quotes, with escapes for what YAML forbids, and for what turns or breaks the line."""
+    quoted = json.dumps(text, ensure_ascii=False)
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
+
+
+def _number(value: float) -> str:
+    """Return a number as every YAML has it: for YAML 1.1 ``1e-05`` is a word, and ``1.0e-05`` the number."""
+    text = repr(float(value))
+    return text if "." in text else text.replace("e", ".0e")
+
+
+def save_map(
+    grid: OccupancyGrid,
+    prefix: str | os.PathLike[str],
+    mode: Mode = "trinary",
+    occupied_threshold: float = OCCUPIED_THRESHOLD,
+    free_threshold: float = FREE_THRESHOLD,
+    frame: str | None = None,
+) -> tuple[Path, Path]:
+    """Write ``prefix.yaml`` and its image, ``prefix.pgm`` (``prefix.png`` in mode scale); return both paths.
+
+    ``frame`` is the frame that the map is in, where it is known. Folders are made. Each file appears whole or not at
+    all, the image before the yaml. Raises :class:`ConfigError` where a file cannot be written.
+    """
+    base = Path(prefix)
+    if not base.name:
+        raise ConfigError("map.prefix", f"A map needs a file name, which {str(prefix)!r} lacks.")
+    image_path = base.with_name(base.name + (".png" if mode == "scale" else ".pgm"))
+    yaml_path = base.with_name(base.name + ".yaml")
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        for path, pieces in (
+            (image_path, image_pieces(grid, occupied_threshold, free_threshold, mode)),
+            (yaml_path, [yaml_text(grid.geometry, image_path.name, mode, frame=frame).encode()]),
+        ):
+            with whole_file(path) as file:
+                file.writelines(pieces)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ConfigError("map.unwritable", f"The map {base.name!r} cannot be written: {reason}.") from error
+    return yaml_path, image_path

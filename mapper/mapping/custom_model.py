@@ -1,0 +1,128 @@
+"""A scan put into a grid by a sensor model that is not one of the built-in ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.kernels.amanatides_woo import END_U, END_V, RAY_FIELDS, U, V, Z, plan_rays
+from mapper.mapping.kernels.beam_cells import add_increments, cells_of_lines, cells_of_rays
+from mapper.mapping.kernels.bresenham import FAR, LINE_FIELDS, plan_lines, reach
+from mapper.mapping.kernels.types import Sight
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.scan_batch import Sweep, check_beam_length
+from mapper.mapping.sensor_model import InverseSensorModel
+
+
+@dataclass(frozen=True, slots=True)
+class CrossedCells:
+    """The cells that beams cross, beam after beam, each array (m,).
+
+    ``cells`` int64 are row · cols + col; ``s`` metres from the sensor to the cell's centre, z for the one that holds
+    the endpoint; ``z`` metres the beam's reading, +inf for no return.
+    """
+
+    cells: NDArray[np.int64]
+    s: NDArray[np.float64]
+    z: NDArray[np.float64]
+
+
+def add_with_model(
+    grid: OccupancyGrid, sweep: Sweep, config: MappingConfig, model: InverseSensorModel
+) -> tuple[int, tuple[int, int, int, int], bool]:
+    """Add one scan by ``model``; the grid grows first where the scan reaches beyond it.
+
+    Return the number of cell updates, the box (row0, row1, col0, col1) that was touched, half-open and empty where
+    nothing was, and whether the grid grew. Raises :class:`ConfigError` for a model or a configuration that does not
+    fit, with the grid unchanged.
+    """
+    if config.update != "per_beam":
+        raise ConfigError("model.update", "A sensor model of your own updates per beam; set update to per_beam.")
+    if grid.tallies is not None:
+        raise ConfigError(
+            "model.tallies", "The grid keeps the counts of another model; start a new one for a model of your own."
+        )
+    behind = _checked_reach(model)
+    check_beam_length(sweep.range_max + behind, grid.geometry.resolution)
+    sight = (sweep.range_min, sweep.range_max, 2.0 * behind, 0.0, config.no_return == "free")
+    out = np.array([np.inf, np.inf, -np.inf, -np.inf])
+    reach(sweep.ranges, sweep.sensors, sweep.beams, sight, out)
+    # The model is evaluated on the grid as it will be, which changes only once the answer is known to be good.
+    geometry, _, _ = grid.geometry.grown_to_include(out[:2], out[2:])
+    crossed = crossed_cells(geometry, sweep, sight, config.traversal)
+    increments = _checked_increments(model, crossed, sweep.range_max)
+    grown = grid.grow_to_include(out[:2], out[2:])
+    low, high = (np.float32(limit) for limit in config.clamp_limits)
+    add_increments(grid.log_odds.reshape(-1), grid.observed.reshape(-1), crossed.cells, increments, low, high)
+    if not len(crossed.cells):
+        return 0, (0, 0, 0, 0), grown
+    rows, cols = np.divmod(crossed.cells, geometry.cols)
+    box = (int(rows.min()), int(rows.max()) + 1, int(cols.min()), int(cols.max()) + 1)
+    return len(crossed.cells), box, grown
+
+
+def crossed_cells(geometry: GridGeometry, sweep: Sweep, sight: Sight, traversal: str) -> CrossedCells:
+    """Return the cells that the beams of one scan cross up to their readings and half the window of ``sight`` more."""
+    n = sweep.ranges.size
+    work, box = np.zeros(geometry.rows + 1), np.zeros(4, dtype=np.int64)
+    beams = (sweep.ranges, sweep.sensors, sweep.beams, geometry.frame, sight, 0)
+    z = sweep.ranges[0].astype(np.float64)
+    z[z > sweep.range_max] = np.inf
+    if traversal == "amanatides_woo":
+        rays = np.empty((n, RAY_FIELDS))
+        plan_rays(*beams, rays, work, box)
+        spoken = rays[~np.isnan(rays[:, Z])]
+        most = int(np.abs(spoken[:, [END_U, END_V]] - spoken[:, [U, V]]).sum() + 4 * len(spoken))
+    else:
+        lines = np.empty((LINE_FIELDS, n), dtype=np.int32)
+        plan_lines(*beams, lines, work, box)
+        most = int(lines[FAR].sum(dtype=np.int64)) + n
+    cells, beam, s = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
+    if traversal == "amanatides_woo":
+        count = cells_of_rays(rays, geometry.resolution, geometry.shape, cells, beam, s)
+    else:
+        u, v = geometry.to_lattice(sweep.sensor_poses[0, :2]).tolist()
+        count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, s)
+    z, s = z[beam[:count]], s[:count]
+    if sight[2] == 0.0:
+        # Without a window a cell before the endpoint's lies before the reading, also where its centre does not.
+        ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
+        s = np.where(ends, s, np.minimum(s, np.nextafter(z, 0.0)))
+    return CrossedCells(cells[:count], s, z)
+
+
+def _checked_reach(model: InverseSensorModel) -> float:
+    value: object = model.reach
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (0.0 <= value < np.inf):
+        raise ConfigError(
+            "model.reach", f"The model's reach must be a finite number of metres, at least 0, not {value!r:.80}."
+        )
+    return float(value)
+
+
+def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_max: float) -> NDArray[np.float32]:
+    answer = model.increments(crossed.s, crossed.z, range_max)
+    try:
+        increments = np.asarray(answer, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigError("model.increments", f"The model's increments are no array of numbers: {error}.") from error
+    if increments.shape != crossed.s.shape:
+        raise ConfigError(
+            "model.increments",
+            f"The model's increments must have the shape of s, {crossed.s.shape}, not {increments.shape}.",
+        )
+    with np.errstate(over="ignore"):
+        rounded = increments.astype(np.float32)
+    bad = np.flatnonzero(~np.isfinite(rounded))
+    if len(bad):
+        first = bad[0]
+        raise ConfigError(
+            "model.increments",
+            f"The model's increments must be finite log-odds; at s = {crossed.s[first]:g} m of a reading "
+            f"z = {crossed.z[first]:g} m it says {increments[first]:g}.",
+        )
+    return rounded

@@ -1,0 +1,233 @@
+"""Put one scan, or a whole log, into a grid.
+
+The update is ``ℓ ← clamp(ℓ + inverse_sensor_model − ℓ₀)``, Thrun, Burgard & Fox, Probabilistic Robotics, tables 9.1 and
+9.2; :mod:`mapper.mapping.textbook` says the same in plain Python. Additions and clamps are done in float32, in the
+order of the log: scans one after another, and beams of a scan from the first to the last.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se2 import compose
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.custom_model import add_with_model
+from mapper.mapping.parameters import CONES, MappingConfig
+from mapper.mapping.scan_batch import Sweep
+from mapper.mapping.sensor_model import InverseSensorModel
+from mapper.sensors.scan import RangeScan, ScanLog, check_poses, cones
+
+_CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
+PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
+_FIRST_READINGS = 1 << 9  # of the first part: a wide cone touches ten thousands of cells
+
+
+@dataclass(frozen=True, slots=True)
+class CellBox:
+    """The cells [row0, row1) × [col0, col1)."""
+
+    row0: int
+    row1: int
+    col0: int
+    col1: int
+
+    def __or__(self, other: CellBox) -> CellBox:
+        """Return the smallest box that holds both."""
+        return CellBox(
+            min(self.row0, other.row0),
+            max(self.row1, other.row1),
+            min(self.col0, other.col0),
+            max(self.col1, other.col1),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What an update did: the cells it touched lie in ``box`` (None: it touched none).
+
+    ``geometry_changed`` says that rows and columns are counted from another origin than before or that the
+    resolution is another: every cell must be read anew. ``cells_updated`` counts the additions made.
+    """
+
+    box: CellBox | None
+    geometry_changed: bool
+    cells_updated: int
+
+
+def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
+    count, box = sweep.add_to(grid, config)
+    touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
+    return Change(touched, geometry_changed=False, cells_updated=count)
+
+
+def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
+    """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
+    poses = log.trajectory(trajectory).poses[start:stop]
+    return _sweep(log, log.ranges[start:stop], compose(poses, np.array(log.mount)), config)
+
+
+def _sweep(
+    sensor: RangeScan | ScanLog, ranges: NDArray[np.float32], poses: NDArray[np.float64], config: MappingConfig
+) -> Sweep:
+    turned_over = config.mount_upside_down
+    angles = -sensor.angles if turned_over else sensor.angles
+    if config.model in CONES and (config.model == "moravec_elfes" or config.update == "per_beam"):
+        fields = cones(angles, config.opening)
+    else:
+        widest = config.opening / 2.0 if config.model in CONES else np.pi / 4.0
+        fields = sensor.fields(widest, turned_over=turned_over)
+    range_max = min(sensor.range_max, config.range_max)
+    if config.no_return == "hit":
+        # The mistake: what nothing returned is read as the greatest range there is.
+        # NumPy compares a float32 with a Python float as two float32, hence the float().
+        greatest = np.float32(range_max)
+        if float(greatest) > range_max:
+            greatest = np.nextafter(greatest, np.float32(0.0))
+        ranges = np.where(ranges > greatest, greatest, ranges)
+    return Sweep(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
+
+
+def geometry_for(
+    log: ScanLog, config: MappingConfig, trajectory: str | None = None, limits: Limits = DEFAULT_LIMITS
+) -> GridGeometry:
+    """Return the geometry that holds all that ``log`` sees with ``config``, at ``config.resolution`` metres a cell.
+
+    It is axis-aligned, of whole tiles, and the same for every part of a log that reaches equally far. Raises
+    :class:`mapper.core.errors.LimitError` where that is more cells than ``limits`` allow, and
+    :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks or a log without scans.
+    """
+    if log.n_scans == 0:
+        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+    low, high = sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+    # A cell to spare on each side: an endpoint on the border itself must not be rounded out of the grid.
+    return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
+
+
+def grid_for(
+    log: ScanLog,
+    config: MappingConfig,
+    trajectory: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    prior: OccupancyGrid | None = None,
+) -> OccupancyGrid:
+    """Return an empty grid that holds all that ``log`` sees with ``config``.
+
+    With ``prior``, a map in the same frame, it goes on from what that map believes, on its lattice (its origin and
+    yaw), grown where the log sees more. Raises as :func:`geometry_for` does, and
+    :class:`mapper.core.errors.ConfigError` for a map of another resolution than ``config.resolution``.
+    """
+    if prior is None:
+        return OccupancyGrid(geometry_for(log, config, trajectory, limits), config.log_odds_prior)
+    check_resolution(prior, config)
+    if log.n_scans == 0:
+        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+    grid = prior.as_prior(config.log_odds_prior)
+    grid.grow_to_include(*sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
+    return grid
+
+
+def check_resolution(prior: OccupancyGrid, config: MappingConfig) -> None:
+    """Raise :class:`mapper.core.errors.ConfigError` for a prior map of another resolution than
+    ``config.resolution``.
+    """
+    resolution = prior.geometry.resolution
+    if abs(resolution - config.resolution) > 1e-6 * resolution:
+        raise ConfigError(
+            "grid.resolution",
+            f"The prior map has cells of {resolution:g} m and the map to be made of {config.resolution:g} m; "
+            "they must be the same.",
+        )
+
+
+def integrate_scan(
+    grid: OccupancyGrid,
+    scan: RangeScan,
+    sensor_pose: ArrayLike,
+    config: MappingConfig,
+    model: InverseSensorModel | None = None,
+) -> Change:
+    """Add one scan to the grid, which grows first where the robot sees beyond its border.
+
+    ``sensor_pose`` (3,) is ``T_map_laser`` as the robot states it; ``config.mount`` is composed onto it here. With
+    ``model`` the evidence is that model's instead of the one that ``config.model`` names; traversal, ranges, treatment
+    of no return and clamp remain those of ``config``. Growth moves nothing that is there. Raises
+    :class:`mapper.core.errors.ConfigError` for a pose that is not finite or too far out or a model that returns
+    anything but finite increments of the right shape, and :class:`mapper.core.errors.LimitError` for a grid that would
+    grow too large; the grid is then unchanged.
+    """
+    pose = np.asarray(sensor_pose, dtype=np.float64)
+    check_poses(pose, (3,), grid.geometry.limits)
+    sweep = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
+    if model is not None:
+        count, box, grown = add_with_model(grid, sweep, config, model)
+        return Change(CellBox(*box) if count else None, grown, count)
+    grown = grid.grow_to_include(*sweep.bounds(config))
+    change = _add(grid, sweep, config)
+    return Change(change.box, grown, change.cells_updated)
+
+
+def integrate_scans(
+    grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
+) -> Change:
+    """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
+    return _add(grid, sweep_of_log(log, config, trajectory, start, stop), config)
+
+
+def integrate_parts(
+    grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
+) -> Iterator[tuple[int, Change]]:
+    """Add the scans [start, stop) of a log in parts of about :data:`PART_S`.
+
+    Yield after each part how many scans of the log are in the map, and what the part changed.
+
+    The map is the same as that of :func:`integrate_scans`, bit for bit.
+    """
+    count = max(1, _FIRST_READINGS // max(1, log.n_beams))
+    while start < stop:
+        last = min(start + count, stop)
+        began = time.thread_time()
+        change = integrate_scans(grid, log, config, trajectory, start, last)
+        count = scans_at_once(last - start, time.thread_time() - began)
+        start = last
+        yield start, change
+
+
+def scans_at_once(scans: int, seconds: float) -> int:
+    """Return how many scans take about :data:`PART_S` where the last ``scans`` took ``seconds``."""
+    return max(1, min(4 * scans, int(scans * PART_S / max(seconds, 1e-6))))
+
+
+def integrate_log(
+    grid: OccupancyGrid,
+    log: ScanLog,
+    config: MappingConfig,
+    trajectory: str | None = None,
+    start: int = 0,
+    stop: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Add the scans [start, stop) of ``log`` to ``grid``; return the number of cell updates.
+
+    The grid stays as large as it is (:func:`geometry_for` makes one that holds all) and what falls outside is
+    clipped. ``progress(done, total)`` is called now and then with scans. Raises
+    :class:`mapper.core.errors.ConfigError` for scans that the log does not have.
+    """
+    stop = log.n_scans if stop is None else stop
+    if not 0 <= start <= stop <= log.n_scans:
+        raise ConfigError("log.scans", f"The log has no scans {start} to {stop}; it has {log.n_scans}.")
+    if progress is None:
+        return integrate_scans(grid, log, config, trajectory, start, stop).cells_updated
+    count = 0
+    step = max(1, _CHUNK_READINGS // max(1, log.n_beams))
+    for first in range(start, stop, step):
+        last = min(first + step, stop)
+        count += integrate_scans(grid, log, config, trajectory, first, last).cells_updated
+        progress(last - start, stop - start)
+    return count

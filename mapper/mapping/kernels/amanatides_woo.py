@@ -1,0 +1,156 @@
+"""The per-beam update along exact rays: every cell that the segment from the sensor to the reading crosses.
+
+Numba twin of :func:`mapper.mapping.textbook.update_per_beam` with Amanatides and Woo's traversal, in the two passes of
+:mod:`mapper.mapping.kernels.bresenham`. A ray has one cell more for each border that it crosses, so it is walked, not
+entered.
+"""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan, sqrt
+
+import numpy as np
+
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
+from mapper.core.jit import jit
+from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.mapping.kernels.negative_zero import _without_minus_zero
+from mapper.mapping.kernels.smooth_ramp import _ramp
+from mapper.mapping.kernels.types import Evidence, Frame, Rule, Sight
+
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
+
+#: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
+#: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that says nothing, NaN.
+U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
+RAY_FIELDS = 8
+
+
+@jit
+def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
+              first: int, rays: Float64Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
+    """Write the ray of each beam, scan after scan.
+
+    As :func:`mapper.mapping.kernels.bresenham.plan_lines`, but the rows from ``first`` of ``rays`` (n, 8) float64 are
+    written.
+    """
+    range_min, range_max, window, growth, no_return_free = sight
+    rows = len(work) - 1
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    for t in range(ranges.shape[0]):
+        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
+        u, v = _to_lattice(x, y, *frame)
+        for k in range(ranges.shape[1]):
+            ray = rays[first + t * ranges.shape[1] + k]
+            ray[Z] = nan
+            z = float(ranges[t, k])
+            no_return = z > range_max
+            if no_return:
+                if not no_return_free:
+                    continue
+                z = range_max
+            elif not z >= range_min:  # too near, NaN or −Inf
+                continue
+            half = 0.5 * (window + growth * z)
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            end_u, end_v = hit_u, hit_v
+            if half > 0.0 and not no_return:
+                px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
+                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
+            ray[Z], ray[HALF] = inf if no_return else z, half
+            row, end_row = int(_cell_of(v)), int(_cell_of(end_v))
+            low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
+            if low <= high:
+                cells = (abs(end_u - u) + abs(end_v - v) + 1.0) / (abs(end_row - row) + 1.0)
+                work[low] += cells
+                work[high + 1] -= cells
+            col, end_col = int(_cell_of(u)), int(_cell_of(end_u))
+            top, bottom = min(top, row, end_row), max(bottom, row + 1, end_row + 1)
+            left, right = min(left, col, end_col), max(right, col + 1, end_col + 1)
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
+
+
+@jit
+def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float,
+              smooth: bool, evidence: Evidence, rule: Rule, row_low: int, row_high: int, box: Int64Array,
+              mark: bool) -> int:  # fmt: skip
+    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
+    cell. With
+    ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
+    """
+    miss, hit, low, high = _without_minus_zero(rule)
+    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    count = 0
+    for j in range(rays.shape[0]):
+        ray = rays[j]
+        if isnan(ray[Z]):
+            continue
+        u, v, d_u, d_v, z, half = ray[U], ray[V], ray[END_U] - ray[U], ray[END_V] - ray[V], ray[Z], ray[HALF]
+        row, col = int(_cell_of(v)), int(_cell_of(u))
+        end_row, end_col = int(_cell_of(ray[END_V])), int(_cell_of(ray[END_U]))
+        hit_row, hit_col = int(_cell_of(ray[HIT_V])), int(_cell_of(ray[HIT_U]))
+        s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+        ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
+        t_row = (row + ahead_row - v) / d_v if row != end_row else inf
+        t_col = (col + ahead_col - u) / d_u if col != end_col else inf
+        inside = max(row, end_row) >= row_low and min(row, end_row) < row_high
+        while inside:
+            if row_low <= row < row_high and 0 <= col < cols and (z == inf or row != hit_row or col != hit_col):
+                increment = miss
+                counts = True
+                if half > 0.0 and z < inf:
+                    c_u, c_v = col + 0.5 - u, row + 0.5 - v
+                    s = sqrt(c_u * c_u + c_v * c_v) * resolution
+                    if s >= z - half:
+                        increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]) + 0.0) if smooth else hit
+                        counts = s <= z + half
+                if counts:
+                    cell = row * cols + col
+                    log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
+                    if mark:
+                        observed[cell] = True
+                    top, bottom = min(top, row), max(bottom, row + 1)
+                    left, right = min(left, col), max(right, col + 1)
+                    count += 1
+            if row == end_row and col == end_col:
+                break
+            if t_col < t_row:
+                col += s_col
+                t_col = (col + ahead_col - u) / d_u if col != end_col else inf
+            else:
+                row += s_row
+                t_row = (row + ahead_row - v) / d_v if row != end_row else inf
+        if z < inf and row_low <= hit_row < row_high and 0 <= hit_col < cols:
+            cell = hit_row * cols + hit_col
+            log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
+            if mark:
+                observed[cell] = True
+            top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
+            left, right = min(left, hit_col), max(right, hit_col + 1)
+            count += 1
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
+    return count
+
+
+@jit
+def _crosses(u: float, v: float, end_u: float, end_v: float, at_row: int, at_col: int) -> bool:
+    """Return whether the traversal from (u, v) to (end_u, end_v), lattice coordinates, visits a cell."""
+    d_u, d_v = end_u - u, end_v - v
+    row, col, end_row, end_col = int(_cell_of(v)), int(_cell_of(u)), int(_cell_of(end_v)), int(_cell_of(end_u))
+    if not (min(row, end_row) <= at_row <= max(row, end_row) and min(col, end_col) <= at_col <= max(col, end_col)):
+        return False
+    s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+    ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
+    # It enters the row before it leaves the column, and the column before it leaves the row. At an equal t the row's
+    # border is crossed first.
+    enter_row = (at_row - s_row + ahead_row - v) / d_v if at_row != row else -inf
+    leave_row = (at_row + ahead_row - v) / d_v if at_row != end_row else inf
+    enter_col = (at_col - s_col + ahead_col - u) / d_u if at_col != col else -inf
+    leave_col = (at_col + ahead_col - u) / d_u if at_col != end_col else inf
+    return enter_row <= leave_col and enter_col < leave_row

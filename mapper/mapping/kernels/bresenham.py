@@ -1,0 +1,281 @@
+"""The per-beam update: Bresenham's line from the sensor's cell to the reading's, for whole batches of scans.
+
+Numba twin of :func:`mapper.mapping.textbook.update_per_beam`, in two passes. :func:`plan_lines` says for each beam
+which line it is and which of its cells are passed and which are hit. :func:`draw_lines` adds the evidence, in the order
+of the beams, to a band of the grid's rows: threads that draw one band each never meet and give together, bit for bit,
+what one gives.
+
+A line's cells are not stepped through with an error term but computed: after i steps along the major axis Bresenham's
+1965 rule has made ``(2·i·minor + major) // (2·major)`` steps along the minor one, so a line can be entered anywhere.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy import uint64
+
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
+from mapper.core.jit import jit
+from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.mapping.kernels.negative_zero import _without_minus_zero
+from mapper.mapping.kernels.types import Frame, Rule, Sight
+
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
+
+#: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
+#: first cells that are passed or hit (``far``; 0: none, the beam says nothing), the step at which it visits the
+#: endpoint's cell (−1: never), that cell (−1, −1: none is hit).
+ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL = range(9)
+LINE_FIELDS = 9
+
+# Steps along the minor axis in fixed point: with 40 bits of fraction the rounding error of the slope, multiplied by the
+# number of steps, stays below half of 1 / major, the least that tells two of Bresenham's decisions apart.
+_BITS = 40
+_HALF = 1 << (_BITS - 1)
+MAX_STEPS = 1 << 19  #: the longest line, in cells, for which that holds
+_FAR_OUT = 1 << 30  # cells: no line from beyond comes near a grid, and all others fit int32
+
+
+@jit
+def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int, limit: float, resolution: float,
+             inclusive: bool) -> int:  # fmt: skip
+    """Return how many cells at the start of a line have their centre nearer to (u, v) than ``limit`` metres.
+
+    Along a line that starts in the cell of (u, v) the distance never falls: from a guess the border is walked to.
+    """
+    d_row, d_col = abs(end_row - row), abs(end_col - col)
+    s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+    steep = d_row > d_col
+    major, minor = (d_row, d_col) if steep else (d_col, d_row)
+    twice = max(2 * major, 1)
+    guess = limit / resolution * major / max(sqrt(float(major * major + minor * minor)), 1.0)
+    i = int(min(max(guess, 0.0), float(major)))
+    falling = False
+    while 0 <= i <= major:
+        n = (2 * i * minor + major) // twice
+        d_v = row + s_row * (i if steep else n) + 0.5 - v
+        d_u = col + s_col * (n if steep else i) + 0.5 - u
+        s = sqrt(d_u * d_u + d_v * d_v) * resolution
+        if s < limit or (inclusive and s == limit):
+            if falling:
+                return i + 1
+            i += 1
+        elif i == 0:
+            return 0
+        else:
+            falling = True
+            i -= 1
+            # A step back that is near enough ends the walk; one forward that is not does so at the next turn.
+    return i
+
+
+@jit
+def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col: int) -> int:
+    """Return the step at which a line visits a cell, or −1."""
+    d_row, d_col = abs(end_row - row), abs(end_col - col)
+    s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+    steep = d_row > d_col
+    major, minor = (d_row, d_col) if steep else (d_col, d_row)
+    i = s_row * (at_row - row) if steep else s_col * (at_col - col)
+    n = s_col * (at_col - col) if steep else s_row * (at_row - row)
+    if 0 <= i <= major and (2 * i * minor + major) // max(2 * major, 1) == n:
+        return i
+    return -1
+
+
+@jit
+def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
+               first: int, lines: Int32Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
+    """Write the line of each beam, scan after scan.
+
+    ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
+    ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``sight``: see
+    :mod:`mapper.mapping.kernels.types`. The columns [first, first + n_scans · n_beams) of ``lines`` (9, n) int32 are
+    written; to ``work`` (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added; ``box``
+    (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold the lines, also where they leave the grid.
+    """
+    range_min, range_max, window, growth, no_return_free = sight
+    resolution = frame[4]
+    rows = len(work) - 1
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    for t in range(ranges.shape[0]):
+        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
+        u, v = _to_lattice(x, y, *frame)
+        row, col = int(_cell_of(v)), int(_cell_of(u))
+        too_far = max(abs(row), abs(col)) > _FAR_OUT
+        for k in range(ranges.shape[1]):
+            j = first + t * ranges.shape[1] + k
+            lines[FAR, j], lines[HIT_ROW, j], lines[HIT_COL, j] = 0, -1, -1
+            lines[ROW, j], lines[END_ROW, j] = -1, -1
+            z = float(ranges[t, k])
+            no_return = z > range_max
+            if no_return:
+                if not no_return_free:
+                    continue
+                z = range_max
+            elif not z >= range_min:  # too near, NaN or −Inf
+                continue
+            if too_far:
+                continue
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
+            end_row, end_col = hit_row, hit_col
+            steps = max(abs(hit_row - row), abs(hit_col - col))
+            near, far, at = steps, steps, steps
+            if no_return:
+                near, far, at, hit_row, hit_col = steps + 1, steps + 1, -1, -1, -1
+            elif window > 0.0:
+                half = 0.5 * (window + growth * z)
+                px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
+                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
+                near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
+                far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)
+                at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
+            lines[ROW, j], lines[COL, j], lines[END_ROW, j], lines[END_COL, j] = row, col, end_row, end_col
+            lines[NEAR, j], lines[FAR, j], lines[AT, j] = near, far, at
+            lines[HIT_ROW, j], lines[HIT_COL, j] = hit_row, hit_col
+            low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
+            if low <= high:
+                cells = (steps + 1.0) / (abs(end_row - row) + 1.0)
+                work[low] += cells
+                work[high + 1] -= cells
+            top, bottom = min(top, row, end_row), max(bottom, row + 1, end_row + 1)
+            left, right = min(left, col, end_col), max(right, col + 1, end_col + 1)
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
+
+
+@jit
+def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, along_major: bool, first: int,
+          stop: int) -> tuple[int, int]:  # fmt: skip
+    """Narrow the steps [first, stop) of a line to those whose coordinate on one axis lies in [low, high)."""
+    # The coordinate is start + step · n, so n must lie in [least, most].
+    least, most = (low - start, high - 1 - start) if step > 0 else (start - high + 1, start - low)
+    if along_major:
+        return max(first, least), min(stop, most + 1)
+    if minor == 0:
+        return (first, stop) if least <= 0 <= most else (first, first)
+    # n = (2·i·minor + major) // (2·major)  ≥ least   ⇔   i ≥ ⌈(2·least − 1)·major / (2·minor)⌉
+    first = max(first, -((-(2 * least - 1) * major) // (2 * minor)))
+    stop = min(stop, -((-(2 * most + 1) * major) // (2 * minor)))
+    return first, stop
+
+
+@jit
+def _part(part: int, first: int, stop: int, near: int, at: int) -> tuple[int, int]:
+    """Return the steps of a part of a line: two that are passed, before and after the endpoint's cell, and two hit."""
+    if part == 0:
+        return first, min(near, at, stop)
+    if part == 1:
+        return max(first, min(at + 1, stop)), min(near, stop)
+    if part == 2:
+        return max(first, near), min(at, stop)
+    return max(first, near, at + 1), stop
+
+
+@jit
+def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
+    """Return which of the lines have a cell in the rows [row_low, row_high), without a branch that is hard to guess."""
+    chosen = np.empty(lines.shape[1], dtype=np.int64)
+    count = 0
+    for j in range(lines.shape[1]):
+        row, end_row, hit_row = lines[ROW, j], lines[END_ROW, j], lines[HIT_ROW, j]
+        chosen[count] = j
+        passes = (max(row, end_row) >= row_low) & (min(row, end_row) < row_high)
+        hits = (hit_row >= row_low) & (hit_row < row_high)
+        count += 1 if passes | hits else 0
+    return chosen[:count]
+
+
+@jit
+def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, rule: Rule, row_low: int,
+               row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+    """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``observed`` is
+    written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,) int64 (row0, row1, col0,
+    col1), half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.mapping.kernels.types`.
+    """
+    miss, hit, low, high = _without_minus_zero(rule)
+    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    count = 0
+    chosen = _crossing(lines, row_low, row_high)
+    for number in range(len(chosen)):
+        j = chosen[number]
+        row, col = int(lines[ROW, j]), int(lines[COL, j])
+        end_row, end_col = int(lines[END_ROW, j]), int(lines[END_COL, j])
+        d_row, d_col = abs(end_row - row), abs(end_col - col)
+        s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+        steep = d_row > d_col
+        major, minor = (d_row, d_col) if steep else (d_col, d_row)
+        first, stop = 0, min(int(lines[FAR, j]), major + 1)
+        low_row, high_row = min(row, end_row), max(row, end_row)
+        if low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
+            first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, first, stop)
+            first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
+        if first < stop:
+            base = row * cols + col
+            along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
+            slope = ((minor << _BITS) + major - 1) // max(major, 1)  # rounded up
+            near, at = int(lines[NEAR, j]), int(lines[AT, j])
+            if at < first or at >= stop:  # the endpoint's cell, which comes last, is left out
+                at = stop
+            # One loop for all parts, and of those mostly the first alone, is what keeps a short line cheap.
+            for part in range(1 if min(near, at) >= stop else 4):
+                begin, end = _part(part, first, stop, near, at)
+                increment = miss if part < 2 else hit
+                position = _HALF + begin * slope
+                for i in range(begin, end):
+                    cell = uint64(base + i * along + (position >> _BITS) * across)
+                    position += slope
+                    log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
+                    if mark:
+                        observed[cell] = True
+                count += max(end - begin, 0)
+            n0, n1 = (_HALF + first * slope) >> _BITS, (_HALF + (stop - 1) * slope) >> _BITS
+            r0, r1 = row + s_row * (first if steep else n0), row + s_row * (stop - 1 if steep else n1)
+            c0, c1 = col + s_col * (n0 if steep else first), col + s_col * (n1 if steep else stop - 1)
+            top, bottom = min(top, r0, r1), max(bottom, r0 + 1, r1 + 1)
+            left, right = min(left, c0, c1), max(right, c0 + 1, c1 + 1)
+        r, c = int(lines[HIT_ROW, j]), int(lines[HIT_COL, j])
+        if row_low <= r < row_high and 0 <= c < cols:
+            cell = uint64(r * cols + c)
+            log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
+            if mark:
+                observed[cell] = True
+            top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
+            count += 1
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
+    return count
+
+
+@jit
+def reach(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, sight: Sight, bounds: Float64Array) -> None:
+    """Widen ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to hold the sensors and what they see.
+
+    The other arguments are those of :func:`plan_lines`.
+    """
+    range_min, range_max, window, growth, no_return_free = sight
+    for t in range(ranges.shape[0]):
+        x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
+        bounds[0], bounds[1] = min(bounds[0], x), min(bounds[1], y)
+        bounds[2], bounds[3] = max(bounds[2], x), max(bounds[3], y)
+        for k in range(ranges.shape[1]):
+            z = float(ranges[t, k])
+            if z > range_max:
+                if not no_return_free:
+                    continue
+                z = range_max
+            elif not z >= range_min:
+                continue
+            else:
+                z += 0.5 * (window + growth * z)
+            px, py = z * beams[k, 0], z * beams[k, 1]
+            end_x, end_y = x + cos * px - sin * py, y + sin * px + cos * py
+            bounds[0], bounds[1] = min(bounds[0], end_x), min(bounds[1], end_y)
+            bounds[2], bounds[3] = max(bounds[2], end_x), max(bounds[3], end_y)

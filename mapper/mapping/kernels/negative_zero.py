@@ -1,0 +1,63 @@
+"""Which cells were touched, told by the sign of their zero instead of a second write for each update.
+
+A cell that nobody has seen holds the prior. Where the prior is 0, it is veiled as −0: adding evidence to −0 gives the
+same as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only where both
+are). So what still is −0 in the end was not touched. That saves the write to ``observed``, whose cache lines cost more
+than the addition itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.core.array_types import BoolArray, Float32Array, Int64Array
+from mapper.core.jit import jit
+from mapper.mapping.kernels.types import Rule
+
+_VEILED = np.int32(-(1 << 31))  # the bits of −0
+
+
+@jit
+def veil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> bool:
+    """Turn the cells of ``box`` (row0, row1, col0, col1) that were never observed to −0; return whether all could be.
+
+    ``log_odds`` (rows, cols) float32; ``observed`` (rows, cols) bool. Where one of them holds another value than 0,
+    nothing is veiled.
+    """
+    for r in range(box[0], box[1]):
+        cells, seen = log_odds[r, box[2] : box[3]], observed[r, box[2] : box[3]]
+        strange = 0
+        for c in range(len(cells)):
+            strange |= (not seen[c]) & (cells[c] != np.float32(0.0))
+        if strange:
+            return False
+    for r in range(box[0], box[1]):
+        cells, seen = log_odds[r, box[2] : box[3]], observed[r, box[2] : box[3]]
+        for c in range(len(cells)):
+            cells[c] = cells[c] if seen[c] else np.float32(-0.0)
+    return True
+
+
+@jit
+def unveil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None:
+    """Turn the veiled cells of ``box`` back to +0 and note all others as observed."""
+    for r in range(box[0], box[1]):
+        bits, noted = log_odds[r, box[2] : box[3]].view(np.int32), observed[r, box[2] : box[3]]
+        for c in range(len(bits)):
+            seen = bits[c] != _VEILED
+            noted[c] = noted[c] | seen
+            bits[c] = bits[c] if seen else np.int32(0)
+
+
+@jit
+def _without_minus_zero(rule: Rule) -> Rule:
+    """Return the rule with +0 for each −0 in it: evidence of −0 would leave a veiled cell veiled."""
+    miss, hit, low, high = rule
+    return _unsigned_zero(miss), _unsigned_zero(hit), _unsigned_zero(low), _unsigned_zero(high)
+
+
+@jit
+def _unsigned_zero(value: np.float32) -> np.float32:
+    # Not as value + 0: compilers drop that sum where the clamp compares and keep it where it chooses, and then can use
+    # no instruction that does both, which makes a whole map a fifth slower.
+    return np.float32(0.0) if value == np.float32(0.0) else value

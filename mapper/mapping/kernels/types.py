@@ -1,0 +1,27 @@
+"""What the kernels take: array types, and the tuples that keep arguments that belong together together."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+BoolArray = NDArray[np.bool_]
+Int8Array = NDArray[np.int8]
+UInt8Array = NDArray[np.uint8]
+UInt32Array = NDArray[np.uint32]
+Int32Array = NDArray[np.int32]
+Int64Array = NDArray[np.int64]
+Float32Array = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+
+#: Where the lattice lies: origin x, y (m), cosine and sine of its yaw, resolution (m): ``GridGeometry.frame``.
+Frame = tuple[float, float, float, float, float]
+#: Which readings count and how: range_min, range_max, width of the hit window at no distance (m), how much wider it is
+#: for each metre of range (m/m), whether no return says "free".
+Sight = tuple[float, float, float, float, bool]
+#: What they say, log-odds: miss, hit, lower and upper clamp.
+Rule = tuple[np.float32, np.float32, np.float32, np.float32]
+#: The same unrounded, for models whose evidence differs from cell to cell: miss, hit.
+Evidence = tuple[float, float]
+#: A cone: its profile (see :mod:`mapper.mapping.kernels.cones`) and its opening angle (rad).
+Cone = tuple[int, float]

@@ -1,0 +1,283 @@
+"""The one table of mapping parameters: the command line, the server, viser's panel and the pages all read it.
+
+Each row names the parameter, its unit, its first value, its bounds, the step of its slider and one sentence.
+:class:`MappingConfig` holds one value for each row and validates itself against the table.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from mapper.core.errors import ConfigError
+from mapper.grid import probability
+from mapper.mapping.sensor_model import (
+    BeamModel,
+    FixedIncrements,
+    HitCounting,
+    MoravecElfes,
+    SmoothRamp,
+    SonarCone,
+    StepWindow,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One row: ``kind`` says which of the other fields count.
+
+    ``number`` has low ≤ value ≤ high in ``unit`` and a slider ``step``; ``choice`` is one of ``choices``; ``flag``
+    is true or false. ``group`` is the panel that shows it; ``only_for`` names the models (values of ``model``) that
+    it concerns, empty for all.
+    """
+
+    name: str
+    label: str
+    group: Literal["model", "update", "map", "mount", "sensor"]
+    kind: Literal["number", "choice", "flag"]
+    initial: float | str | bool
+    sentence: str
+    unit: str = ""
+    low: float = 0.0
+    high: float = 0.0
+    step: float = 0.0
+    choices: tuple[str, ...] = ()
+    only_for: tuple[str, ...] = ()
+
+    def check(self, value: object) -> float | str | bool:
+        """Return ``value`` as the row's type; raise :class:`ConfigError` that names the row for one it refuses."""
+        if self.kind == "flag":
+            if isinstance(value, bool):
+                return value
+            raise self._refused(value, "true or false")
+        if self.kind == "choice":
+            if isinstance(value, str) and value in self.choices:
+                return value
+            raise self._refused(value, "one of " + ", ".join(self.choices))
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
+            raise self._refused(value, "a finite number")
+        if not self.low <= value <= self.high:
+            raise self._refused(value, f"between {self.low:g} and {self.high:g} {self.unit}".rstrip())
+        return float(value)
+
+    def _refused(self, value: object, wanted: str) -> ConfigError:
+        return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
+
+
+MODELS = ("fixed_increments", "step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting")
+CONES = ("sonar_cone", "moravec_elfes")  #: models of a beam that is wide, whatever cells its axis crosses
+_STEPPED = tuple(model for model in MODELS if model != "smooth_ramp")
+_THIN = tuple(model for model in MODELS if model not in CONES)
+
+PARAMETERS: tuple[Parameter, ...] = (
+    Parameter(
+        "model", "Inverse sensor model", "model", "choice", "fixed_increments",
+        "How a reading becomes evidence: along a thin beam, all over a sonar's cone, or by counting hits and visits.",
+        choices=MODELS,
+    ),
+    Parameter(
+        "range_max", "Max range", "model", "number", 30.0,
+        "A reading beyond this distance counts as no return.",
+        unit="m", low=0.5, high=100.0, step=0.1,
+    ),
+    Parameter(
+        "window", "Hit window", "model", "number", 0.0,
+        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
+        unit="m", low=0.0, high=2.0, step=0.05, only_for=_STEPPED,
+    ),
+    Parameter(
+        "log_odds_hit", "Hit increment", "model", "number", 0.85,
+        "Evidence that a cell gets when a beam ends in it, or in the window around it.",
+        low=0.0, high=3.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
+    ),
+    Parameter(
+        "log_odds_miss", "Miss increment", "model", "number", -0.4,
+        "Evidence that a cell gets when a beam passes through it: below 0 it argues for free.",
+        low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
+    ),
+    Parameter(
+        "p_free", "p of a cell passed", "model", "number", 0.4,
+        "Probability that a cell before the window is occupied; below the prior it argues for free.",
+        low=0.01, high=0.99, step=0.01, only_for=("step_window",),
+    ),
+    Parameter(
+        "p_occ", "p of a cell hit", "model", "number", 0.7,
+        "Probability that a cell within the window is occupied.",
+        low=0.01, high=0.99, step=0.01, only_for=("step_window",),
+    ),
+    Parameter(
+        "sigma", "Spread σ₀", "model", "number", 0.03,
+        "Standard deviation of a reading at no distance; the ramp reaches two of them to either side.",
+        unit="m", low=0.005, high=0.5, step=0.005, only_for=("smooth_ramp",),
+    ),
+    Parameter(
+        "sigma_growth", "Growth of σ", "model", "number", 0.01,
+        "By how much σ grows with each metre of range.",
+        unit="m/m", low=0.0, high=0.2, step=0.005, only_for=("smooth_ramp",),
+    ),
+    Parameter(
+        "opening", "Opening angle", "model", "number", 0.52,
+        "Angle of the cone, from edge to edge, in which the echo may have arisen.",
+        unit="rad", low=0.01, high=1.57, step=0.01, only_for=CONES,
+    ),
+    Parameter(
+        "cone_profile", "Cone profile", "model", "choice", "flat",
+        "The same evidence all over the cone, or weaker off the axis (a Gaussian) and with the range (a quadratic).",
+        choices=("flat", "gaussian"), only_for=("sonar_cone",),
+    ),
+    Parameter(
+        "prior_weight", "Weight of the prior", "model", "number", 2.0,
+        "How many visits the prior counts for; 2 is Laplace's rule of succession.",
+        low=0.1, high=50.0, step=0.1, only_for=("hit_counting",),
+    ),
+    Parameter(
+        "update", "Update", "update", "choice", "per_beam",
+        "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
+        choices=("per_beam", "per_scan"), only_for=tuple(model for model in MODELS if model != "moravec_elfes"),
+    ),
+    Parameter(
+        "traversal", "Traversal", "update", "choice", "bresenham",
+        "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
+        choices=("bresenham", "amanatides_woo"), only_for=_THIN,
+    ),
+    Parameter(
+        "no_return", "No return", "update", "choice", "ignore",
+        "What a beam without echo says: nothing; that all is free up to the max range; or, a mistake, a hit there.",
+        choices=("ignore", "free", "hit"),
+    ),
+    Parameter(
+        "clamp", "Clamp", "update", "flag", True,
+        "Keep each cell's log-odds between the two limits, so that the map can change its mind.",
+    ),
+    Parameter(
+        "log_odds_min", "Lower clamp", "update", "number", -2.0,
+        "The most free a cell can become.",
+        low=-10.0, high=0.0, step=0.1,
+    ),
+    Parameter(
+        "log_odds_max", "Upper clamp", "update", "number", 3.5,
+        "The most occupied a cell can become.",
+        low=0.0, high=10.0, step=0.1,
+    ),
+    Parameter(
+        "log_odds_prior", "Prior ℓ₀", "map", "number", 0.0,
+        "Belief about a cell before any reading: 0 is fifty-fifty.",
+        low=-2.0, high=2.0, step=0.05,
+    ),
+    Parameter(
+        "resolution", "Resolution", "map", "number", 0.05,
+        "Side of a cell.",
+        unit="m", low=0.01, high=1.0, step=0.01,
+    ),
+    Parameter(
+        "mount_x", "Mount forward", "mount", "number", 0.0,
+        "Correction of the sensor's place on the robot, forward.",
+        unit="m", low=-2.0, high=2.0, step=0.01,
+    ),
+    Parameter(
+        "mount_y", "Mount left", "mount", "number", 0.0,
+        "Correction of the sensor's place on the robot, to the left.",
+        unit="m", low=-2.0, high=2.0, step=0.01,
+    ),
+    Parameter(
+        "mount_yaw", "Mount yaw", "mount", "number", 0.0,
+        "Correction of the sensor's heading on the robot, counter-clockwise.",
+        unit="rad", low=-3.1416, high=3.1416, step=0.01,
+    ),
+    Parameter(
+        "mount_upside_down", "Mount turned over", "mount", "flag", False,
+        "Turn the sensor over, z axis down: its beams sweep the other way round.",
+    ),
+)  # fmt: skip
+
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
+
+
+@dataclass(frozen=True, slots=True)
+class MappingConfig:
+    """One value for each row of :data:`PARAMETERS`; units and meanings stand there.
+
+    ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
+    ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
+    Raises :class:`ConfigError` naming the field that is refused.
+    """
+
+    model: str = "fixed_increments"
+    range_max: float = 30.0
+    window: float = 0.0
+    log_odds_hit: float = 0.85
+    log_odds_miss: float = -0.4
+    p_free: float = 0.4
+    p_occ: float = 0.7
+    sigma: float = 0.03
+    sigma_growth: float = 0.01
+    opening: float = 0.52
+    cone_profile: str = "flat"
+    prior_weight: float = 2.0
+    update: str = "per_beam"
+    traversal: str = "bresenham"
+    no_return: str = "ignore"
+    clamp: bool = True
+    log_odds_min: float = -2.0
+    log_odds_max: float = 3.5
+    log_odds_prior: float = 0.0
+    resolution: float = 0.05
+    mount_x: float = 0.0
+    mount_y: float = 0.0
+    mount_yaw: float = 0.0
+    mount_upside_down: bool = False
+
+    def __post_init__(self) -> None:
+        for row in PARAMETERS:
+            object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
+        if self.log_odds_min >= self.log_odds_max:
+            raise ConfigError("parameter.clamp", "The lower clamp must lie below the upper clamp.")
+        self.beam_model()  # the models check what concerns two parameters at once
+
+    def beam_model(self) -> BeamModel:
+        """Return the inverse sensor model that the parameters describe.
+
+        A cone's window is at least one cell wide: a thinner arc would slip between the cells' centres.
+        """
+        p_prior = float(probability(self.log_odds_prior))
+        evidence = (self.log_odds_miss, self.log_odds_hit)
+        wide = max(self.window, self.resolution)
+        match self.model:
+            case "step_window":
+                return StepWindow(self.p_free, p_prior, self.p_occ, self.window)
+            case "smooth_ramp":
+                return SmoothRamp(*evidence, self.sigma, self.sigma_growth)
+            case "sonar_cone":
+                profile: Literal["flat", "gaussian"] = "gaussian" if self.cone_profile == "gaussian" else "flat"
+                return SonarCone(*evidence, wide, self.opening, profile)
+            case "moravec_elfes":
+                return MoravecElfes(wide, self.opening)
+            case "hit_counting":
+                return HitCounting(self.prior_weight, p_prior, self.window)
+            case _:
+                return FixedIncrements(*evidence, self.window)
+
+    @property
+    def clamp_limits(self) -> tuple[float, float]:
+        """The clamp (ℓ_min, ℓ_max), (−inf, inf) when it is off."""
+        return (self.log_odds_min, self.log_odds_max) if self.clamp else (-np.inf, np.inf)
+
+    @property
+    def mount(self) -> tuple[float, float, float]:
+        """The correction of the sensor mount as a pose."""
+        return (self.mount_x, self.mount_y, self.mount_yaw)
+
+    def with_values(self, values: Mapping[str, Any]) -> MappingConfig:
+        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        unknown = [name for name in values if name not in BY_NAME]
+        if unknown:
+            raise ConfigError("parameter.unknown", f"There is no parameter {unknown[0]!r:.80}.")
+        return MappingConfig(**(asdict(self) | dict(values)))
+
+
+if {f.name: f.default for f in fields(MappingConfig)} != {row.name: row.initial for row in PARAMETERS}:
+    raise AssertionError("MappingConfig and PARAMETERS must name the same parameters with the same first values")

@@ -1,0 +1,116 @@
+"""The per-scan update on all cores: the fields of some scans are planned by scans, then drawn by bands of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.parallel import in_parallel, scratch, shares
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
+from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fields
+from mapper.mapping.kernels.types import Frame, Rule, Sight
+from mapper.mapping.parameters import MappingConfig
+
+if TYPE_CHECKING:
+    from mapper.mapping.scan_batch import Sweep
+
+Span = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedScans:
+    """What some scans will draw: the scans as the kernel takes them, and what was planned of them."""
+
+    scans: tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+    frame: Frame
+    sight: Sight
+    plan: Plan
+    toggles: NDArray[np.uint32]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFields:
+    """What scans will draw, one part after the other, and where in the grid.
+
+    ``rows`` and ``words`` (of 32 columns) [first, stop) hold all that they see in the grid; ``work`` (grid rows,) says
+    what each row costs.
+    """
+
+    parts: list[PlannedScans]
+    views: NDArray[np.int64]
+    work: NDArray[np.float64]
+    rows: Span
+    words: Span
+
+
+def plan_of_fields(
+    sweep: Sweep, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
+) -> PlannedFields:
+    """Plan some scans of a sweep for the per-scan update.
+
+    Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
+    """
+    if max(geometry.shape) >= MAX_SIDE:
+        raise ConfigError(
+            "grid.size",
+            f"The per-scan update takes grids of less than {MAX_SIDE} rows and columns; choose larger cells.",
+        )
+    ranges, sensors, headings = sweep.ranges[part], sweep.sensors[part], sweep.headings(geometry)[part]
+    frame, sight, n = geometry.frame, sweep.sight(config), len(ranges)
+    starts, sure = np.empty((n, PLANES + 1), dtype=np.int64), np.empty(n, dtype=np.bool_)
+    views = np.empty((n, 4), dtype=np.int64)
+    work = np.zeros((threads, geometry.rows + 1))
+
+    def planned(a: int, b: int, own_work: NDArray[np.float64]) -> PlannedScans:
+        plan = (starts[a:b], sure[a:b], views[a:b])
+        scans, sees = (ranges[a:b], sensors[a:b]), (sweep.fields, headings[a:b])
+        toggles = plan_fields(*scans, sweep.beams, *sees, frame, sight, geometry.cols, plan, own_work)
+        return PlannedScans((*scans, *sees), frame, sight, plan, toggles)
+
+    parts = in_parallel(
+        [partial(planned, a, b, own) for (a, b), own in zip(shares(n, threads), work, strict=True)]
+    )  # fmt: skip
+    return PlannedFields(parts, views, np.cumsum(work.sum(axis=0))[:-1], *_seen(views))
+
+
+def drawer_of_fields(
+    planned: PlannedFields, grid: OccupancyGrid, rule: Rule
+) -> Callable[[int, int, NDArray[np.int64]], int]:
+    """Return what draws them into rows [row_low, row_high), which lie in ``planned.rows``, and widens a box."""
+    (row, row_stop), (word, word_stop) = planned.rows, planned.words
+    seen = np.zeros((row_stop - row, word_stop - word), dtype=np.int64)
+    seen_place = (row, word, word_stop - word, 0)
+    views = planned.views
+
+    def draw(row_low: int, row_high: int, box: NDArray[np.int64]) -> int:
+        rows = int((views[:, 1].clip(row_low, row_high) - views[:, 0].clip(row_low, row_high)).max())
+        shape = (PLANES, rows, int((views[:, 3] - views[:, 2]).max()) + 1)
+        count = 0
+        with scratch(prod(shape) + rows) as store:
+            used, planes = store[:rows], store[rows : rows + prod(shape)].reshape(shape)
+            for part in planned.parts:
+                count += draw_fields(
+                    grid.log_odds, seen, seen_place, *part.scans, part.frame, part.sight, part.plan, part.toggles,
+                    planes, used, rule, row_low, row_high,
+                )  # fmt: skip
+        observe(grid.observed, seen, seen_place, row_low, row_high, box)
+        return count
+
+    return draw
+
+
+def _seen(views: NDArray[np.int64]) -> tuple[Span, Span]:
+    """Return the rows and the words [first, stop) that hold all views of some scans."""
+    views = views[views[:, 0] < views[:, 1]]
+    if len(views) == 0:
+        return (0, 0), (0, 0)
+    low, high = views[:, ::2].min(axis=0), views[:, 1::2].max(axis=0)
+    return (int(low[0]), int(high[0])), (int(low[1]), int(high[1]))

@@ -1,0 +1,30 @@
+"""Which parameters suit a sensor, where nobody has said others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mapper.mapping.parameters import BY_NAME
+
+SONAR_WINDOW = 0.2  #: metres: how thick the arc of a sonar's echo is taken to be
+
+
+def suited_parameters(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return ``given`` values of :data:`mapper.mapping.parameters.PARAMETERS` and those that a sensor calls for
+    besides.
+
+    Readings of beams that are wide, ``beam_width`` > 0 radians, are put all over their cones. Whoever names a model
+    gets the table's other values with it.
+    """
+    given = given or {}
+    if beam_width <= 0.0:
+        return dict(given)
+    row = BY_NAME["opening"]
+    opening = float(np.clip(beam_width, row.low, row.high))
+    suited: dict[str, Any] = {"opening": opening}
+    if "model" not in given:
+        suited |= {"model": "sonar_cone", "window": SONAR_WINDOW}
+    return suited | dict(given)

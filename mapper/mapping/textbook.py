@@ -1,0 +1,380 @@
+"""Occupancy grid mapping as the books print it: plain Python, one step after another.
+
+Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
+(occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses stands in
+:mod:`mapper.mapping.traversal`. This is the readable statement of what :mod:`mapper.kernels` compute fast; the two
+agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is always
+``T_map_laser``, metres and radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.se2 import transform_points
+from mapper.grid import OccupancyGrid, log_odds, probability
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_model import HitCounting, MoravecElfes
+from mapper.mapping.traversal import Cell, Point, amanatides_woo, bresenham
+from mapper.sensors.scan import RangeScan
+
+
+def bayes_filter(log_odds: np.float32, evidence: np.float32, config: MappingConfig) -> np.float32:
+    """Return ℓ + log p(x|z) / p(¬x|z) − ℓ₀, clamped: table 4.2. ``evidence`` is the last two terms together."""
+    low, high = config.clamp_limits
+    return min(max(log_odds + evidence, np.float32(low)), np.float32(high))
+
+
+def update(grid: OccupancyGrid, cell: Cell, evidence: float, config: MappingConfig) -> int:
+    """Put one piece of evidence into one cell; outside the grid there is nothing to update. Return how many were."""
+    if not grid.geometry.contains(cell):
+        return 0
+    grid.log_odds[cell] = bayes_filter(grid.log_odds[cell], np.float32(evidence), config)
+    grid.observed[cell] = True
+    return 1
+
+
+def occupancy_grid_mapping(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Update ``grid`` with one scan; return the number of cell updates."""
+    if config.model == "moravec_elfes":
+        return update_moravec_elfes(grid, scan, sensor_pose, config)
+    if config.model == "hit_counting":
+        return count_hits_and_misses(grid, scan, sensor_pose, config)
+    if config.update == "per_scan":
+        return update_per_scan(grid, scan, sensor_pose, config)
+    return update_per_beam(grid, scan, sensor_pose, config)
+
+
+# --- Each beam adds its evidence -------------------------------------------------------------------------------------
+
+
+def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Follow every beam from the sensor's cell and update each cell on its way. Return the number of updates."""
+    z_max = min(scan.range_max, config.range_max)
+    updates = 0
+    for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+        evidence = evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config)
+        updates += sum(update(grid, cell, increment, config) for cell, increment in evidence.items())
+    return updates
+
+
+def readings(scan: RangeScan, config: MappingConfig) -> NDArray[np.float64]:
+    """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max.
+
+    Ranges are kept as float32, so that is the greatest of these which does not lie beyond z_max.
+    """
+    ranges = scan.ranges.astype(np.float64)
+    z_max = min(scan.range_max, config.range_max)
+    if config.no_return == "hit":
+        greatest = float(np.float32(z_max))
+        if greatest > z_max:
+            greatest = float(np.nextafter(np.float32(z_max), np.float32(0)))
+        ranges[ranges > z_max] = greatest
+    return ranges
+
+
+def evidence_of_beam(
+    grid: OccupancyGrid,
+    sensor_pose: ArrayLike,
+    bearing: float,
+    z: float,
+    z_min: float,
+    z_max: float,
+    config: MappingConfig,
+) -> dict[Cell, float]:
+    """Return what one beam says of each cell: a reading, no return, or (too near, NaN, −Inf) nothing at all."""
+    wide = config.model == "sonar_cone"
+    if z_min <= z <= z_max:
+        if wide:
+            return evidence_in_cone(grid, sensor_pose, bearing, z, z_max, config)
+        return evidence_along_beam(grid, sensor_pose, bearing, z, config)
+    if z > z_max and config.no_return == "free":
+        if wide:
+            cells, s, _ = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+            free = s < z_max
+            return dict.fromkeys(map(tuple, cells[free].tolist()), config.beam_model().log_odds_miss)
+        return evidence_of_no_return(grid, sensor_pose, bearing, z_max, config)
+    return {}
+
+
+def evidence_in_cone(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, z_max: float, config: MappingConfig
+) -> dict[Cell, float]:
+    """Return what a wide beam's reading ``z`` says of each cell in its cone: of those beyond z + r/2, nothing."""
+    model = config.beam_model()
+    cells, s, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+    near = s <= min(z + model.half_window(z), z_max)
+    increments = model.increment(s[near], z, within(theta[near], config.opening))
+    return dict(zip(map(tuple, cells[near].tolist()), increments.tolist(), strict=True))
+
+
+def cells_in_cone(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cells (n, 2) whose centre lies in a cone, the right edge included, and s and θ of each (n,)."""
+    s, d_col, d_row = distances(grid, sensor_pose)
+    heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
+    right, left = (
+        turned(heading, np.array([np.cos(edge), np.sin(edge)]))
+        for edge in (bearing - opening / 2.0, bearing + opening / 2.0)
+    )
+    inside = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
+    axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
+    theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
+    return np.argwhere(inside), s[inside], theta[inside]
+
+
+def evidence_along_beam(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, config: MappingConfig
+) -> dict[Cell, float]:
+    """Return what a reading ``z`` says of each cell on its beam.
+
+    The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2, or crosses exactly the cells that
+    Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre lies at
+    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2 (for the smooth ramp: on its way
+    from one to the other); the cell that holds the endpoint is occupied in any case, and with r = 0 it alone is, all
+    before it being free.
+    """
+    model = config.beam_model()
+    half = model.half_window(z)
+    endpoint = cell_at(grid, sensor_pose, bearing, z)
+
+    if half == 0.0:
+        evidence = dict.fromkeys(cells_along(grid, sensor_pose, bearing, z, config), model.log_odds_miss)
+    else:
+        evidence = {}
+        for cell in cells_along(grid, sensor_pose, bearing, z + half, config):
+            s = distance(grid, sensor_pose, cell)
+            if s <= z + half:
+                evidence[cell] = float(model.increment(s, z)) if s >= z - half else model.log_odds_miss
+    evidence[endpoint] = model.log_odds_hit
+    return evidence
+
+
+def evidence_of_no_return(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z_max: float, config: MappingConfig
+) -> dict[Cell, float]:
+    """Return what a beam without return says: all cells up to the greatest range are free."""
+    return dict.fromkeys(cells_along(grid, sensor_pose, bearing, z_max, config), config.beam_model().log_odds_miss)
+
+
+def cells_along(
+    grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, config: MappingConfig
+) -> list[Cell]:
+    """Return the cells that a beam crosses up to the distance ``z``, in order."""
+    if config.traversal == "amanatides_woo":
+        return amanatides_woo(point_at(grid, sensor_pose, bearing, 0.0), point_at(grid, sensor_pose, bearing, z))
+    return bresenham(cell_at(grid, sensor_pose, bearing, 0.0), cell_at(grid, sensor_pose, bearing, z))
+
+
+# --- Each cell of the perceptual field once (table 9.1) --------------------------------------------------------------
+
+
+def update_per_scan(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Update every cell in the scan's perceptual field once: table 9.1. Return the number of updates."""
+    evidence = inverse_range_sensor_model(grid, scan, sensor_pose, config)
+    in_field = ~np.isnan(evidence)
+    for row, col in np.argwhere(in_field):
+        update(grid, (row, col), evidence[row, col], config)
+    return int(np.count_nonzero(in_field))
+
+
+def inverse_range_sensor_model(
+    grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig
+) -> NDArray[np.float64]:
+    """Return what a scan says of each cell (rows, cols), NaN outside the perceptual field: table 9.2.
+
+    A cell whose centre lies at distance s belongs to the beam k that is nearest in bearing, at most half an increment
+    away (and in a sonar's cone, at most half its opening angle). It is free for s < z − r/2 and occupied for
+    |s − z| ≤ r/2 and s ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
+    narrower than a cell, r = 0 included, still marks where the beams ended.
+    """
+    model, wide = config.beam_model(), config.model == "sonar_cone"
+    z_max = min(scan.range_max, config.range_max)
+    evidence = np.full(grid.geometry.shape, np.nan)
+
+    s, d_col, d_row = distances(grid, sensor_pose)
+    heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
+    fields = scan.fields(config.opening / 2.0) if wide else scan.fields()
+    for z, bearing, field in zip(readings(scan, config), scan.angles, fields, strict=True):
+        right, left = turned(heading, field[:2]), turned(heading, field[2:])
+        nearest = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
+        if scan.range_min <= z <= z_max:
+            half = model.half_window(z)
+            axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
+            theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
+            near = nearest & (s < z - half if half == 0.0 else s <= min(z_max, z + half))
+            # Which beam is nearest was decided above; the angle itself counts only in a cone.
+            evidence[near] = model.increment(s[near], z, within(theta[near], config.opening) if wide else 0.0)
+        elif z > z_max and config.no_return == "free":
+            evidence[nearest & (s < z_max)] = model.log_odds_miss
+
+    for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+        if scan.range_min <= z <= z_max and not wide:
+            endpoint = cell_at(grid, sensor_pose, bearing, z)
+            if grid.geometry.contains(endpoint):
+                evidence[endpoint] = model.log_odds_hit
+    return evidence
+
+
+# --- Models that count, or that keep two certainties -----------------------------------------------------------------
+
+
+def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Count for each cell how often a beam ended in it and how often one passed it. Return the number of updates.
+
+    Which cells those are is decided as by fixed increments; ``grid.tallies`` holds the hits n and the misses m, and
+    ``grid.log_odds`` those of their posterior mean (n + w·p₀) / (n + m + w), clamped. p₀ is the cell's own prior.
+    """
+    model = cast("HitCounting", config.beam_model())
+    hits, misses = tallies_of(grid, config)
+    before = hits + misses
+    one = config.with_values({"model": "fixed_increments", "clamp": False, "log_odds_hit": 1.0, "log_odds_miss": -1.0})
+    counted = OccupancyGrid(grid.geometry)
+    if config.update == "per_scan":
+        evidence = inverse_range_sensor_model(counted, scan, sensor_pose, one)
+        hits += evidence == 1.0
+        misses += evidence == -1.0
+    else:
+        z_max = min(scan.range_max, config.range_max)
+        for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+            for cell, kind in evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, one).items():
+                if grid.geometry.contains(cell):
+                    (hits if kind > 0 else misses)[cell] += 1
+    visited = hits + misses > before
+    grid.observed |= visited
+    w = model.prior_weight
+    p = (hits.astype(np.float64) + w * probability(grid.prior())) / (hits.astype(np.float64) + misses + w)
+    grid.log_odds[visited] = np.clip(log_odds(p[visited]), *config.clamp_limits).astype(np.float32)
+    return int((hits + misses - before).sum())
+
+
+def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
+    """Combine a scan's readings with the certainties of each cell, as in 1985. Return the number of updates.
+
+    First what is empty, for all readings: Emp ← Emp + E − Emp·E. Then what is occupied, reading by reading: O is
+    cancelled where the cell is known to be empty, O ← O·(1 − Emp); normalised, so that the whole arc holds one
+    obstacle, O ← O / ΣO; and added, Occ ← Occ + O − Occ·O. Last, ``grid.log_odds`` shows the greater of both, clamped,
+    in each cell where one of them has changed.
+    Source: Moravec & Elfes 1985.
+    """
+    model = cast("MoravecElfes", config.beam_model())
+    occupied, empty = certainties = tallies_of(grid, config)
+    known = certainties.copy()
+    z_max = min(scan.range_max, config.range_max)
+    cones = [
+        (z, *cells_in_cone(grid, sensor_pose, bearing, config.opening))
+        for z, bearing in zip(readings(scan, config), scan.angles, strict=True)
+    ]
+    no_arc = MoravecElfes(0.0, config.opening)
+    updates = 0
+    for z, cells, s, theta in cones:
+        if scan.range_min <= z <= z_max:
+            before, certainty = s < z - model.half_window(z), model.empty(s, z, within(theta, config.opening))
+        elif z > z_max and config.no_return == "free":
+            before, certainty = s < z_max, no_arc.empty(s, z_max, within(theta, config.opening))
+        else:
+            continue
+        rows, cols = cells[before].T
+        empty[rows, cols] += certainty[before] * (1 - empty[rows, cols].astype(np.float64))
+        grid.observed[rows, cols] = True
+        updates += len(rows)
+    for z, cells, s, theta in cones:
+        if not scan.range_min <= z <= z_max:
+            continue
+        arc = (s >= z - model.half_window(z)) & (s <= min(z + model.half_window(z), z_max))
+        rows, cols = cells[arc].T
+        certainty = model.occupied(s[arc], z, within(theta[arc], config.opening))
+        certainty *= 1 - empty[rows, cols].astype(np.float64)
+        if certainty.sum() <= 0.0:
+            continue
+        occupied[rows, cols] += certainty / certainty.sum() * (1 - occupied[rows, cols].astype(np.float64))
+        grid.observed[rows, cols] = True
+        updates += len(rows)
+    with np.errstate(divide="ignore"):
+        shown = np.clip(model.log_odds(empty, occupied), *config.clamp_limits).astype(np.float32)
+    changed = (certainties != known).any(axis=0)
+    grid.log_odds[changed] = shown[changed]
+    return updates
+
+
+def tallies_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
+    """Return the grid's two tallies (2, rows, cols): what speaks for occupied, and what for empty.
+
+    Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
+    """
+    if grid.tallies is None:
+        grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
+        if config.model == "moravec_elfes":
+            value = 2 * probability(grid.prior()) - 1
+            grid.tallies[0], grid.tallies[1] = np.maximum(value, 0), np.maximum(-value, 0)
+    return grid.tallies
+
+
+# --- Why a cell is what it is ----------------------------------------------------------------------------------------
+
+
+def provenance(
+    grid: OccupancyGrid, scans: Sequence[RangeScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
+) -> list[tuple[int, int, float, np.float32]]:
+    """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
+    touches = []
+    value = grid.prior()[cell]
+    for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
+        z_max = min(scan.range_max, config.range_max)
+        for k, (z, bearing) in enumerate(zip(readings(scan, config), scan.angles, strict=True)):
+            evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
+            if cell in evidence:
+                value = bayes_filter(value, np.float32(evidence[cell]), config)
+                touches.append((t, k, evidence[cell], value))
+    return touches
+
+
+# --- Where things are ------------------------------------------------------------------------------------------------
+
+
+def cell_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float) -> Cell:
+    """Return the cell that holds the point at distance ``z`` along a bearing of the sensor."""
+    in_laser = z * np.array([np.cos(bearing), np.sin(bearing)])
+    row, col = grid.geometry.world_to_cell(transform_points(sensor_pose, in_laser))
+    return int(row), int(col)
+
+
+def point_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float) -> Point:
+    """Return the lattice coordinates (column, row), in cells, of the point at distance ``z`` along a bearing."""
+    in_laser = z * np.array([np.cos(bearing), np.sin(bearing)])
+    column, row = grid.geometry.to_lattice(transform_points(sensor_pose, in_laser))
+    return float(column), float(row)
+
+
+def distance(grid: OccupancyGrid, sensor_pose: ArrayLike, cell: Cell) -> float:
+    """Return the distance s in metres from the sensor to a cell's centre."""
+    col, row = grid.geometry.to_lattice(np.asarray(sensor_pose)[:2])
+    d_col, d_row = cell[1] + 0.5 - col, cell[0] + 0.5 - row
+    return sqrt(d_col * d_col + d_row * d_row) * grid.geometry.resolution
+
+
+def distances(
+    grid: OccupancyGrid, sensor_pose: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return :func:`distance` of every cell, and the offset of its centre from the sensor in columns and rows."""
+    col, row = grid.geometry.to_lattice(np.asarray(sensor_pose)[:2])
+    rows, cols = np.indices(grid.geometry.shape)
+    d_col, d_row = cols + 0.5 - col, rows + 0.5 - row
+    return np.sqrt(d_col * d_col + d_row * d_row) * grid.geometry.resolution, d_col, d_row
+
+
+def within(theta: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
+    """Return angles from the axis of cells that lie in a cone: none is wider, whatever rounding did at its edges."""
+    return np.clip(theta, -opening / 2.0, opening / 2.0)
+
+
+def turned(angle: float, direction: NDArray[np.float64]) -> tuple[float, float]:
+    """Return a direction (2,) turned by an angle in radians."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return cos * direction[0] - sin * direction[1], sin * direction[0] + cos * direction[1]

@@ -1,0 +1,171 @@
+"""Moments of a map that is being made, kept so that going back to one costs no mapping.
+
+A moment is the map of the first k scans. Of each moment only those tiles are kept, compressed without loss, that were
+touched since the moment before: the tile of a moment is its newest version up to then, and one without any is as it
+was before the first scan. So many moments of a large map take little more memory than the map itself.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from threading import Lock
+
+import numpy as np
+import zstandard
+from numpy.typing import NDArray
+
+from mapper.grid import TILE, OccupancyGrid
+from mapper.mapping import cell_statistics as tallies
+from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import MappingConfig
+
+BUDGET_BYTES = 8 << 20  #: of all moments of one map
+SPACING = 1 << 24  #: cell updates between two moments: about a hundredth of a second's work
+WORTH_KEEPING = 32  #: cell updates, at least, for each cell kept: keeping shall cost a small part of mapping
+ZSTD_LEVEL = 1
+_OVERHEAD_BYTES = 100  # what Python needs to keep a few bytes
+
+Tile = tuple[int, int]  # row and column of a tile
+Part = tuple[slice, slice]
+
+
+class Checkpoints:
+    """The moments of one map, for one log, trajectory, geometry and ``config``. Several threads may use it.
+
+    ``touched`` (tile rows, tile cols) bool in what follows are the tiles that may differ from a moment.
+    """
+
+    def __init__(self, config: MappingConfig) -> None:
+        self.config = config
+        self.spacing = SPACING  #: cell updates between two moments; grows where there is no room for so many
+        self.reached = 0  #: the last number of scans that any map was brought to
+        self._moments: list[int] = []
+        self._versions: dict[
+            Tile, dict[int, bytes]
+        ] = {}  # what each tile was at the moments up to which it was touched
+        self._bytes = 0
+        self._lock = Lock()
+
+    @property
+    def moments(self) -> tuple[int, ...]:
+        """The moments that are kept besides 0, in order."""
+        with self._lock:
+            return tuple(self._moments)
+
+    @property
+    def nbytes(self) -> int:
+        """About how many bytes are kept."""
+        return self._bytes
+
+    @property
+    def newest(self) -> int:
+        """The last moment; 0 where none is kept."""
+        with self._lock:
+            return self._moments[-1] if self._moments else 0
+
+    def before(self, index: int) -> int:
+        """Return the last moment up to ``index``."""
+        with self._lock:
+            place = bisect_right(self._moments, index)
+            return self._moments[place - 1] if place else 0
+
+    def after(self, index: int, last: int) -> int:
+        """Return the first moment after ``index``, at most ``last``."""
+        with self._lock:
+            place = bisect_right(self._moments, index)
+            return min(self._moments[place], last) if place < len(self._moments) else last
+
+    def is_due(self, updates: int, touched: NDArray[np.bool_]) -> bool:
+        """Whether so many cell updates since the last moment, in so many tiles, are worth another one."""
+        return updates >= max(self.spacing, WORTH_KEEPING * TILE * TILE * int(np.count_nonzero(touched)))
+
+    def keep(self, grid: OccupancyGrid, touched: NDArray[np.bool_], index: int) -> bool:
+        """Keep the map of ``index`` scans, unless a later moment is kept already; return whether it is kept now.
+
+        ``touched`` since a moment, whichever.
+        """
+        compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
+        tiles = _listed(touched)
+        packed = [compressor.compress(_packed(grid, _cells_of(tile))) for tile in tiles]
+        with self._lock:
+            if self._moments and index <= self._moments[-1]:
+                return index in self._moments
+            self._moments.append(index)
+            for tile, data in zip(tiles, packed, strict=True):
+                self._versions.setdefault(tile, {})[index] = data
+                self._bytes += len(data) + _OVERHEAD_BYTES
+            while self._bytes > BUDGET_BYTES and len(self._moments) > 1:
+                self._thin_out()
+            return True
+
+    def _thin_out(self) -> None:
+        """Forget every second moment, never the last: so whoever came from one has a later one to ask for."""
+        kept = self._moments[::-2][::-1]
+        self.spacing *= 2
+        for tile, versions in self._versions.items():
+            # What a tile was at a forgotten moment it still was at the next one, or it has a version of that.
+            self._versions[tile] = {kept[bisect_left(kept, moment)]: data for moment, data in versions.items()}
+        self._moments = kept
+        self._bytes = sum(len(data) + _OVERHEAD_BYTES for each in self._versions.values() for data in each.values())
+
+    def restore(self, grid: OccupancyGrid, touched: NDArray[np.bool_], since: int, moment: int) -> CellBox | None:
+        """Bring ``grid``, which was at the moment ``since`` and was ``touched`` after it, to ``moment``.
+
+        Return the box of the cells that may have changed, None for none.
+        """
+        changed = touched.copy()
+        with self._lock:
+            low, high = sorted((since, moment))
+            place = bisect_left(self._moments, high)  # what changed up to a forgotten moment counts to the next one
+            high = self._moments[place] if place < len(self._moments) else high
+            for tile, versions in self._versions.items():
+                changed[tile] |= any(low < kept <= high for kept in versions)
+            tiles = _listed(changed)
+            found = [self._version(tile, moment) for tile in tiles]
+        tallies.begin(grid, self.config)
+        decompressor = zstandard.ZstdDecompressor()
+        # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
+        unpacked = [None if data is None else decompressor.decompress(data) for data in found]
+        for tile, data in zip(tiles, unpacked, strict=True):
+            if data is None:
+                tallies.forget(grid, self.config, _cells_of(tile))
+            else:
+                _fill(grid, _cells_of(tile), data)
+        return _box_of(tiles, grid)
+
+    def _version(self, tile: Tile, moment: int) -> bytes | None:
+        """Return what a tile was at a moment, None for as it was at first."""
+        versions = self._versions.get(tile, {})
+        newest = max((kept for kept in versions if kept <= moment), default=None)
+        return None if newest is None else versions[newest]
+
+
+def _listed(touched: NDArray[np.bool_]) -> list[Tile]:
+    return [(ty, tx) for ty, tx in np.argwhere(touched).tolist()]
+
+
+def _cells_of(tile: Tile) -> Part:
+    ty, tx = tile
+    return np.s_[ty * TILE : (ty + 1) * TILE, tx * TILE : (tx + 1) * TILE]
+
+
+def _box_of(tiles: list[Tile], grid: OccupancyGrid) -> CellBox | None:
+    if not tiles:
+        return None
+    low, high = np.min(tiles, axis=0) * TILE, np.minimum((np.max(tiles, axis=0) + 1) * TILE, grid.geometry.shape)
+    return CellBox(int(low[0]), int(high[0]), int(low[1]), int(high[1]))
+
+
+def _packed(grid: OccupancyGrid, part: Part) -> bytes:
+    """Return all that a grid holds of some cells."""
+    arrays = [grid.log_odds[part], grid.observed[part]]
+    return b"".join(one.tobytes() for one in (arrays if grid.tallies is None else [*arrays, *grid.tallies[:, *part]]))
+
+
+def _fill(grid: OccupancyGrid, part: Part, data: bytes) -> None:
+    """Put back what :func:`_packed` returned."""
+    arrays = [grid.log_odds[part], grid.observed[part]]
+    at = 0
+    for one in arrays if grid.tallies is None else [*arrays, *grid.tallies[:, *part]]:
+        one[:] = np.frombuffer(data, one.dtype, one.size, at).reshape(one.shape)
+        at += one.nbytes

@@ -1,0 +1,114 @@
+"""A log's map at any moment, with any parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.grid import OccupancyGrid
+from mapper.mapping.integrate import CellBox, Change, grid_for
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.provenance import Provenance, provenance
+from mapper.replay.incremental import Course, Scout
+from mapper.sensors.scan import ScanLog
+
+COSTLY = ("model", "update", "no_return", "resolution")  #: parameters on which it depends what a scan costs
+
+
+class Replay:
+    """The map of the first :attr:`index` scans of a log.
+
+    The grid holds from the start all that the whole log will see, so it keeps its geometry while it is played. Not
+    for several threads at once. With ``prior``, a map of the same place, mapping goes on from that, on its lattice.
+    Raises as :func:`mapper.mapping.integrate.grid_for` does; after an error the replay is as
+    it was before.
+    """
+
+    def __init__(
+        self,
+        log: ScanLog,
+        config: MappingConfig | None = None,
+        trajectory: str | None = None,
+        limits: Limits = DEFAULT_LIMITS,
+        prior: OccupancyGrid | None = None,
+    ) -> None:
+        self._limits = limits
+        self._prior = prior
+        self.trajectory = trajectory or log.default_trajectory
+        self._course = self._new_course(log, MappingConfig() if config is None else config)
+        self._under_way: tuple[Course, int] | None = None
+        self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
+
+    def _new_course(self, log: ScanLog, config: MappingConfig) -> Course:
+        grid = grid_for(log, config, self.trajectory, self._limits, self._prior)
+        return Course(log, config, self.trajectory, grid)
+
+    @property
+    def log(self) -> ScanLog:
+        """The log."""
+        return self._course.log
+
+    @property
+    def config(self) -> MappingConfig:
+        """The parameters."""
+        return self._course.config
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map; another object only after other parameters."""
+        return self._course.grid
+
+    @property
+    def index(self) -> int:
+        """Scans in the map."""
+        return self._course.index
+
+    def advance_to(self, index: int) -> Change:
+        """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less to do.
+
+        Raises :class:`ConfigError` for an index that the log does not have, and
+        :class:`mapper.replay.incremental.UnwantedError` where nobody wants the map any more.
+        """
+        if not 0 <= index <= self.log.n_scans:
+            raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
+        return self._go(self._course, index)
+
+    def _go(self, course: Course, index: int) -> Change:
+        self._under_way = (course, index)
+        try:
+            return course.go_to(index, self.wanted)
+        finally:
+            self._under_way = None
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the way that is being computed is done, 0 to 1; None while nothing is."""
+        under_way = self._under_way
+        return None if under_way is None else min(1.0, under_way[0].index / max(1, under_way[1]))
+
+    def reconfigure(self, config: MappingConfig) -> Change:
+        """Make the whole map anew with other parameters, at the same index."""
+        course = self._new_course(self.log, config)
+        if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
+            course.expect_as(self._course)
+        change = self._go(course, self.index)
+        geometry_changed = course.grid.geometry != self.grid.geometry
+        self._course = course
+        rows, cols = course.grid.geometry.shape
+        return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
+
+    def scout(self) -> Scout | None:
+        """Return one that leaves the checkpoints which this replay has not; None where nothing is worth the trouble."""
+        return Scout(self._course) if Scout.is_worth(self._course) else None
+
+    def provenance(self, row: int, col: int) -> Provenance:
+        """Return every beam that touched a cell of the map as it stands, with what it added.
+
+        Raises :class:`ConfigError` for a cell outside the grid.
+        """
+        inside = self.grid.geometry.contains((row, col)) and self.grid.prior_map is not None
+        prior = float(self.grid.prior()[row, col]) if inside else None
+        return provenance(
+            self.grid.geometry, self.log, self.config, (row, col), self.trajectory, self.index, prior=prior
+        )

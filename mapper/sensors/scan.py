@@ -1,0 +1,387 @@
+"""What a range sensor reports: one scan, and a whole log of scans packed into arrays.
+
+Readings follow REP 117: +Inf is "no return", −Inf "too close to measure", NaN an invalid reading; a reading r is a
+measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserScan, REP 117.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se2 import compose
+
+LEAST_ANGLE_STEP = 1e-6  #: radians: beams that are nearer to one another are none that a sensor has
+
+
+def is_angle_step(angle_increment: float, n_beams: int) -> bool:
+    """Return whether ``angle_increment`` radians can lie between the beams of a scan of ``n_beams`` even beams."""
+    return n_beams < 2 or LEAST_ANGLE_STEP <= abs(angle_increment) <= 2.0 * np.pi
+
+
+def _check_angle_step(angle_increment: float, n_beams: int) -> None:
+    if not is_angle_step(angle_increment, n_beams):
+        raise ConfigError(
+            "scan.angle_increment",
+            f"The angle_increment of a scan of {n_beams} beams must be {LEAST_ANGLE_STEP:g} … 2π rad, either way, not "
+            f"{angle_increment:g}.",
+        )
+
+
+def _check_beams(angle_min: float, angle_increment: float, range_min: float, range_max: float) -> None:
+    if not (np.isfinite(angle_min) and np.isfinite(angle_increment)):
+        raise ConfigError(
+            "scan.angles",
+            f"angle_min and angle_increment must be finite, not {angle_min!r} and {angle_increment!r}.",
+        )
+    if not (0.0 <= range_min < range_max) or np.isnan(range_max):
+        raise ConfigError(
+            "scan.range_limits",
+            f"Range limits must satisfy 0 ≤ range_min < range_max, not {range_min!r}, {range_max!r}.",
+        )
+
+
+def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and lies within ``max_pose``."""
+    if poses.shape != shape:
+        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
+    bad = ~np.isfinite(poses).all(axis=-1)
+    if np.any(bad):
+        raise ConfigError(
+            "scan.pose",
+            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
+        )
+    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
+        raise ConfigError("scan.pose_far", f"A pose lies more than {limits.max_pose:g} m from the origin.")
+
+
+def beam_fields(
+    angle_min: float, angle_increment: float, n_beams: int, widest: float = np.pi / 4.0
+) -> NDArray[np.float64]:
+    """Return each beam's perceptual field (n_beams, 4): cosine and sine of its right edge, then of its left edge.
+
+    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most ``widest``,
+    the right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
+    beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
+    (β, the opening angle).
+    """
+    turned = abs(angle_increment) * np.arange(n_beams + 1)
+    half = min(abs(angle_increment) / 2.0, widest)
+    if half < widest:
+        edges = angle_min + angle_increment * (np.arange(n_beams + 1) - 0.5)
+        edges[turned > 2.0 * np.pi - 1e-6 * abs(angle_increment)] = edges[0]
+        ends = np.stack([edges[:-1], edges[1:]] if angle_increment > 0.0 else [edges[1:], edges[:-1]])
+    else:
+        angles = angle_min + angle_increment * np.arange(n_beams)
+        ends = np.stack([angles - half, angles + half])
+        ends[:, turned[:-1] > 2.0 * np.pi - 2.0 * half] = angle_min
+    return _as_fields(*ends)
+
+
+def uneven_fields(bearings: NDArray[np.float64], widest: float = np.pi / 4.0) -> NDArray[np.float64]:
+    """Return what :func:`beam_fields` returns, for bearings (n_beams,) in any order and at any distance.
+
+    Of beams with the same bearing, to a nanoradian, the first sees all and the others nothing.
+    """
+    turn = round(2.0 * np.pi * 1e9)
+    places = np.round(np.mod(bearings, 2.0 * np.pi) * 1e9).astype(np.int64) % turn
+    places, first = np.unique(places, return_index=True)
+    right, left = bearings.copy(), bearings.copy()
+    right[first] -= widest
+    left[first] += widest
+    for n, k in enumerate(first):
+        following = first[(n + 1) % len(first)]
+        gap = ((places[(n + 1) % len(first)] - places[n]) % turn) * 1e-9
+        if len(first) > 1 and gap < 2.0 * widest:
+            left[k] = right[following] = bearings[k] + gap / 2.0
+    return _as_fields(right, left)
+
+
+def cones(bearings: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
+    """Return the edges (n_beams, 4) of cones of ``opening`` radians, which may overlap, as :func:`beam_fields` does."""
+    return _as_fields(bearings - opening / 2.0, bearings + opening / 2.0)
+
+
+def _as_fields(right: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.stack([np.cos(right), np.sin(right), np.cos(left), np.sin(left)], axis=-1)
+
+
+@dataclass(frozen=True, slots=True)
+class LaserScan:
+    """One revolution or sweep of a range finder.
+
+    ``ranges`` (n_beams,) float32, metres, REP 117. Beam i points at ``angle_min + i · angle_increment`` radians in
+    the laser frame, counter-clockwise; a negative increment is a clockwise sweep. Ranges outside
+    [``range_min``, ``range_max``] metres are not measurements. ``beam_width`` is 0 for a lidar's thin beams and for a
+    ring of sonars, evenly spread, the angle of their cones, radians. ``time_increment`` is the time between two beams
+    and ``scan_time`` between two scans, seconds, 0 where unknown (sensor_msgs/LaserScan).
+    """
+
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamp_ns: int = 0
+    beam_width: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        if self.ranges.ndim != 1:
+            raise ConfigError("scan.shape", f"A scan's ranges are one row, not an array of shape {self.ranges.shape}.")
+        _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        _check_angle_step(self.angle_increment, len(self.ranges))
+        _check_width(self.beam_width)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) in the laser frame, radians."""
+        return np.asarray(self.angle_min + self.angle_increment * np.arange(len(self.ranges)), dtype=np.float64)
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return :func:`beam_fields` of the scan, or of :meth:`turned_over`."""
+        sign = -1.0 if turned_over else 1.0
+        return beam_fields(sign * self.angle_min, sign * self.angle_increment, len(self.ranges), widest)
+
+    def turned_over(self) -> LaserScan:
+        """Return the scan as a sensor that hangs upside down took it."""
+        return replace(self, angle_min=-self.angle_min, angle_increment=-self.angle_increment)
+
+
+@dataclass(frozen=True, slots=True)
+class SonarScan:
+    """One reading from each sonar of a robot, at bearings that need not be even.
+
+    ``ranges`` (n_beams,) float32, metres, REP 117; ``bearings`` (n_beams,) float64, radians in the sensor frame,
+    counter-clockwise; ``beam_width`` is the angle of the cone, from edge to edge, in which an echo may arise, radians.
+    Source: sensor_msgs/Range (field_of_view), one message for each sonar.
+    """
+
+    ranges: NDArray[np.float32]
+    bearings: NDArray[np.float64]
+    beam_width: float
+    range_min: float
+    range_max: float
+    stamp_ns: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape))
+        _check_width(self.beam_width)
+        _check_beams(0.0, 0.0, self.range_min, self.range_max)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) in the sensor frame, radians."""
+        return self.bearings
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return :func:`uneven_fields` of the scan, or of :meth:`turned_over`."""
+        return uneven_fields(-self.bearings if turned_over else self.bearings, widest)
+
+    def turned_over(self) -> SonarScan:
+        """Return the scan as a sensor that hangs upside down took it."""
+        return replace(self, bearings=-self.bearings)
+
+
+RangeScan = LaserScan | SonarScan
+
+
+def checked_bearings(bearings: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return bearings as an array of this shape. Raises :class:`ConfigError` where they are none."""
+    array = np.ascontiguousarray(bearings, dtype=np.float64)
+    if array.shape != shape or len(shape) != 1 or not np.isfinite(array).all():
+        raise ConfigError("scan.bearings", f"Bearings must be finite and of shape {shape}, not {array.shape}.")
+    return array
+
+
+def _check_width(width: float) -> None:
+    if not 0.0 <= width <= np.pi / 2.0:
+        raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
+
+    ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
+    stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base
+    (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
+    can be mapped.
+    """
+
+    poses: NDArray[np.float64]
+    description: str = ""
+    frame_id: str | None = None
+    child_frame_id: str = "base_link"
+    is_placeholder: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
+        check_poses(self.poses, (len(self.poses), 3))
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One stream of messages in the file that a log was read from.
+
+    The figures after ``count`` are those of a range sensor, None of anything else: ``frame`` is the one that its
+    scans are stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor
+    whose scans the log holds.
+    """
+
+    name: str
+    type: str
+    count: int
+    frame: str | None = None
+    beams: int | None = None
+    field_of_view_deg: float | None = None
+    rate_hz: float | None = None
+    mount: tuple[float, float, float] | None = None
+    chosen: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ScanLog:
+    """A whole log of one sensor, packed once, so that it can be mapped again and again in milliseconds.
+
+    ``ranges`` (n_scans, n_beams) float32; ``stamps_ns`` (n_scans,) int64, as recorded (they may jump backwards);
+    ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``;
+    ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
+    A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
+    and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
+    ``frame_id`` is the sensor's frame. ``time_increment`` is the time from one beam to the next and ``scan_time`` from
+    one scan to the next, seconds, 0 where the file does not state them; where scans state different ones, the median.
+    """
+
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamps_ns: NDArray[np.int64]
+    trajectories: Mapping[str, Trajectory]
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    upside_down: bool = False
+    bearings: NDArray[np.float64] | None = None
+    beam_width: float = 0.0
+    name: str = ""
+    format: str = ""
+    topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
+    frame_id: str = "laser"
+    time_increment: float = 0.0
+    scan_time: float = 0.0
+    notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
+    limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
+        object.__setattr__(self, "stamps_ns", np.ascontiguousarray(self.stamps_ns, dtype=np.int64))
+        if self.ranges.ndim != 2:
+            raise ConfigError(
+                "log.shape", f"A log's ranges are scans × beams, not an array of shape {self.ranges.shape}."
+            )
+        if len(self.ranges) > self.limits.max_scans or self.ranges.shape[1] > self.limits.max_beams:
+            raise LimitError(
+                "log.too_large",
+                f"The log has {self.ranges.shape[0]} scans × {self.ranges.shape[1]} beams; the limits are "
+                f"{self.limits.max_scans} and {self.limits.max_beams}.",
+            )
+        if self.stamps_ns.shape != (len(self.ranges),):
+            raise ConfigError(
+                "log.stamps", f"{len(self.ranges)} scans need as many stamps, not {self.stamps_ns.shape}."
+            )
+        if not self.trajectories:
+            raise ConfigError("log.no_trajectory", "A log needs at least one trajectory.")
+        for trajectory in self.trajectories.values():
+            check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
+        _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
+        _check_width(self.beam_width)
+        if not np.isfinite([self.time_increment, self.scan_time]).all():
+            raise ConfigError(
+                "log.times",
+                "The time increment and the scan time must be finite numbers of seconds, not "
+                f"{self.time_increment!r} and {self.scan_time!r}.",
+            )
+        if self.bearings is None:
+            _check_angle_step(self.angle_increment, self.ranges.shape[1])
+        else:
+            object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape[1:]))
+        if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
+            raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
+
+    @property
+    def n_scans(self) -> int:
+        """Number of scans."""
+        return int(self.ranges.shape[0])
+
+    @property
+    def n_beams(self) -> int:
+        """Beams in each scan."""
+        return int(self.ranges.shape[1])
+
+    @property
+    def sweep(self) -> tuple[float, float]:
+        """Bearing of the first beam and from one beam to the next, radians, counter-clockwise seen from above."""
+        return (-self.angle_min, -self.angle_increment) if self.upside_down else (self.angle_min, self.angle_increment)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Bearing of each beam (n_beams,) around the sensor's heading, radians, counter-clockwise seen from above."""
+        if self.bearings is not None:
+            return -self.bearings if self.upside_down else self.bearings
+        angle_min, angle_increment = self.sweep
+        return np.asarray(angle_min + angle_increment * np.arange(self.n_beams), dtype=np.float64)
+
+    def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
+        """Return the perceptual fields of the beams (n_beams, 4), as :func:`beam_fields`, seen from above.
+
+        With ``turned_over`` as if the sensor hung the other way up.
+        """
+        if self.bearings is not None:
+            return uneven_fields(-self.angles if turned_over else self.angles, widest)
+        angle_min, angle_increment = self.sweep
+        sign = -1.0 if turned_over else 1.0
+        return beam_fields(sign * angle_min, sign * angle_increment, self.n_beams, widest)
+
+    @property
+    def default_trajectory(self) -> str:
+        """Name of the trajectory that is used where none is named."""
+        return next(iter(self.trajectories))
+
+    def trajectory(self, name: str | None = None) -> Trajectory:
+        """Return the trajectory ``name`` (None: the default). Raises :class:`ConfigError` for a name the log lacks."""
+        key = self.default_trajectory if name is None else name
+        if key not in self.trajectories:
+            raise ConfigError(
+                "log.trajectory",
+                f"The log has no trajectory {key!r:.80}; it has {', '.join(map(repr, self.trajectories))}.",
+            )
+        return self.trajectories[key]
+
+    def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
+        """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""
+        return compose(self.trajectory(trajectory).poses, np.array(self.mount))
+
+    def scan(self, index: int) -> RangeScan:
+        """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""
+        if self.bearings is not None:
+            limits = (self.range_min, self.range_max, int(self.stamps_ns[index]))
+            return SonarScan(self.ranges[index], self.angles, self.beam_width, *limits)
+        return LaserScan(
+            self.ranges[index],
+            *self.sweep,
+            self.range_min,
+            self.range_max,
+            int(self.stamps_ns[index]),
+            self.beam_width,
+            self.time_increment,
+            self.scan_time,
+        )

@@ -1,0 +1,182 @@
+"""The walker: chooses where the robot goes next, and steers it there.
+
+Goals are places that the robot has not been near for the longest time; the way there keeps to the middle of free
+space where it can; pure pursuit follows it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, nearest_edge
+from mapper.simulation.kernels.shortest_paths import shortest_paths
+from mapper.simulation.robot import MAX_ANGULAR, PoseTuple, Robot
+from mapper.simulation.worlds import Float64Array, World, clearance_lattice
+
+CRUISE, CAREFUL = 0.9, 0.6  # m/s in the open and between walls
+LOOKAHEAD = 0.7  # metres
+VISITED_RADIUS = 1.1  # metres around the robot that count as visited
+MARGIN = 0.03  # metres beyond the radius that a path needs everywhere
+SPARE = 0.005  # metres beyond the radius that the next half second needs
+COMFORT = 0.55  # metres of clearance beyond which a path gains nothing
+GOAL_CLEARANCE = 0.15  # metres beyond the radius that a goal needs
+GOALS_TRIED = 48
+ARRIVED = 0.7  # metres before a goal at which the next is chosen, so that the robot does not halt
+STUCK_AFTER = 2.5  # seconds without progress after which the goal is given up
+SPACING = 0.1  # metres between the points of a path
+
+
+@dataclass(slots=True)
+class Walker:
+    """Steers one robot through one world. ``rng`` chooses between goals; ``visited`` remembers when it was where.
+
+    ``visited`` (rows, cols) is the time in seconds at which each cell of the world's lattice was last near the robot.
+    """
+
+    world: World
+    rng: np.random.Generator
+    visited: Float64Array = field(init=False)
+    path: Float64Array = field(init=False)  #: (n, 2), metres, what is left of the way; empty before the first goal
+    _progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
+    _centres: Float64Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        lattice = clearance_lattice(self.world)
+        self.visited = np.full(lattice.clearance.shape, -300.0)  # never: as good as five minutes before the start
+        self.path = np.empty((0, 2))
+        self._centres = lattice.geometry.cell_to_world(
+            np.stack(np.meshgrid(*(np.arange(n) for n in lattice.clearance.shape), indexing="ij"), axis=-1)
+        )
+
+    def enter(self, world: World) -> None:
+        """Go on in an altered world of the same bounds: what was visited stays visited, the goal is dropped."""
+        self.world = world
+        self.forget_path()
+
+    def forget_path(self) -> None:
+        """Drop the goal: the robot was moved, or steered by hand."""
+        self.path = np.empty((0, 2))
+
+    def note(self, pose: PoseTuple, time: float) -> None:
+        """Remember that the robot is at ``pose`` at ``time`` seconds."""
+        x0, y0 = self.world.bounds[:2]
+        step = clearance_lattice(self.world).geometry.resolution
+        reach = int(VISITED_RADIUS / step)
+        row, col = int((pose[1] - y0) / step), int((pose[0] - x0) / step)
+        rows, cols = slice(max(0, row - reach), row + reach + 1), slice(max(0, col - reach), col + reach + 1)
+        near = np.hypot(*(self._centres[rows, cols] - pose[:2]).transpose(2, 0, 1)) <= VISITED_RADIUS
+        self.visited[rows, cols][near] = time
+
+    def velocities(self, robot: Robot, time: float) -> tuple[float, float]:
+        """Return the linear and angular velocity, m/s and rad/s, that lead the robot on along its way."""
+        x, y, yaw = robot.pose
+        if math.hypot(x - self._progress[0], y - self._progress[1]) > 0.1:
+            self._progress = (x, y, time)
+        if not len(self.path) or time - self._progress[2] > STUCK_AFTER or self._left(x, y) < ARRIVED:
+            self.path = self._plan(robot, time)
+            self._progress = (x, y, time)
+            if not len(self.path):
+                return 0.0, 0.6  # nowhere to go: look around
+        target_x, target_y = self._target(robot)
+        bearing = math.remainder(math.atan2(target_y - y, target_x - x) - yaw, 2.0 * math.pi)
+        distance = max(0.3, math.hypot(target_x - x, target_y - y))
+        clearance = nearest_edge(self.world.segments, x, y, np.zeros(2))
+        speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
+        # Pure pursuit (Coulter 1992): the arc through the target has curvature 2 sin(α) / distance.
+        facing = max(0.0, math.cos(bearing)) ** 2 if abs(bearing) < 1.2 else 0.0
+        linear = speed * facing
+        curvature = 2.0 * math.sin(bearing) / distance
+        if facing > 0.0 and abs(curvature) * linear > MAX_ANGULAR:
+            linear = MAX_ANGULAR / abs(curvature)
+        angular = linear * curvature if facing > 0.3 else 2.0 * bearing
+        angular = max(-MAX_ANGULAR, min(MAX_ANGULAR, angular))
+        needed = min(robot.radius + SPARE, clearance) - 1e-6
+        for _ in range(3):
+            if arc_clearance(self.world.segments, x, y, yaw, linear, angular, 0.5, 5) >= needed:
+                return linear, angular
+            linear *= 0.5
+        return 0.0, 2.0 * bearing
+
+    def _left(self, x: float, y: float) -> float:
+        """Drop what is behind from the path; return about how far its end still is, in metres."""
+        near = int(np.argmin(np.hypot(*(self.path[:20] - (x, y)).T)))
+        self.path = self.path[near:]
+        return float(np.hypot(*(self.path[-1] - (x, y)))) if len(self.path) < 2 * ARRIVED / SPACING else math.inf
+
+    def _target(self, robot: Robot) -> tuple[float, float]:
+        """Return the farthest point of the path within the lookahead that the robot can reach in a straight line."""
+        x, y, _ = robot.pose
+        ahead = min(len(self.path) - 1, int(LOOKAHEAD / SPACING))
+        for spare in (0.1, MARGIN / 2):
+            for i in range(ahead, 0, -1):
+                px, py = float(self.path[i, 0]), float(self.path[i, 1])
+                if chord_clearance(self.world.segments, x, y, px, py) >= robot.radius + spare:
+                    return px, py
+        i = min(1, ahead)
+        return float(self.path[i, 0]), float(self.path[i, 1])
+
+    def _plan(self, robot: Robot, time: float) -> Float64Array:
+        """Return a way (n, 2) to the place that is most worth a visit; empty where there is none."""
+        lattice = clearance_lattice(self.world)
+        clearance = lattice.clearance
+        spare = clearance - (robot.radius + MARGIN)
+        crowding = np.clip((COMFORT - clearance) / (COMFORT - robot.radius), 0.0, 1.0)
+        cost = np.where(spare >= 0.0, 1.0 + 6.0 * crowding**2, np.inf)
+        row, col = self._entry(robot, spare)
+        distance, parent = np.empty(cost.shape), np.empty(cost.shape, dtype=np.int64)
+        shortest_paths(cost, row, col, distance, parent)
+        metres = distance * lattice.geometry.resolution
+        reachable = np.isfinite(metres) & (clearance >= robot.radius + GOAL_CLEARANCE) & (metres > 2.0 * ARRIVED)
+        candidates = np.argwhere(reachable)
+        if not len(candidates):
+            return np.empty((0, 2))
+        chosen = candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)]
+        rows, cols = chosen.T
+        # Seconds since the last visit, less twice the seconds that it costs to go there.
+        worth = (time - self.visited[rows, cols]) - 2.0 * metres[rows, cols] / CAREFUL
+        goal = int(np.argmax(worth))
+        return self._smoothed(self._cells_to(int(rows[goal]), int(cols[goal]), parent), robot)
+
+    def _entry(self, robot: Robot, spare: Float64Array) -> tuple[int, int]:
+        """Return the passable cell nearest to the robot that it can reach in a straight line."""
+        x, y, _ = robot.pose
+        cells = np.argwhere(spare >= 0.0)
+        if not len(cells):
+            return 0, 0
+        gaps = np.hypot(*(self._centres[cells[:, 0], cells[:, 1]] - (x, y)).T)
+        order = np.argsort(gaps, kind="stable")[:32]
+        for index in order:
+            row, col = (int(v) for v in cells[index])
+            px, py = self._centres[row, col]
+            if chord_clearance(self.world.segments, x, y, float(px), float(py)) >= robot.radius:
+                return row, col
+        row, col = (int(v) for v in cells[order[0]])
+        return row, col
+
+    def _cells_to(self, row: int, col: int, parent: NDArray[np.int64]) -> Float64Array:
+        """Return the centres (n, 2) of the cells from the start to (row, col)."""
+        cells = []
+        cell, cols = row * parent.shape[1] + col, parent.shape[1]
+        while cell >= 0:
+            cells.append((cell // cols, cell % cols))
+            cell = int(parent[cell // cols, cell % cols])
+        rows, columns = np.array(cells[::-1]).T
+        return np.asarray(self._centres[rows, columns], dtype=np.float64)
+
+    def _smoothed(self, path: Float64Array, robot: Robot) -> Float64Array:
+        """Return the path with its corners relaxed, never nearer to a wall than it was or than the margin asks."""
+        path = path.copy()
+        floor = np.minimum(self.world.clearance(path), robot.radius + 0.15)
+        for _ in range(40):
+            relaxed = path.copy()
+            relaxed[1:-1] = 0.5 * path[1:-1] + 0.25 * (path[:-2] + path[2:])
+            kept = self.world.clearance(relaxed) >= floor
+            path[kept] = relaxed[kept]
+        # Points at even distances: the lookahead counts them.
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+        even = np.linspace(0.0, along[-1], max(2, round(along[-1] / SPACING) + 1))
+        return np.stack([np.interp(even, along, path[:, axis]) for axis in (0, 1)], axis=-1)

@@ -1,0 +1,133 @@
+"""What goes wrong with a robot: wheels that drift, and polished walls that throw beams away.
+
+Both are recorded all the time, beside what is true, and chosen when the map is made: so a fault can be switched on and
+off over a whole recording, and the map with it stands beside the map without it, of the same readings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.simulation.lidar import SensorConfig, true_ranges
+from mapper.simulation.sonar import ranges_in_cones, rays_of_cone
+from mapper.simulation.worlds import Float64Array, World
+
+SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
+POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished
+ON_WALL = 1e-6  # metres by which the end of a beam may miss the face that ended it
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Which faults the map is made with.
+
+    ``drift``: with the poses that :class:`~mapper.simulation.odometry.Odometer` reports, not the true ones.
+    ``specular``:
+    with the polished walls of :func:`polished_faces`, which send a slanting beam away like a mirror: nothing returns to
+    a lidar, and to a sonar only what else is in its cone. Raises :class:`ConfigError` for a value that is not true or
+    false.
+    """
+
+    drift: bool = False
+    specular: bool = False
+
+    def __post_init__(self) -> None:
+        for row in fields(self):
+            if not isinstance(getattr(self, row.name), bool):
+                raise ConfigError(
+                    "faults.value", f"The fault {row.name} is true or false, not {getattr(self, row.name)!r:.80}."
+                )
+
+    def with_values(self, values: Mapping[str, Any]) -> Faults:
+        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        unknown = [name for name in values if name not in Faults.__slots__]
+        if unknown:
+            raise ConfigError("faults.unknown", f"There is no fault {unknown[0]!r:.80}.")
+        return Faults(**(asdict(self) | dict(values)))
+
+    @property
+    def trajectory(self) -> str:
+        """The trajectory of a :class:`~mapper.simulation.recording.Recording` that the map is made with."""
+        return "odometry" if self.drift else "true"
+
+
+@lru_cache(maxsize=16)
+def polished_faces(world: World) -> Float64Array:
+    """Return the faces (n, 4), ``(ax, ay, bx, by)`` in metres, that are polished: all straight ones that are long."""
+    length = np.hypot(*(world.segments[:, 2:] - world.segments[:, :2]).T)
+    faces: Float64Array = world.segments[length >= POLISHED_LENGTH]
+    faces.setflags(write=False)
+    return faces
+
+
+def swallowed(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_pose: ArrayLike) -> NDArray[np.bool_]:
+    """Return which beams (n,) a polished wall swallows, given their true ``ranges`` (n,), without noise, and bearings.
+
+    ``angles`` (n,) are radians in the laser frame, ``sensor_pose`` (3,) is ``T_map_laser``. A beam that returns from
+    anything else, or from nothing, is not swallowed. Source of the effect: Probabilistic Robotics, section 6.3
+    (failures of a range finder: specular reflection, which sonars know from every smooth wall and lidars from glass and
+    polish).
+    """
+    faces = polished_faces(world)
+    distance = np.asarray(ranges, dtype=np.float64)
+    out = np.zeros(len(distance), dtype=np.bool_)
+    returned = np.flatnonzero(np.isfinite(distance))
+    if not len(faces) or not len(returned):
+        return out
+    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    bearing = yaw + np.asarray(angles, dtype=np.float64)[returned]
+    direction = np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
+    ends = np.array([x, y]) + distance[returned, np.newaxis] * direction
+    edge = faces[:, 2:] - faces[:, :2]
+    length = np.hypot(*edge.T)
+    along = edge / length[:, np.newaxis]
+    offset = ends[:, np.newaxis] - faces[np.newaxis, :, :2]  # (beams, faces, 2)
+    off_face = np.abs(offset[..., 0] * along[:, 1] - offset[..., 1] * along[:, 0])
+    where = offset[..., 0] * along[:, 0] + offset[..., 1] * along[:, 1]
+    on_face = (off_face <= ON_WALL) & (where >= -ON_WALL) & (where <= length + ON_WALL)
+    # The sine of the angle between beam and normal is the cosine of that between beam and face.
+    slant = np.abs(direction @ along.T) > math.sin(SPECULAR_ANGLE)
+    out[returned] = np.any(on_face & slant, axis=1)
+    return out
+
+
+def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> NDArray[np.float16]:
+    """Return by how many metres (n_readings,) each reading is longer because of the polished walls.
+
+    0 where the reading is the true one, +inf where nothing comes back any more; ``sensor_pose`` (3,) is
+    ``T_map_laser``. A lidar's beam returns or it does not. A sonar hears the nearest wall in its cone that it meets
+    within :data:`SPECULAR_ANGLE` of the normal, and whatever is not polished. Half precision, a thousandth of the
+    distance, is less than any sensor's noise.
+    """
+    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    if sensor.kind == "sonar_ring":
+        heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
+        angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)
+    else:
+        heard = true_ranges(world, sensor, (x, y, yaw))[:, np.newaxis]
+        angles = sensor.bearings[:, np.newaxis]
+    lost = swallowed(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)
+    true = heard.min(axis=1)
+    echo = np.where(lost, np.inf, heard).min(axis=1)
+    returned = np.isfinite(true)
+    out = np.zeros(len(true), dtype=np.float16)
+    out[returned] = echo[returned] - true[returned]
+    return out
+
+
+def with_lengthened(ranges: NDArray[np.float32], longer: NDArray[np.float16], range_max: float) -> NDArray[np.float32]:
+    """Return readings, of any shape, as the sensor reports them beside polished walls: see :func:`lengthened`.
+
+    What is longer than ``range_max`` does not return: +inf (REP 117).
+    """
+    reported = ranges + longer
+    reported[reported > range_max] = np.inf
+    return reported

@@ -1,0 +1,161 @@
+"""The simulated range finder, a rotating lidar or a ring of sonars: its parameters, and what it reads in a world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mapper.core.errors import ConfigError
+from mapper.mapping.parameters import Parameter
+from mapper.sensors.scan import LaserScan
+from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.sonar import ranges_in_cones
+from mapper.simulation.worlds import Float64Array, World
+
+TURN = 2.0 * np.pi
+RANGE_MIN = 0.02  #: metres: no reading is shorter, whatever the noise
+
+SENSOR_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter(
+        "kind", "Sensor", "sensor", "choice", "lidar",
+        "A lidar has many thin beams; a sonar hears the nearest thing in a wide cone, and not where in it.",
+        choices=("lidar", "sonar_ring"),
+    ),
+    Parameter(
+        "n_beams", "Beams", "sensor", "number", 360,
+        "Beams in each scan, spread evenly over the field of view.",
+        low=30, high=1080, step=30, only_for=("lidar",),
+    ),
+    Parameter(
+        "n_sonars", "Sonars", "sensor", "number", 16,
+        "Sonars of the ring, spread evenly over the field of view.",
+        low=4, high=48, step=1, only_for=("sonar_ring",),
+    ),
+    Parameter(
+        "beam_width", "Cone of a sonar", "sensor", "number", 0.35,
+        "The angle, from edge to edge, in which a sonar hears an echo.",
+        unit="rad", low=0.05, high=1.0, step=0.01, only_for=("sonar_ring",),
+    ),
+    Parameter(
+        "field_of_view", "Field of view", "sensor", "number", TURN,
+        "The angle that a scan covers, centred straight ahead.",
+        unit="rad", low=TURN / 12, high=TURN, step=TURN / 72,
+    ),
+    Parameter(
+        "range_max", "Sensor range", "sensor", "number", 10.0,
+        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.",
+        unit="m", low=1.0, high=30.0, step=0.5,
+    ),
+    Parameter(
+        "range_noise", "Range noise σ", "sensor", "number", 0.01,
+        "Standard deviation of a reading about the true range.",
+        unit="m", low=0.0, high=0.5, step=0.005,
+    ),
+    Parameter(
+        "scan_rate", "Scan rate", "sensor", "number", 10.0,
+        "Scans in a second.",
+        unit="Hz", low=1.0, high=25.0, step=1.0,
+    ),
+)  # fmt: skip
+
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SENSOR_PARAMETERS}
+
+
+@dataclass(frozen=True, slots=True)
+class SensorConfig:
+    """One value for each row of :data:`SENSOR_PARAMETERS`; units and meanings stand there.
+
+    Raises :class:`ConfigError` naming the field that is refused.
+    """
+
+    kind: str = "lidar"
+    n_beams: int = 360
+    n_sonars: int = 16
+    beam_width: float = 0.35
+    field_of_view: float = TURN
+    range_max: float = 10.0
+    range_noise: float = 0.01
+    scan_rate: float = 10.0
+
+    def __post_init__(self) -> None:
+        for row in SENSOR_PARAMETERS:
+            object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
+        for name, label in (("n_beams", "Beams"), ("n_sonars", "Sonars")):
+            value = getattr(self, name)
+            if value != int(value):
+                raise ConfigError(f"parameter.{name}", f"{label} ({name}) must be a whole number, not {value!r}.")
+            object.__setattr__(self, name, int(value))
+
+    @property
+    def n_readings(self) -> int:
+        """Readings in a scan: one for each beam of the lidar, or for each sonar."""
+        return self.n_beams if self.kind == "lidar" else self.n_sonars
+
+    @property
+    def cone(self) -> float:
+        """The angle in which one reading may have arisen, radians: 0 for the lidar's thin beams."""
+        return 0.0 if self.kind == "lidar" else self.beam_width
+
+    @property
+    def angle_increment(self) -> float:
+        """Radians from one beam to the next. A full turn has no beam twice; a narrower fan has one at each edge."""
+        return self.field_of_view / (self.n_readings if self.field_of_view >= TURN else self.n_readings - 1)
+
+    @property
+    def angle_min(self) -> float:
+        """Bearing of the first beam in the laser frame, radians."""
+        return -self.field_of_view / 2.0
+
+    @property
+    def bearings(self) -> Float64Array:
+        """Bearings of the readings (n_readings,) in the laser frame, radians."""
+        return self.angle_min + self.angle_increment * np.arange(self.n_readings, dtype=np.float64)
+
+    def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
+        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        unknown = [name for name in values if name not in BY_NAME]
+        if unknown:
+            raise ConfigError("parameter.unknown", f"There is no sensor parameter {unknown[0]!r:.80}.")
+        return SensorConfig(**(asdict(self) | dict(values)))
+
+
+if {f.name: f.default for f in fields(SensorConfig)} != {row.name: row.initial for row in SENSOR_PARAMETERS}:
+    raise AssertionError("SensorConfig and SENSOR_PARAMETERS must name the same parameters with the same first values")
+
+
+def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:
+    """Return the exact distance (n_readings,), metres, from ``sensor_pose`` (3,), ``T_map_laser``, to the first solid.
+
+    +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``.
+    """
+    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    if sensor.kind == "sonar_ring":
+        heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
+        nearest: Float64Array = heard.min(axis=1)
+        return nearest
+    out = np.empty(sensor.n_readings)
+    cast_rays(world.segments, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
+    return out
+
+
+def measure(
+    world: World, sensor: SensorConfig, sensor_pose: ArrayLike, rng: np.random.Generator, stamp_ns: int = 0
+) -> LaserScan:
+    """Return the scan that the sensor at ``sensor_pose`` (3,), ``T_map_laser``, reports, all beams at one instant.
+
+    Each true range gets Gaussian noise of σ = ``range_noise``, cut off so that no reading falls below
+    :data:`RANGE_MIN`; one beyond ``range_max``, before or after the noise, is +inf, "no return" (REP 117). This is
+    p_hit of the beam model (Probabilistic Robotics, table 6.1) without its other three terms.
+    """
+    # Drawn even where σ = 0: the noise of later scans does not depend on it.
+    noise = rng.standard_normal(sensor.n_readings)
+    ranges = np.maximum(true_ranges(world, sensor, sensor_pose) + sensor.range_noise * noise, RANGE_MIN).astype(
+        np.float32
+    )
+    ranges[ranges > sensor.range_max] = np.inf
+    limits = (RANGE_MIN, sensor.range_max)
+    return LaserScan(ranges, sensor.angle_min, sensor.angle_increment, *limits, stamp_ns, sensor.cone)

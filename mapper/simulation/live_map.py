@@ -1,0 +1,343 @@
+"""What a world session computes: a simulation, the recording of what its sensor saw, and the maps made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError, MapperError
+from mapper.core.limits import Limits
+from mapper.core.se2 import compose
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import suited_parameters
+from mapper.replay.incremental import UnwantedError
+from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
+from mapper.simulation import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
+from mapper.simulation.faults import lengthened, with_lengthened
+from mapper.simulation.lidar import measure
+from mapper.simulation.odometry import Odometer
+from mapper.simulation.robot import PoseTuple
+from mapper.simulation.second_map import SecondMap, Vanishing
+
+MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
+WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives
+MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
+
+
+class WorldMapper:
+    """A simulation and the map that it makes. Not for several threads at once.
+
+    Everything the sensor saw is kept, so the whole map can be made anew with other parameters, with or without the
+    faults of the robot. A sensor with other beams begins a recording of its own; the map is made from all of them.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        seed: int,
+        config: MappingConfig | None = None,
+        sensor: SensorConfig | None = None,
+        limits: Callable[[], Limits] = Limits,
+        edits: Edits | None = None,
+        *,
+        mapping: bool = True,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`."""
+        sensor = sensor or SensorConfig()
+        self.wanted = wanted  #: asked while maps are made: False ends that with :class:`UnwantedError`
+        self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
+        self._mapping = mapping
+        self.seed = seed
+        self.limits = limits
+        self.config = config or self.first_config(sensor)
+        self.faults = Faults()
+        self.second: SecondMap | None = None
+        self.vanishing: Vanishing | None = None
+        self.begin(world, sensor, edits)
+
+    @staticmethod
+    def first_config(sensor: SensorConfig) -> MappingConfig:
+        """Return the parameters that a live world begins with."""
+        first = {"range_max": sensor.range_max, "window": 0.2, "resolution": 0.05}
+        return MappingConfig().with_values(suited_parameters(sensor.cone, first))
+
+    def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
+        """Start anew in ``world``, altered by ``edits``, the robot having walked for a moment.
+
+        Raises as :func:`mapper.simulation.edited` does; nothing has changed then.
+        """
+        edits = edits or Edits()
+        altered = edited(world, edits, self.limits())
+        altered.nearest_free(world.start[:2])  # raises where nothing fits any more
+        self.plan, self.edits = world, edits  #: the world as it was built, and what a person changed in it
+        grid = self._empty_grid(altered, self.config, [])
+        self.simulation = Simulation(altered, sensor, self.seed)
+        self.first_sensor, self.first_edits = sensor, edits
+        self.journal: list[tuple[int, dict[str, Any]]] = []
+        self._noise = np.random.default_rng(self.seed)
+        self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
+        self.recordings = [Recording(sensor)]
+        self.grid = grid
+        self.vanishing = None
+        if self.second is not None:
+            self.second.begin(self.second.config, self._empty_grid(altered, self.second.config, []))
+        self.newest: RangeScan | None = None
+        self.newest_pose: PoseTuple = self.simulation.pose
+        self.believed_pose: PoseTuple = self.simulation.pose  #: where the map has the base at the newest scan
+        self.scans = 0
+        self.hidden = 0  #: newest scans that are taken out of the map again, to be looked at one by one
+        if not altered.is_free(world.start[:2], self.simulation.radius):
+            self.simulation.teleport(*world.start)
+            self._odometer.place(self.simulation.pose)
+        self.advance(WARM_UP_S)
+        if self.newest is None:
+            self.look()
+
+    def _empty_grid(self, world: World, config: MappingConfig, logs: list[ScanLog]) -> OccupancyGrid:
+        """Return a grid that holds the world and all that the logs saw of it."""
+        limits = self.limits()
+        x0, y0, x1, y1 = world.bounds
+        low, high = np.array([x0 - MARGIN, y0 - MARGIN]), np.array([x1 + MARGIN, y1 + MARGIN])
+        for log in logs:
+            seen = geometry_for(log, config, limits=limits)
+            inside = 0.5 * config.resolution
+            low = np.minimum(low, np.array(seen.origin[:2]) + inside)
+            high = np.maximum(
+                high, np.array(seen.origin[:2]) + np.array([seen.cols, seen.rows]) * config.resolution - inside
+            )
+        geometry = GridGeometry.covering(low, high, config.resolution, limits)
+        return OccupancyGrid(geometry, config.log_odds_prior)
+
+    def logs(self, faults: Faults | None = None) -> list[ScanLog]:
+        """What the sensors reported so far, one log for each kind of sensor; None for the faults of the moment."""
+        faults = faults or self.faults
+        return [recording.as_log(specular=faults.specular) for recording in self.recordings if len(recording)]
+
+    # -- the maps ---------------------------------------------------------------------------------------------------
+
+    def _made(self, config: MappingConfig, faults: Faults) -> OccupancyGrid:
+        logs = self.logs(faults)
+        used = [_only(log, faults.trajectory) for log in logs]
+        grid = self._empty_grid(self.plan, config, used)
+        total, done = sum(log.n_scans for log in used), 0
+        try:
+            for log in used:
+                stop = log.n_scans - (self.hidden if log is used[-1] else 0)
+                for at, _ in integrate_parts(grid, log, config, None, 0, stop):
+                    self.fraction = (done + at) / max(1, total)
+                    if not self.wanted():
+                        raise UnwantedError("world.unwanted", "The map is not wanted any more.")
+                done += stop
+        finally:
+            self.fraction = None
+        return grid
+
+    def remake(self, config: MappingConfig) -> None:
+        """Make the map anew from the recordings. Raises as :func:`geometry_for` does; the old map stays then."""
+        self.set_up(config, self.faults)
+
+    def set_up(self, config: MappingConfig, faults: Faults) -> None:
+        """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        if not self._mapping:
+            self.config, self.faults = config, faults
+            return
+        second = self.second
+        if second is not None:
+            other = second.beside(config)
+            remade = self._made(other, faults if second.with_faults else Faults())
+        grid = self._made(config, faults)
+        self.grid, self.config, self.faults = grid, config, faults
+        if second is not None:
+            second.begin(other, remade)
+        self.vanishing = None
+
+    def begin_mapping(self) -> None:
+        """Make the map of what was recorded without one, and go on with it. Raises as :meth:`remake`."""
+        self._mapping = True
+        self.remake(self.config)
+
+    def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
+        """Keep a second map of the same recording beside the first, with other ``values``; None for no more.
+
+        It is made of what is true, unless ``with_faults``. Raises :class:`ConfigError` for values that are refused.
+        """
+        self.vanishing = None
+        if values is None:
+            self.second = None
+            return
+        config = self.config.with_values(values)
+        grid = self._made(config, self.faults if with_faults else Faults())
+        self.second = SecondMap(values, with_faults, config, grid)
+
+    # -- time -------------------------------------------------------------------------------------------------------
+
+    def advance(self, dt: float) -> list[Change]:
+        """Let ``dt`` seconds of the world's time pass; return what each scan changed."""
+        changes = []
+        for scan, pose in self.simulation.advance(dt):
+            changes.append(self._take(scan, pose))
+            self.wanted()  # others may have their turn here; the time passes in any case
+        return changes
+
+    def look(self) -> Change:
+        """Take a scan now, whatever the sensor's rate: after a teleport nobody should have to wait."""
+        simulation = self.simulation
+        stamp_ns = round(simulation.time * 1e9)
+        scan = measure(simulation.world, simulation.sensor, simulation.sensor_pose, self._noise, stamp_ns)
+        return self._take(scan, simulation.pose)
+
+    def step_back(self, scans: int) -> bool:
+        """Take the newest ``scans`` out of the map again, all but the sensor's first; return whether there were any."""
+        hidden = min(self.hidden + scans, len(self.recordings[-1]) - 1)
+        if hidden <= self.hidden:
+            return False
+        before, self.hidden = self.hidden, hidden
+        try:
+            self.remake(self.config)
+        except MapperError:
+            self.hidden = before
+            raise
+        self._recall()
+        return True
+
+    def _recall(self) -> RangeScan:
+        """Make the newest scan that is not hidden the newest; return it as it truly was."""
+        recording = self.recordings[-1]
+        at = len(recording) - 1 - self.hidden
+        log = recording.as_log(specular=self.faults.specular)
+        self.newest = log.scan(at)
+        self.newest_pose = pose_tuple(log.trajectory("true").poses[at])
+        self.believed_pose = pose_tuple(log.trajectory(self.faults.trajectory).poses[at])
+        return recording.as_log().scan(at)
+
+    def _reveal(self, scans: int) -> list[Change]:
+        """Put up to ``scans`` of the hidden ones back into the map."""
+        changes = []
+        for _ in range(min(scans, self.hidden)):
+            self.hidden -= 1
+            changes.append(self._integrate(self._recall()))
+        return changes
+
+    def step(self, scans: int) -> list[Change]:
+        """Let time pass until ``scans`` more scans are in the map; those that were taken out come first."""
+        changes = self._reveal(scans)
+        while len(changes) < scans:
+            changes += self.advance(1.0 / self.simulation.sensor.scan_rate)
+        return changes
+
+    def _take(self, scan: LaserScan, pose: PoseTuple) -> Change:
+        self._reveal(self.hidden)
+        recording = self.recordings[-1]
+        generation = recording.generation
+        odometry = self._odometer.move(pose)
+        longer = self._lengthened(pose)
+        recording.append(scan, pose, odometry, longer)
+        reported = with_lengthened(scan.ranges, longer, scan.range_max) if self.faults.specular else scan.ranges
+        self.newest, self.newest_pose = replace(scan, ranges=reported), pose
+        self.believed_pose = odometry if self.faults.drift else pose
+        self.scans += 1
+        if recording.generation != generation:
+            # The recording was thinned: the map is made of what it still holds, as any later re-make will be.
+            self.remake(self.config)
+            return Change(None, geometry_changed=True, cells_updated=0)
+        return self._integrate(scan)
+
+    def _integrate(self, scan: RangeScan) -> Change:
+        """Put the newest scan into the maps: as it was reported, and into a map made right the true ``scan``."""
+        mount, reported = self.simulation.mount, self.newest
+        if reported is None:
+            raise RuntimeError("there is no newest scan")
+        if not self._mapping:
+            return Change(None, geometry_changed=False, cells_updated=0)
+        change = integrate_scan(self.grid, reported, compose(self.believed_pose, mount), self.config)
+        second = self.second
+        if second is not None:
+            seen, at = (reported, self.believed_pose) if second.with_faults else (scan, self.newest_pose)
+            second.add(integrate_scan(second.grid, seen, compose(at, mount), second.config))
+            if self.vanishing is not None:
+                self.vanishing.look(self.grid, second.grid)
+        return change
+
+    def _lengthened(self, pose: PoseTuple) -> NDArray[np.float16]:
+        simulation = self.simulation
+        return lengthened(simulation.world, simulation.sensor, compose(pose, simulation.mount))
+
+    # -- what a person changes --------------------------------------------------------------------------------------
+
+    def teleport(self, x: float, y: float, yaw: float | None) -> tuple[Change, str | None]:
+        """Put the robot somewhere and look; return the change, and a sentence where it had to be put elsewhere."""
+        landed = self.simulation.teleport(x, y, yaw)
+        self._odometer.place(landed.pose)
+        return self.look(), landed.message if landed.moved else None
+
+    def set_sensor(self, sensor: SensorConfig) -> bool:
+        """Exchange the sensor; return whether the map had to be made anew, because a recording was given up.
+
+        No model suits thin and wide beams alike: where a sensor of another kind comes, the map begins anew, with the
+        model that suits it.
+        """
+        self._reveal(self.hidden)
+        other_kind = sensor.kind != self.simulation.sensor.kind
+        self.simulation.set_sensor(sensor)
+        if other_kind:
+            suited = suited_parameters(sensor.cone)
+            model = {"model": suited.pop("model", "fixed_increments")}
+            self.recordings = [Recording(sensor)]
+            self.remake(self.config.with_values(model | suited))
+            self.look()
+            return True
+        if self.recordings[-1].fits(sensor):
+            return False
+        if not len(self.recordings[-1]):
+            self.recordings.pop()
+        self.recordings.append(Recording(sensor))
+        if len(self.recordings) <= MAX_SEGMENTS:
+            return False
+        self.recordings.remove(min(self.recordings[:-1], key=len))
+        self.remake(self.config)
+        return True
+
+    def edit(self, edits: Edits, *, watch: bool = False) -> bool:
+        """Alter the world around the robot; return whether the robot had to make way.
+
+        With ``watch`` a second map without the clamp (with it, where the first has none) begins, and both are watched
+        while they forget what was erased. Raises as :func:`mapper.simulation.edited` does, and :class:`ConfigError`
+        where the map holds nothing of what was erased; the world is then as it was.
+        """
+        before = self.simulation.world
+        after = edited(self.plan, edits, self.limits())
+        if self.vanishing is not None and not watch:
+            self.compare(None)
+        vanishing = Vanishing.of(self.grid, self.config, before, after) if watch else None
+        moved = self.simulation.alter_world(after)
+        self.edits = edits
+        if moved:
+            self._odometer.place(self.simulation.pose)
+        if vanishing is not None:
+            self.compare({"clamp": not self.config.clamp}, with_faults=True)
+            self.vanishing = vanishing
+        return moved
+
+
+def _only(log: ScanLog, trajectory: str) -> ScanLog:
+    return replace(log, trajectories={trajectory: log.trajectory(trajectory)})
+
+
+def pose_tuple(row: NDArray[np.float64]) -> PoseTuple:
+    """Return (3,) as plain numbers."""
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)
+
+
+def world_named(name: str) -> World:
+    """Return a world. Raises :class:`ConfigError` for a name that there is not."""
+    if name not in WORLDS:
+        raise ConfigError("world.name", f"There is no world {name!r:.80}; there are {', '.join(WORLDS)}.")
+    return WORLDS[name]

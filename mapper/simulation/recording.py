@@ -1,0 +1,165 @@
+"""The live world's memory: what the sensor has seen so far, as a log that can be mapped again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
+from mapper.simulation.faults import with_lengthened
+from mapper.simulation.lidar import RANGE_MIN, SensorConfig
+
+CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 13 MB with 360 beams
+FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
+PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
+TURNS = 4  # headings that are told apart in each square
+
+
+class Recording:
+    """Scans and poses of one sensor, in arrays that grow up to ``capacity`` scans.
+
+    Beside the true poses it holds those that odometry reported, and beside the readings by how much polished walls
+    would have made them longer: see :mod:`mapper.simulation.faults`.
+
+    When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
+    only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
+    place is too many, the squares are larger. So every place that the robot ever saw stays in the map that is made
+    from the recording, however long it runs, and where the robot was most often most is dropped, which the clamp
+    hides. Scans keep their order. :attr:`generation` counts the thinnings:
+    while it stays, a log of the recording is the earlier log grown at its end; when it changes, the map has to be
+    made anew. Logs handed out earlier are never written to.
+    """
+
+    def __init__(
+        self, sensor: SensorConfig, capacity: int = CAPACITY, mount: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> None:
+        if capacity < 2:
+            raise ConfigError("recording.capacity", f"A recording holds at least 2 scans, not {capacity!r}.")
+        self.sensor = sensor
+        self.capacity = capacity
+        self.mount = (float(mount[0]), float(mount[1]), float(mount[2]))
+        self.generation = 0
+        self._start_empty()
+
+    def _start_empty(self) -> None:
+        rows = min(self.capacity, FIRST_ROWS)
+        self._n = 0
+        self._ranges = np.empty((rows, self.sensor.n_readings), dtype=np.float32)
+        self._longer = np.zeros((rows, self.sensor.n_readings), dtype=np.float16)
+        self._poses = np.empty((rows, 3))
+        self._odometry = np.empty((rows, 3))
+        self._stamps = np.empty(rows, dtype=np.int64)
+
+    def __len__(self) -> int:
+        return self._n
+
+    def fits(self, sensor: SensorConfig) -> bool:
+        """Return whether scans of ``sensor`` can be appended: a log has one number and angle of beams and one range.
+
+        Noise and scan rate may differ. Where it returns false a new recording has to begin.
+        """
+        mine = self.sensor
+        return (sensor.n_readings, sensor.cone, sensor.field_of_view, sensor.range_max) == (
+            mine.n_readings,
+            mine.cone,
+            mine.field_of_view,
+            mine.range_max,
+        )
+
+    def append(
+        self,
+        scan: LaserScan,
+        base_pose: Sequence[float] | NDArray[np.float64],
+        odometry: Sequence[float] | NDArray[np.float64] | None = None,
+        longer: NDArray[np.float16] | None = None,
+    ) -> None:
+        """Add a scan and the base's pose ``T_map_base`` (3,) at it. Raises :class:`ConfigError` for a misfit.
+
+        ``odometry`` (3,) is that pose as the wheels report it, None for the true one; ``longer`` (n_beams,) are the
+        metres by which polished walls lengthen each reading, +inf for no return, None for none of them.
+        """
+        wanted = (self.sensor.n_readings, self.sensor.angle_min, self.sensor.angle_increment, self.sensor.range_max)
+        given = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max)
+        if given != wanted:
+            raise ConfigError(
+                "recording.scan",
+                f"A scan of (beams, angle_min, angle_increment, range_max) {given} is not of {wanted}.",
+            )
+        pose = np.asarray(base_pose, dtype=np.float64)
+        if pose.shape != (3,) or not np.isfinite(pose).all():
+            raise ConfigError("recording.pose", f"A pose must be three finite numbers, not {pose.tolist()!r:.80}.")
+        if self._n == self.capacity:
+            self._thin()
+        if self._n == len(self._ranges):
+            self._resize(np.arange(self._n), min(self.capacity, 2 * self._n))
+        self._ranges[self._n] = scan.ranges
+        self._poses[self._n] = pose
+        self._odometry[self._n] = pose if odometry is None else odometry
+        self._longer[self._n] = 0.0 if longer is None else longer
+        self._stamps[self._n] = scan.stamp_ns
+        self._n += 1
+
+    def as_log(self, *, specular: bool = False) -> ScanLog:
+        """Return the recording so far as a log with the trajectories "true" and "odometry".
+
+        Its arrays are views and nothing is copied, except that with ``specular`` the readings are those that polished
+        walls leave.
+        """
+        ranges = self._ranges[: self._n]
+        if specular:
+            ranges = with_lengthened(ranges, self._longer[: self._n], self.sensor.range_max)
+        return ScanLog(
+            ranges,
+            self.sensor.angle_min,
+            self.sensor.angle_increment,
+            RANGE_MIN,
+            self.sensor.range_max,
+            self._stamps[: self._n],
+            {
+                "true": Trajectory(self._poses[: self._n], "The simulated robot's true poses.", "map"),
+                "odometry": Trajectory(
+                    self._odometry[: self._n], "What its wheels report: the truth with a drift.", "odom"
+                ),
+            },
+            self.mount,
+            beam_width=self.sensor.cone,
+            name="live world",
+            format="simulation",
+        )
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._start_empty()
+        self.generation += 1
+
+    def _thin(self) -> None:
+        """Keep the newest n scans of each place, with the largest n that leaves half of the capacity free."""
+        room = self.capacity // 2
+        heading = np.floor(np.mod(self._poses[: self._n, 2], 2.0 * np.pi) / (2.0 * np.pi) * TURNS)
+        for side in PLACES:
+            square = np.floor(self._poses[: self._n, :2] / side)
+            places, group = np.unique(np.column_stack([square, heading]), axis=0, return_inverse=True)
+            if len(places) <= room:
+                break
+        # How many newer scans each scan has in its own place: order by place, newest first, and count within it.
+        order = np.lexsort((-np.arange(self._n), group))
+        starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+        newer = np.empty(self._n, dtype=np.int64)
+        newer[order] = np.arange(self._n) - np.repeat(starts, np.diff([*starts, self._n]))
+        kept_with = np.cumsum(np.bincount(newer))  # scans that stay when n = index + 1
+        n = max(1, int(np.searchsorted(kept_with, room, side="right")))
+        keep = np.flatnonzero(newer < n)[-room:]  # all of them, except where no square was large enough
+        self._resize(keep, len(self._ranges))
+        self._n = len(keep)
+        self.generation += 1
+
+    def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
+        """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
+        for name in ("_ranges", "_longer", "_poses", "_odometry", "_stamps"):
+            old = getattr(self, name)
+            new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)
+            new[: len(keep)] = old[keep]
+            setattr(self, name, new)

@@ -1,0 +1,208 @@
+"""The live world: a robot with a lidar in a world, and time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose
+from mapper.sensors.scan import LaserScan
+from mapper.simulation.explorer import Walker
+from mapper.simulation.lidar import SensorConfig, measure
+from mapper.simulation.robot import PoseTuple, Robot
+from mapper.simulation.worlds import Float64Array, World
+
+STEP = 0.02  #: seconds of one physics step
+CONTROL_STEPS = 2  # physics steps between two decisions of the walker
+NOTE_STEPS = 25  # physics steps between two notes of where the robot was
+DRIVE_SECONDS = 0.5  #: for how long a velocity given by hand holds
+ROBOT_RADIUS = 0.2  #: metres
+
+
+@dataclass(frozen=True, slots=True)
+class Teleport:
+    """Where a teleport ended: ``pose`` (x, y, yaw); whether it had to be ``moved``, and one sentence on it."""
+
+    pose: PoseTuple
+    moved: bool
+    message: str
+
+
+class Simulation:
+    """A world, a robot in it, its lidar and a clock, which only :meth:`advance` moves.
+
+    The same world, sensor, seed and calls give the same scans. Noise and wandering have a random generator each, so
+    a change of the sensor does not change the way. ``mount`` is ``T_base_laser``: metres, metres, radians.
+    Not for use from two threads at once.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        sensor: SensorConfig | None = None,
+        seed: int = 0,
+        *,
+        mount: PoseTuple = (0.0, 0.0, 0.0),
+        radius: float = ROBOT_RADIUS,
+    ) -> None:
+        if not all(math.isfinite(v) for v in mount):
+            raise ConfigError("simulation.mount", f"The sensor mount must be three finite numbers, not {mount!r}.")
+        if not 0.0 < radius <= 1.0:
+            raise ConfigError("simulation.radius", f"The robot's radius must be in (0, 1] m, not {radius!r}.")
+        noise, wander = np.random.SeedSequence(seed).spawn(2)
+        self._noise, self._wander = np.random.default_rng(noise), np.random.default_rng(wander)
+        self.sensor = sensor or SensorConfig()
+        self.mount = mount
+        self.radius = radius
+        self._steps = 0
+        self._rest = 0.0  # seconds that no whole step has taken up yet
+        self._auto = True
+        self._drive = (0.0, 0.0)
+        self._drive_until = 0.0
+        self._control = (0.0, 0.0)
+        self._next_scan = STEP  # the first scan comes at once
+        self.world = world
+        self.robot = Robot(world.start, radius)
+        self.walker = Walker(world, self._wander)
+        self._before = world.start
+
+    @property
+    def time(self) -> float:
+        """Seconds since the simulation began."""
+        return self._steps * STEP + self._rest
+
+    @property
+    def steps(self) -> int:
+        """Whole physics steps of :data:`STEP` seconds since the simulation began."""
+        return self._steps
+
+    @property
+    def pose(self) -> PoseTuple:
+        """``T_map_base`` now: x, y, yaw. Between two physics steps it is interpolated, so that motion looks even."""
+        share = self._rest / STEP
+        (x0, y0, yaw0), (x1, y1, yaw1) = self._before, self.robot.pose
+        turn = math.remainder(yaw1 - yaw0, 2.0 * math.pi)
+        yaw = math.remainder(yaw0 + share * turn, 2.0 * math.pi)
+        return (x0 + share * (x1 - x0), y0 + share * (y1 - y0), yaw)
+
+    @property
+    def sensor_pose(self) -> Float64Array:
+        """``T_map_laser`` now (3,)."""
+        return compose(self.pose, self.mount)
+
+    @property
+    def auto(self) -> bool:
+        """Whether the robot walks by itself."""
+        return self._auto
+
+    @auto.setter
+    def auto(self, value: bool) -> None:
+        if value and not self._auto:
+            self.walker.forget_path()
+        self._auto = value
+        self._drive = self._control = (0.0, 0.0)
+
+    def advance(self, dt: float) -> list[tuple[LaserScan, PoseTuple]]:
+        """Let ``dt`` seconds pass; return the scans taken meanwhile, each with the base's pose ``T_map_base`` at it.
+
+        Raises :class:`ConfigError` for a time that is negative or not finite.
+        """
+        if not (math.isfinite(dt) and dt >= 0.0):
+            raise ConfigError("simulation.time", f"Time advances by a finite number of seconds ≥ 0, not {dt!r}.")
+        self._rest += dt
+        taken = []
+        while self._rest >= STEP - 1e-9:
+            self._rest = max(0.0, self._rest - STEP)
+            self._step()
+            if self._steps * STEP >= self._next_scan - 1e-9:
+                taken.append(self._scan())
+        return taken
+
+    def _step(self) -> None:
+        now = self._steps * STEP
+        if self._auto:
+            if self._steps % CONTROL_STEPS == 0:
+                self._control = self.walker.velocities(self.robot, now)
+            wanted = self._control
+        else:
+            wanted = self._drive if now < self._drive_until else (0.0, 0.0)
+        self._before = self.robot.pose
+        self.robot.step(self.world, *wanted, STEP)
+        if self._steps % NOTE_STEPS == 0:
+            self.walker.note(self.robot.pose, now)
+        self._steps += 1
+
+    def _scan(self) -> tuple[LaserScan, PoseTuple]:
+        now = self._steps * STEP
+        self._next_scan = max(self._next_scan + 1.0 / self.sensor.scan_rate, now)
+        pose = self.robot.pose
+        laser = compose(pose, self.mount)
+        return measure(self.world, self.sensor, laser, self._noise, round(now * 1e9)), pose
+
+    def drive(self, linear: float, angular: float) -> None:
+        """Drive by hand for :data:`DRIVE_SECONDS`: m/s forward, rad/s counter-clockwise, cut to what the robot can do.
+
+        Switches :attr:`auto` off. Raises :class:`ConfigError` for a velocity that is not finite.
+        """
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            raise ConfigError("simulation.drive", f"Velocities must be finite, not {linear!r} and {angular!r}.")
+        self.auto = False
+        self._drive = (float(linear), float(angular))
+        self._drive_until = self._steps * STEP + DRIVE_SECONDS
+
+    def teleport(self, x: float, y: float, yaw: float | None = None) -> Teleport:
+        """Put the robot at (x, y) metres, facing ``yaw`` radians (None: as before), standing still.
+
+        Where it does not fit it lands on the nearest free place, and the message says so. Raises
+        :class:`ConfigError` for a place or a heading that is not finite.
+        """
+        if not all(math.isfinite(v) for v in (x, y, 0.0 if yaw is None else yaw)):
+            raise ConfigError("simulation.teleport", f"A teleport needs finite numbers, not {x!r}, {y!r}, {yaw!r}.")
+        needed = self.radius + 1e-3
+        place = self.world.nearest_free((x, y), needed)
+        heading = self.robot.pose[2] if yaw is None else math.remainder(yaw, 2.0 * math.pi)
+        pose = (float(place[0]), float(place[1]), heading)
+        self.robot.pose = self._before = pose
+        self.robot.stop()
+        self.walker.forget_path()
+        self._drive = self._control = (0.0, 0.0)
+        moved = not self.world.is_free((x, y), needed)
+        return Teleport(pose, moved, self._landing(x, y, pose) if moved else f"The robot stands at ({x:.2f}, {y:.2f}).")
+
+    def _landing(self, x: float, y: float, pose: PoseTuple) -> str:
+        clearance = float(self.world.clearance((x, y)))
+        away = math.hypot(pose[0] - x, pose[1] - y)
+        # Centimetres as people say them, unless somebody asked for a place at the other end of the number line.
+        distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
+        why = "outside the world" if np.isneginf(clearance) else "inside a wall" if clearance <= 0.0 else "too tight"
+        return (
+            f"That place is {why}: the robot stands at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
+            f"{distance} m away."
+        )
+
+    def set_sensor(self, sensor: SensorConfig) -> None:
+        """Exchange the lidar; the next scan comes from the new one."""
+        self.sensor = sensor
+        self._next_scan = min(self._next_scan, self._steps * STEP + 1.0 / sensor.scan_rate)
+
+    def alter_world(self, world: World) -> bool:
+        """Exchange the world for one of the same bounds around the robot, which stays where it is if it still fits.
+
+        Return whether it had to move, to the nearest free place. Raises :class:`ConfigError` for other bounds and for
+        a world in which the robot fits nowhere; nothing has changed then.
+        """
+        if world.bounds != self.world.bounds:
+            raise ConfigError("simulation.bounds", "An altered world keeps its bounds.")
+        x, y, yaw = self.robot.pose
+        needed = self.radius + 1e-3
+        place = world.nearest_free((x, y), needed)
+        moved = not world.is_free((x, y), self.radius)
+        self.world = world
+        self.walker.enter(world)
+        if moved:
+            self.robot.pose = self._before = (float(place[0]), float(place[1]), yaw)
+            self.robot.stop()
+        return moved

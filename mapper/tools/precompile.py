@@ -1,0 +1,102 @@
+"""``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
+
+numba keeps what it compiles (in NUMBA_CACHE_DIR, or beside the sources), and an image or a machine that ran this once
+starts at full speed. It exits with 1 and names the kernel if one was left out.
+"""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import pkgutil
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import mapper.kernels
+from mapper.grid import TILE
+from mapper.grid.compare import compare
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.grid.metrics import map_metrics
+from mapper.mapping.integrate import integrate_scan
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.replay import Replay
+from mapper.simulation import WORLDS, Recording, Simulation
+from mapper.simulation.kernels.raycast import arc_clearance
+
+SECONDS = 1.0  # of a walk: a few scans and a plan
+
+
+class _NoEvidence:
+    """A sensor model that is not one of the built-in ones."""
+
+    reach = 0.0
+
+    def increments(self, s: NDArray[np.float64], _z: NDArray[np.float64], _range_max: float) -> NDArray[np.float64]:
+        return np.zeros_like(s)
+
+
+def warm() -> None:
+    """Use each part of the mapper once, as the service does: walk, record, map in every way, draw."""
+    world = WORLDS["room"]
+    simulation = Simulation(world)
+    recording = Recording(simulation.sensor)
+    for scan, pose in simulation.advance(SECONDS):
+        recording.append(scan, pose)
+    arc_clearance(world.segments, *world.start, 0.5, 0.1, 0.5, 5)
+    replay = Replay(recording.as_log(), MappingConfig(resolution=0.1))
+    for model, update, traversal, no_return in itertools.product(
+        *(BY_NAME[name].choices for name in ("model", "update", "traversal", "no_return"))
+    ):
+        replay.reconfigure(
+            replay.config.with_values(
+                {"model": model, "update": update, "traversal": traversal, "no_return": no_return, "window": 0.2}
+            )
+        )
+        replay.advance_to(0)
+        replay.advance_to(replay.log.n_scans)
+        replay.provenance(0, 0)
+    rows, cols = replay.grid.geometry.shape
+    picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
+    changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)
+    grid = replay.grid
+    quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
+    compare(grid, grid)
+    map_metrics(grid)
+    pose = replay.log.sensor_poses()[0]
+    config = MappingConfig(resolution=0.1)
+    for traversal in BY_NAME["traversal"].choices:
+        integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
+
+
+def kernels() -> dict[str, bool]:
+    """Return every jitted function of :mod:`mapper.kernels` by its full name, and whether it is compiled.
+
+    Functions with a leading underscore are compiled into those that call them and do not count.
+    """
+    found: dict[str, bool] = {}
+    for info in pkgutil.iter_modules(mapper.kernels.__path__, "mapper.kernels."):
+        for value in vars(importlib.import_module(info.name)).values():
+            function = getattr(value, "py_func", None)
+            if function is not None and function.__module__ == info.name and not function.__name__.startswith("_"):
+                found[f"{info.name}.{function.__name__}"] = bool(value.signatures)
+    return found
+
+
+def main() -> int:
+    """Warm, and say how long it took."""
+    began = time.perf_counter()
+    warm()
+    done = kernels()
+    cold = [name for name, compiled in done.items() if not compiled]
+    for name in cold:
+        print(f"{name} was not compiled: mapper/tools/precompile.py does not use it.", file=sys.stderr)
+    print(f"{len(done) - len(cold)} of {len(done)} kernels ready in {time.perf_counter() - began:.1f} s")
+    return 1 if cold else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

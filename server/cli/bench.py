@@ -1,0 +1,61 @@
+"""``bench map``: how long a log's map takes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from server.cli.app import bench_app
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    TrajectoryName,
+    configured,
+    given_parameters,
+    print_json,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
+
+
+@bench_app.callback()
+def bench() -> None:
+    """Measure, in this process, without reading and start-up."""
+
+
+@bench_app.command("map")
+@with_parameter_options("resolution", "range_max")
+def bench_map_command(
+    log: LogPath,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    repeats: Annotated[int, typer.Option(help="Times each kind of update is measured; the best counts.")] = 5,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
+) -> None:
+    """Measure how long a log's map takes: the best of several runs, for each kind of update."""
+    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.tools.bench import bench_map  # noqa: PLC0415 - start-up
+
+    given = given_parameters(parameters)
+    scans = read_log(log, topic)
+    config = configured(suited_parameters(scans.beam_width, given))
+    with refusing(log):
+        measured = bench_map(scans, config, repeats, trajectory)
+    facts = {
+        "log": scans.name,
+        "scans": scans.n_scans,
+        "beams": scans.n_beams,
+        "resolution": config.resolution,
+        "range_max": config.range_max,
+        **measured,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{scans.name}: {scans.n_scans} scans of {scans.n_beams} beams at {config.resolution:g} m a cell")
+    typer.echo(f"  per beam {measured['per_beam_ms']:.1f} ms, {measured['cells']} cell updates")
+    typer.echo(f"  per scan {measured['per_scan_ms']:.1f} ms, {measured['per_scan_cells']} cell updates")

@@ -1,0 +1,115 @@
+"""``compare``: two maps side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mapper.mapping.parameters import BY_NAME, PARAMETERS
+from server.cli.app import app
+from server.cli.common import (
+    MOUNT,
+    AsJson,
+    LogPath,
+    Mount,
+    TopicName,
+    TrajectoryName,
+    configured,
+    fail,
+    given_parameters,
+    print_json,
+    read_log,
+    refusing,
+    value_of,
+    with_parameter_options,
+)
+
+
+@app.command()
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in MOUNT))
+def compare(
+    log: LogPath,
+    other: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter that the second map has another value of; repeatable."),
+    ] = None,
+    other_log: Annotated[Path | None, typer.Option(metavar="LOG", help="Make the second map of another log.")] = None,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    other_trajectory: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Poses of the second map. [those of the first]")
+    ] = None,
+    mount: Mount = None,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each row of the table
+) -> None:
+    """Make two maps, with other parameters, poses or of another log, and say how they differ, cell by cell."""
+    from mapper.grid.compare import STATES, difference  # noqa: PLC0415 - start-up
+    from mapper.grid.compare import compare as compare_maps  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+
+    given = given_parameters(parameters, mount)
+    changed = _pairs(other or [])
+    configured(given | changed)
+    sides = [
+        (log, topic, trajectory, given),
+        (
+            other_log or log,
+            None if other_log else topic,
+            other_trajectory or (None if other_log else trajectory),
+            given | changed,
+        ),
+    ]
+    grids = []
+    for path, sensor, poses, wanted in sides:
+        scans = read_log(path, sensor)
+        config = configured(suited_parameters(scans.beam_width, wanted))
+        with refusing(path):
+            grid = grid_for(scans, config, poses)
+            integrate_log(grid, scans, config, poses)
+        grids.append(grid)
+    with refusing(sides[1][0]):
+        found = compare_maps(*grids)
+        apart = difference(grids[0], grids[1]).log_odds
+    facts = {
+        "same": found.same,
+        "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in found.changed.items()],
+        "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
+        "wall_contrast": [round(contrast, 4) for contrast in found.contrast],
+        "cells": found.cells,
+        "states": {
+            a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, found.states.tolist(), strict=True)
+        },
+        "observed": {"only_first": found.only[0], "only_second": found.only[1], "both": found.both},
+        "log_odds_difference": {
+            "least": float(apart.min()),
+            "greatest": float(apart.max()),
+            "mean_absolute": round(found.mean_difference, 4),
+            "greatest_absolute": round(found.max_difference, 4),
+        },
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"  {found.same} observed cells are in the same state in both maps")
+    for (before, after), cells in found.changed.items():
+        typer.echo(f"  {cells} cells: {before} → {after}")
+    typer.echo(f"  {found.only[0]} cells are known only in the first map, {found.only[1]} only in the second")
+    typer.echo(f"  log-odds differ by {found.mean_difference:.3f} on average, {found.max_difference:.3f} at most")
+    typer.echo(f"  entropy {found.entropy_bits[0]:.0f} → {found.entropy_bits[1]:.0f} bits")
+    typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
+
+
+def _pairs(texts: list[str]) -> dict[str, Any]:
+    """Return parameters given as NAME=VALUE, or end the command with what is wrong with one."""
+    out: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        row = BY_NAME.get(name.replace("-", "_"))
+        if row is None or not equals:
+            fail(f"--other needs NAME=VALUE with a parameter's name, not {text!r:.60}.")
+        out[row.name] = value_of(row, value)
+    return out

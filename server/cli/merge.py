@@ -1,0 +1,57 @@
+"""``merge``: map files of one place as one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from server.cli.app import app
+from server.cli.common import AsJson, fail, print_json, refusing
+from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
+
+
+@app.command()
+def merge(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP.yaml", help="Map files with the same cells.")],
+    out: Annotated[Path, typer.Option(metavar="PREFIX", help=OUT_HELP)],
+    mode: MapMode = "trinary",
+    as_json: AsJson = False,
+) -> None:
+    """Add up the evidence of maps that were made of different scans of one place."""
+    from mapper.grid.merge import merged  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+
+    check_mode(mode)
+    whole, frames = None, []
+    for path in maps:
+        with refusing(path):
+            loaded = load_map(path)
+            whole = loaded.grid if whole is None else merged(whole, loaded.grid)
+        frames.append(loaded.description.frame)
+        stated = {frame for frame in frames if frame is not None}
+        if len(stated) > 1:
+            fail(f"{path}: The maps are in different frames: {' and '.join(map(repr, sorted(stated)))}.")
+    assert whole is not None  # noqa: S101 - the command asks for one map at least
+    written = save(whole, out, mode, frames[0] if len(set(frames)) == 1 else None)
+    geometry = whole.geometry
+    facts: dict[str, Any] = {
+        "maps": [str(path) for path in maps],
+        "resolution": geometry.resolution,
+        "rows": geometry.rows,
+        "cols": geometry.cols,
+        "origin": list(geometry.origin),
+        **states(whole),
+        "files": [str(path) for path in written],
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(
+        f"{len(maps)} maps: {geometry.size_text} cells of {geometry.resolution:g} m, "
+        f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+    )
+    typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
+    for path in written:
+        typer.echo(f"  wrote {path}")

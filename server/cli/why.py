@@ -1,0 +1,105 @@
+"""``why``: what made a cell what it is."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from mapper.mapping.parameters import PARAMETERS
+from server.cli.app import app
+from server.cli.common import (
+    MOUNT,
+    AsJson,
+    FirstScans,
+    LogPath,
+    Mount,
+    TopicName,
+    TrajectoryName,
+    configured,
+    given_parameters,
+    place,
+    print_json,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
+from server.cli.prior import Prior, PriorFrame, given_prior
+
+
+@app.command()
+@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
+def why(
+    log: LogPath,
+    at: Annotated[str, typer.Option(metavar="X,Y", help="A place in the cell, in the map (m, m).")],
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    mount: Mount = None,
+    prior: Prior = None,
+    prior_frame: PriorFrame = None,
+    first_scans: FirstScans = None,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each row of the table
+) -> None:
+    """Say why a cell is what it is: every beam that touched it, and what each of them added."""
+    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.replay import Replay  # noqa: PLC0415 - start-up
+
+    point = place(at)
+    given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
+    scans = read_log(log, topic)
+    notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
+    config = configured(suited_parameters(scans.beam_width, given))
+    with refusing(log):
+        replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
+        replay.advance_to(scans.n_scans if first_scans is None else first_scans)
+        row, col = (int(n) for n in replay.grid.geometry.world_to_cell(point))
+        told = replay.provenance(row, col)
+    touches = [
+        {
+            "scan": scan,
+            "beam": beam,
+            "range": round(reading, 3) if reading <= scans.range_max else None,
+            "hit": hit,
+            "increment": round(increment, 6),
+            "log_odds": round(log_odds, 6),
+        }
+        for scan, beam, reading, hit, increment, log_odds in zip(
+            told.scans.tolist(),
+            told.beams.tolist(),
+            told.ranges.tolist(),
+            told.hits.tolist(),
+            told.increments.tolist(),
+            told.log_odds.tolist(),
+            strict=True,
+        )
+    ]
+    facts: dict[str, Any] = {
+        "log": scans.name,
+        "scans": replay.index,
+        "row": row,
+        "col": col,
+        "prior": round(told.prior, 6),
+        "log_odds": round(told.after, 6),
+        "p_occ": round(float(replay.grid.p_occ[row, col]), 6),
+        "hits": int(told.hits.sum()),
+        "touches": touches,
+        "notes": list(notes),
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['log']}: cell ({row}, {col}) after {replay.index} scans")
+    typer.echo(
+        f"  log-odds {told.after:.3f}, p {facts['p_occ']:.3f}, from {told.prior:g}: {len(touches)} beams, "
+        f"{facts['hits']} of them hits"
+    )
+    if touches:
+        typer.echo("    scan  beam  range (m)  increment  log-odds")
+    for touch in touches:
+        reading = "no return" if touch["range"] is None else f"{touch['range']:.3f}"
+        typer.echo(
+            f"  {touch['scan']:6} {touch['beam']:5} {reading:>10} {touch['increment']:+10.3f} {touch['log_odds']:9.3f}"
+        )
+    for note in notes:
+        typer.echo(f"  note: {note}")

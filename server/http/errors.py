@@ -1,0 +1,160 @@
+"""One shape for every error, ``{code, message, detail}``: a stable code, one sentence, and where it helps a detail."""
+
+from __future__ import annotations
+
+import asyncio
+from http import HTTPStatus
+from typing import Any
+
+import structlog
+from fastapi import FastAPI, Request, WebSocket
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from server.downloads import MomentGoneError
+from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
+from server.sessions import SessionBudgetError, SessionNotFoundError
+
+CLOSE_REFUSED = 4404  #: close code of a socket whose session or scene there is not; the reason is the error's code
+
+_log = structlog.get_logger(__name__)
+
+#: The first class that fits says the status. A code may have one of its own.
+_STATUS: tuple[tuple[type[MapperError], int], ...] = (
+    (SessionNotFoundError, 404),
+    (LinkGoneError, 404),
+    (MomentGoneError, 410),
+    (LogNotFoundError, 404),
+    (LogReadOnlyError, 403),
+    (SessionBudgetError, 429),
+    (StorageError, 503),
+    (LimitError, 413),
+    (ConfigError, 422),
+    (ReadError, 422),
+    (MapperError, 409),
+)
+_STATUS_OF_CODE = {
+    "download.busy": 503,
+    "download.too_many": 429,
+    "session.full": 503,
+    "session.memory": 503,
+    "session.not_making": 404,
+    "session.not_yours": 403,
+    "library.busy": 503,
+    "library.full": 507,
+    "library.too_many": 409,
+    "link.read_only": 403,
+    "link.too_many": 409,
+    "log.gone": 410,
+    "log.stalled": 408,
+    "log.storage": 507,
+}
+
+
+def error_response(
+    status: int, code: str, message: str, detail: object = None, headers: dict[str, str] | None = None
+) -> JSONResponse:
+    """Return an error."""
+    return JSONResponse({"code": code, "message": message, "detail": detail}, status_code=status, headers=headers)
+
+
+def status_of(error: MapperError) -> int:
+    """Return the HTTP status of an error."""
+    if error.code in _STATUS_OF_CODE:
+        return _STATUS_OF_CODE[error.code]
+    return next(status for kind, status in _STATUS if isinstance(error, kind))
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Give every error of the application its one shape."""
+    app.add_exception_handler(MapperError, _mapper_error)  # type: ignore[arg-type] # for requests and sockets alike
+    app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(RequestValidationError, _invalid_request)
+
+
+async def _mapper_error(connection: Request | WebSocket, error: Exception) -> JSONResponse | None:
+    assert isinstance(error, MapperError)  # noqa: S101 - for the type checker: it is registered for this class
+    if isinstance(connection, WebSocket):
+        # A browser shows nothing of a refused handshake: the socket is opened and closed, so that the page knows why.
+        await connection.accept(subprotocol=next(iter(connection.scope["subprotocols"]), None))
+        await connection.close(CLOSE_REFUSED, error.code)
+        return None
+    status = status_of(error)
+    headers = {"Retry-After": "30"} if status in (429, 503) else None
+    return error_response(status, error.code, error.message, headers=headers)
+
+
+async def _http_error(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)  # noqa: S101 - for the type checker: it is registered for this class
+    status = HTTPStatus(error.status_code)
+    messages = {404: "There is nothing at this address.", 405: "This address does not take this method."}
+    code = f"http.{status.phrase.lower().replace(' ', '_')}"
+    headers = dict(error.headers) if error.headers else None
+    return error_response(status, code, messages.get(status, f"{str(error.detail).rstrip('.')}."), headers=headers)
+
+
+async def _invalid_request(_: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - for the type checker: it is registered for this class
+    detail: list[dict[str, Any]] = [
+        {"where": ".".join(str(part) for part in item["loc"]), "message": item["msg"]} for item in error.errors()
+    ]
+    first = detail[0] if detail else {"where": "request", "message": "cannot be read"}
+    return error_response(422, "request.invalid", f"{first['where']}: {first['message']}.", detail)
+
+
+class CatchAll:
+    """Innermost middleware: a defect becomes a 500 of the common shape and a log line, and shows nothing of itself."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, and answer where that fails."""
+        started = False
+
+        async def watched(message: Message) -> None:
+            nonlocal started
+            started = started or message["type"] in ("http.response.start", "websocket.accept")
+            await send(message)
+
+        try:
+            await self._app(scope, receive, watched)
+        except Exception:
+            if scope["type"] != "http":
+                raise
+            _log.exception("a request failed", method=scope["method"])
+            if started:
+                raise  # the answer is half sent: only breaking the connection tells
+            response = error_response(500, "internal", "The request failed because of a defect in the service.")
+            await response(scope, receive, send)
+
+
+class Ending:
+    """Outermost middleware: a request that still runs when the service ends is told so; uvicorn cancels it then.
+
+    Without it every stalled request would end the service with a traceback.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, and answer where it is cancelled."""
+        started = False
+
+        async def watched(message: Message) -> None:
+            nonlocal started
+            started = True
+            await send(message)
+
+        try:
+            await self._app(scope, receive, watched)
+        except asyncio.CancelledError:
+            if scope["type"] != "http":
+                raise
+            if not started:
+                response = error_response(503, "service.ending", "The service is ending.", headers={"Retry-After": "5"})
+                await response(scope, receive, send)

@@ -1,0 +1,89 @@
+"""``/api/sessions/{id}/compare``: the map of a log beside another one, cell by cell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.core.errors import MapperError
+from mapper.io.maps.images import png_pieces
+from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
+from server.downloads import Content, Download, file_name
+from server.http.routes.maps import asker_of, snapshot, stem_of
+from server.sessions import LogSession
+from server.sessions.second_map_view import Wanted, numbers
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+
+class Other(BaseModel):
+    """The other side, A: a map of the session's log or of another one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    values: dict[str, Any] = Field({}, description="Parameters that A keeps; in all others it follows the session's.")
+    trajectory: str | None = Field(None, max_length=200, description="The poses of A; the log's first where left out.")
+    log: str | None = Field(None, max_length=200, description="Another log, as /api/logs names it.")
+    topic: str | None = Field(None, max_length=400, description="Which of that log's sensors, where it has several.")
+
+
+def _session(request: Request, session_id: str) -> LogSession:
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
+    return session
+
+
+@router.put("/{session_id}/compare")
+async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, Any]:
+    """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
+    session = _session(request, session_id)
+    log, title = None, ""
+    if wanted.log is not None:
+        if session.link is not None:
+            raise MapperError("link.read_only", "This link shares a view of one log; it is compared with no other.")
+        library, visitor = request.app.state.library, request.state.visitor
+        log = await library.load(visitor, wanted.log, wanted.topic)
+        title = library.get(visitor, wanted.log).name
+        await request.app.state.sessions.free_bytes(log, session.owner)
+    await session.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
+    try:
+        return await _told(session)
+    except MapperError as error:
+        # They are beside one another all the same, only not cell by cell.
+        return {"a": session.parameters_message()["compare"], "refused": error.message}
+
+
+@router.delete("/{session_id}/compare", status_code=204)
+async def end(request: Request, session_id: str) -> None:
+    """End the comparison."""
+    await _session(request, session_id).compare(None)
+
+
+@router.get("/{session_id}/compare")
+async def told(request: Request, session_id: str) -> dict[str, Any]:
+    """Return A and the numbers of the comparison of the two maps (:class:`mapper.grid.compare.Comparison`)."""
+    return await _told(_session(request, session_id))
+
+
+async def _told(session: LogSession) -> dict[str, Any]:
+    other, found = await session.compared()
+    return {"a": other, "refused": None} | numbers(found)
+
+
+@router.get("/{session_id}/compare.png")
+async def picture(request: Request, session_id: str) -> Response:
+    """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
+    session = _session(request, session_id)
+    downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        async with session.still():
+            image = await snapshot(downloads, lambda: difference_pixels(*session.compared_grids()))
+        name = file_name(stem_of(session), "png", "difference")
+        return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))
+
+    return Download(downloads, asker_of(request, session), make, "image/png")

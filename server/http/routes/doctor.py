@@ -1,0 +1,23 @@
+"""``/api/sessions/{id}/doctor``: what is wrong with the log that a session shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+
+from mapper.core.errors import MapperError
+from server.sessions import LogSession
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+@router.get("/sessions/{session_id}/doctor")
+async def doctor(request: Request, session_id: str) -> dict[str, Any]:
+    """Return the doctor's findings on the session's log with its current trajectory."""
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")
+    trajectory = session.trajectory  # which may be another one when the examination is over
+    findings = await session.examined()
+    return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

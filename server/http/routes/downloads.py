@@ -1,0 +1,76 @@
+"""``/api/sessions/{id}/run.mcap`` and ``trajectory.tum``: a log taken away, with its map and for other viewers."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import IO
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from mapper.core.errors import MapperError
+from mapper.core.parallel import alone
+from mapper.io.export import tum_lines, write_mcap
+from server.downloads import Content, Download, Downloads, file_name
+from server.http.routes.maps import asker_of, stem_of
+from server.sessions import LogSession
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+PIECE = 1 << 18
+
+
+def _log_session(request: Request, session_id: str) -> LogSession:
+    session = request.app.state.sessions.get(session_id)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.no_log", "This session is no log's: it has no recorded scans to take away.")
+    if session.link is not None:
+        raise MapperError("link.read_only", "This link shares a view of the log, not the log itself.")
+    return session
+
+
+@router.get("/{session_id}/run.mcap")
+async def run_mcap(request: Request, session_id: str) -> Response:
+    """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
+    session = _log_session(request, session_id)
+    downloads: Downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
+        try:
+            async with downloads.export_turn:
+                growing_map, trajectory = await session.growing_map()
+
+                def work(check: Callable[[], None]) -> None:
+                    with alone():  # the map is made again: on one core, the other ones are the sessions'
+                        write_mcap(file, session.log, growing_map, trajectory, lambda _: check())
+
+                await downloads.run(work, takes_long=True)
+        except BaseException:
+            file.close()
+            raise
+        name = file_name(stem_of(session), "mcap", title=session.title)
+        return Content(name, _pieces(file), file.tell(), file.close)
+
+    response = Download(downloads, asker_of(request, session), make, "application/octet-stream")
+    response.headers["Content-Encoding"] = "identity"  # it is compressed already
+    return response
+
+
+def _pieces(file: IO[bytes]) -> Iterator[bytes]:
+    file.seek(0)
+    while piece := file.read(PIECE):
+        yield piece
+
+
+@router.get("/{session_id}/trajectory.tum")
+async def trajectory_tum(request: Request, session_id: str) -> Response:
+    """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
+    session = _log_session(request, session_id)
+
+    async def make() -> Content:
+        name = file_name(stem_of(session), "tum", title=session.title)
+        return Content(name, (line.encode() for line in tum_lines(session.log, session.trajectory)))
+
+    return Download(request.app.state.downloads, asker_of(request, session), make, "text/plain; charset=utf-8")

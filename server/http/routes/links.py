@@ -1,0 +1,148 @@
+"""``/api/links``: make, see and revoke links to a view; ``/api/shared/TOKEN`` and ``/shared/TOKEN``: what one opens."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import JSONResponse, Response
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from mapper.core.errors import MapperError
+from server.http.routes.clients import client_address, while_connected
+from server.http.routes.pages import page_file
+from server.http.routes.sessions import public
+from server.library import Library, Link, LinkGoneError, LogNotFoundError
+from server.sessions import LogSession, LogView, first_config
+
+router = APIRouter(tags=["links"])
+
+
+class Look(BaseModel):
+    """What part of the map a picture shows."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    x: FiniteFloat = Field(description="The place in the middle, metres.")
+    y: FiniteFloat = Field(description="The place in the middle, metres.")
+    scale: FiniteFloat = Field(gt=0.0, description="Metres that one pixel of the page shows.")
+    width: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
+    height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
+
+
+class NewLink(BaseModel):
+    """A link to what a session shows now."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    session: str = Field(max_length=100, description="Id of a session of a log.")
+    look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
+
+
+def _public(request: Request, link: Link) -> dict[str, Any]:
+    """What the one who made it sees of a link."""
+    view = link.view["view"]
+    sessions = request.app.state.sessions.all()
+    return {
+        "token": link.token,
+        "address": f"/shared/{link.token}",
+        "created_s": link.created_s,
+        "log": link.log_id,
+        "topic": view["topic"],
+        "trajectory": view["trajectory"],
+        "index": view["index"],
+        "count": link.view["count"],
+        "changed": link.view["changed"],
+        "watching": sum(session.link == link.token for session in sessions),
+    }
+
+
+@router.post("/api/links", status_code=201)
+async def make(request: Request, wanted: NewLink) -> dict[str, Any]:
+    """Make a read-only link to what a session of a log shows now.
+
+    It is valid until it is revoked. Only visitors who may open the log may make one.
+    """
+    library: Library = request.app.state.library
+    session = request.app.state.sessions.get(wanted.session)
+    if not isinstance(session, LogSession):
+        raise MapperError("session.not_a_log", "Only a view of a log has such links; a live world is its own.")
+    record = library.get(request.state.visitor, session.log_id)
+    seen = session.seen()
+    look = None if wanted.look is None else wanted.look.model_dump()
+    first = asdict(first_config(session.log))
+    changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
+    view = {"view": asdict(seen), "look": look, "count": session.log.n_scans, "changed": changed}
+    return _public(request, await library.links.make(request.state.visitor, record, view))
+
+
+@router.get("/api/links")
+async def mine(request: Request, log: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
+    """List the links of this visitor to a log, newest first."""
+    library: Library = request.app.state.library
+    return {"links": [_public(request, link) for link in library.links.of(request.state.visitor, log)]}
+
+
+@router.delete("/api/links/{token}", status_code=204)
+async def revoke(request: Request, token: str) -> None:
+    """Revoke a link; the sessions that were begun with it end."""
+    library: Library = request.app.state.library
+    await library.links.revoke(request.state.visitor, token)
+    await request.app.state.sessions.end_linked(token)
+
+
+@router.get("/api/shared/{token}")
+async def shared(request: Request, token: str) -> dict[str, Any]:
+    """Return the title and the view of a link."""
+    library: Library = request.app.state.library
+    link = library.links.get(token)
+    return {"title": _record_name(library, link), "look": link.view["look"]}
+
+
+@router.post("/api/shared/{token}/sessions", status_code=201)
+async def begin(request: Request, token: str) -> Response:
+    """Begin a session on what a link shows."""
+    library: Library = request.app.state.library
+    link = library.links.get(token)
+    title = _record_name(library, link)
+    view = LogView(**link.view["view"])
+    log = await library.load(link.owner, link.log_id, view.topic)
+    session = await while_connected(
+        request,
+        request.app.state.sessions.create_log(
+            request.state.visitor,
+            log,
+            log_id=link.log_id,
+            title=title,
+            view=view,
+            link=token,
+            address=client_address(request),
+        ),
+    )
+    try:
+        library.links.get(token)
+    except LinkGoneError:  # revoked meanwhile
+        await request.app.state.sessions.close(session.id)
+        raise
+    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+
+
+@router.api_route("/shared/{token}", methods=["GET", "HEAD"], include_in_schema=False)
+async def page(request: Request, token: str) -> Response:
+    """The page of a link, which says so where the link is gone."""
+    response = page_file(request, "logs.html")
+    response.headers["X-Robots-Tag"] = "noindex"
+    try:
+        request.app.state.library.links.get(token)
+    except LinkGoneError:
+        if response.status_code == 200:
+            response.status_code = 404
+    return response
+
+
+def _record_name(library: Library, link: Link) -> str:
+    try:
+        return library.get(link.owner, link.log_id).name
+    except LogNotFoundError:
+        raise LinkGoneError("link.log_gone", "The log that this link opened is no longer there.") from None

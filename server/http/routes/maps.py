@@ -1,0 +1,122 @@
+"""``/api/sessions/{id}/map.*``: the map of a session as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
+
+from mapper.io.maps import yaml_text
+from mapper.io.maps.images import Bands, pgm_header, pgm_pieces, png_pieces
+from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, trinary_pixels
+from server.downloads import (
+    MOMENT_NAME,
+    Content,
+    Download,
+    Downloads,
+    Moment,
+    MomentGoneError,
+    Snapshot,
+    file_name,
+    file_stem,
+)
+from server.downloads.places import Asker, asker
+from server.sessions import Session, WorldSession
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+At = Annotated[
+    str | None,
+    Query(
+        pattern=MOMENT_NAME,
+        description="Name of an instant: map.yaml and map.pgm that are asked for with the same one are of one map, "
+        "that of the first request, and their file names end in it. A session keeps four such maps.",
+    ),
+]
+
+
+def stem_of(session: Session) -> str:
+    """Return what the files of a session are called: after its log, or its world."""
+    return file_stem(session.world.name if isinstance(session, WorldSession) else session.title)
+
+
+def asker_of(request: Request, session: Session) -> Asker:
+    """Return who asks for a file of a session."""
+    return asker(request.state.visitor, request.client and request.client.host, session.link)
+
+
+async def snapshot(downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]) -> Snapshot:
+    """Return the image that ``pixels`` gives: its shape (rows, cols) and its bands. The session must be still."""
+
+    def work(check: Callable[[], None]) -> Snapshot:
+        shape, bands = pixels()
+        return Snapshot(shape, bands, downloads.folder, check)
+
+    return await downloads.run(work)
+
+
+async def _moment(downloads: Downloads, session: Session, at: str | None) -> Moment:
+    """Return the map of a session now, or of the instant ``at``, with its trinary image."""
+
+    async def make() -> Moment:
+        async with session.still():
+            grid, stem = session.grid, stem_of(session)
+            image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
+        return Moment(stem, grid.geometry, image)
+
+    return await make() if at is None else await downloads.moments.get(session, at, make)
+
+
+@router.get("/{session_id}/map.yaml")
+async def map_yaml(request: Request, session_id: str, at: At = None) -> Response:
+    """Return the map's description for map_server, which names the file of map.pgm as its image."""
+    session: Session = request.app.state.sessions.get(session_id)
+    downloads: Downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        if at is None:
+            stem, geometry = stem_of(session), session.view().geometry
+        else:
+            moment = await _moment(downloads, session, at)
+            stem, geometry = moment.stem, moment.geometry
+        text = yaml_text(geometry, file_name(stem, "pgm", at)).encode()
+        return Content(file_name(stem, "yaml", at), iter([text]), len(text))
+
+    return Download(downloads, asker_of(request, session), make, "application/yaml")
+
+
+@router.get("/{session_id}/map.pgm")
+async def map_pgm(request: Request, session_id: str, at: At = None) -> Response:
+    """Return the map as an image that map_server reads."""
+    session: Session = request.app.state.sessions.get(session_id)
+    downloads: Downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        moment = await _moment(downloads, session, at)
+        if moment.image is None:
+            raise MomentGoneError(
+                "map.moment_gone",
+                f"The map of the instant {at!r} is no longer kept: ask for map.pgm and map.yaml with another name.",
+            )
+        shape = moment.image.shape
+        nbytes = len(pgm_header(shape)) + shape[0] * shape[1]
+        return Content(file_name(moment.stem, "pgm", at), pgm_pieces(shape, moment.image.bands()), nbytes)
+
+    return Download(downloads, asker_of(request, session), make, "image/x-portable-graymap")
+
+
+@router.get("/{session_id}/map.png")
+async def map_png(request: Request, session_id: str) -> Response:
+    """Return the map as a picture for people."""
+    session: Session = request.app.state.sessions.get(session_id)
+    downloads: Downloads = request.app.state.downloads
+
+    async def make() -> Content:
+        async with session.still():
+            grid = session.grid
+            image = await snapshot(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
+        return Content(file_name(stem_of(session), "png"), png_pieces(image.shape, image.bands(), PROBABILITY_PALETTE))
+
+    return Download(downloads, asker_of(request, session), make, "image/png")

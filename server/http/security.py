@@ -1,0 +1,268 @@
+"""Who may ask what: the Host and Origin checks, the token, the visitor's cookie, headers, and the size of bodies.
+
+Plain ASGI, so that sockets are checked as requests are and nothing is buffered that need not be.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import hmac
+import ipaddress
+import re
+import secrets
+import socket
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qsl, urlencode
+
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from server.http.errors import error_response
+from server.settings import Settings
+
+VISITOR_COOKIE = "gridbloom_visitor"
+TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
+YEAR_S = 365 * 24 * 3600
+MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
+BODY_S = 30.0  #: seconds in which it has to come
+UPLOADS = "/api/logs"  #: PUT here counts its own bytes as they stream in
+
+CSP = (
+    "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "
+    "frame-ancestors 'self'"
+)
+HEADERS = {
+    "Content-Security-Policy": CSP,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
+}
+ENTRANCE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>Gridbloom: token</title></head>
+<body><h1>Gridbloom asks for its token</h1>
+<p>It stands in the address that the service printed when it started.</p>
+<form method="get"><label>Token <input type="password" name="token" autocomplete="current-password" required></label>
+<button>Open</button></form></body></html>
+"""
+
+_VISITOR = re.compile(r"[A-Za-z0-9_-]{24}")
+_NETLOC = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?")
+_GUESTS_GET = re.compile(r"/assets/[^/]+|(/api)?/shared/[A-Za-z0-9_-]+")
+_GUESTS_POST = re.compile(r"/api/shared/[A-Za-z0-9_-]+/sessions")
+_GUESTS_SESSION = re.compile(
+    r"/api/sessions/([A-Za-z0-9_-]+)(?:/stream|/doctor|/compare(?:\.png)?|/map\.(?:pgm|yaml|png))?"
+)
+_GUESTS_COMPARE = re.compile(r"/api/sessions/[A-Za-z0-9_-]+/compare")
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class Security:
+    """The outermost middleware."""
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        self._app = app
+        self._hosts = frozenset(name.lower() for name in settings.allowed_hosts)
+        self._loopback = settings.is_loopback
+        self._own_name = "" if settings.is_loopback else socket.gethostname().lower()
+        self._host = settings.host.strip("[]").lower()
+        token = None if settings.token is None else settings.token.get_secret_value()
+        self._token = token
+        # The cookie proves the token without holding it.
+        self._proof = "" if token is None else hmac.digest(token.encode(), b"cookie", hashlib.sha256).hex()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Check a request or a socket, and pass it on."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        cookies = _cookies(headers)
+        refusal = self._refusal(scope, headers, cookies)
+        new_visitor = self._identify(scope, cookies)
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                out = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    out.setdefault(name, value)
+                if new_visitor and not scope["path"].startswith("/assets/"):
+                    out.append("Set-Cookie", _cookie(VISITOR_COOKIE, new_visitor, scope))
+            await send(message)
+
+        if refusal is not None:
+            if scope["type"] == "websocket":
+                await _refuse_socket(receive, send)
+            else:
+                await refusal(scope, receive, send_with_headers)
+            return
+        if scope["type"] == "http" and self._takes_small_body(scope):
+            body = await _read_small(receive, headers)
+            if isinstance(body, Response):
+                await body(scope, receive, send_with_headers)
+                return
+            receive = _replay(body, receive)
+        await self._app(scope, receive, send_with_headers)
+
+    # -- who is asked ----------------------------------------------------------------------------------------------
+
+    def _refusal(self, scope: Scope, headers: Headers, cookies: dict[str, str]) -> Response | None:
+        """Return why this is refused, None where it is not."""
+        host = headers.get("host", "")
+        if not self._host_allowed(host):
+            message = "This address is not one of the service's own; see the setting GRIDBLOOM_ALLOWED_HOSTS."
+            return error_response(421, "security.host", message)
+        unsafe = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
+        if unsafe and not _same_origin(headers.getlist("origin"), host):
+            return error_response(403, "security.origin", "Requests from pages of other sites are refused.")
+        if self._token is None or scope["path"] == "/livez":
+            return None
+        refusal = self._token_refusal(scope, headers, cookies)
+        return None if refusal is not None and refusal.status_code == 401 and _is_for_guests(scope) else refusal
+
+    def _host_allowed(self, host: str) -> bool:
+        """A page of another site must not reach the service under a name that it controls (DNS rebinding)."""
+        found = _NETLOC.fullmatch(host)
+        if found is None:
+            return False
+        name = found[1].strip("[]").lower()
+        if "*" in self._hosts or name in self._hosts or name in ("localhost", self._host):
+            return True
+        try:
+            address = ipaddress.ip_address(name)
+        except ValueError:
+            return bool(self._own_name) and name in (self._own_name, f"{self._own_name}.local")
+        return address.is_loopback or not self._loopback  # an address cannot be rebound
+
+    def _token_refusal(self, scope: Scope, headers: Headers, cookies: dict[str, str]) -> Response | None:
+        kind, _, bearer = headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer" and self._is_token(bearer.strip()):
+            return None
+        if hmac.compare_digest(cookies.get(TOKEN_COOKIE, "").encode(), self._proof.encode()):
+            return None
+        query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+        given = next((value for name, value in query if name == "token"), None)
+        if given is not None and self._is_token(given):
+            if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
+                return None
+            # Out of the address bar, into a cookie: an address is copied and shared, and stands in histories.
+            rest = urlencode([(name, value) for name, value in query if name != "token"])
+            path = "/" + scope["path"].lstrip("/\\")
+            response: Response = RedirectResponse(path + (f"?{rest}" if rest else ""), status_code=303)
+            response.headers.append("Set-Cookie", _cookie(TOKEN_COOKIE, self._proof, scope))
+            return response
+        if "text/html" in headers.get("accept", ""):
+            return HTMLResponse(ENTRANCE, status_code=401)
+        message = "This service asks for its token: as ?token=…, or in the header Authorization: Bearer …"
+        return error_response(401, "security.token", message, headers={"WWW-Authenticate": "Bearer"})
+
+    def _is_token(self, given: str) -> bool:
+        return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
+
+    # -- who asks --------------------------------------------------------------------------------------------------
+
+    def _identify(self, scope: Scope, cookies: dict[str, str]) -> str | None:
+        """Note whose request this is; return the new visitor's cookie where there was none."""
+        known = cookies.get(VISITOR_COOKIE, "")
+        visitor = known if _VISITOR.fullmatch(known) else secrets.token_urlsafe(18)
+        scope.setdefault("state", {})["visitor"] = visitor
+        return None if visitor == known else visitor
+
+    @staticmethod
+    def _takes_small_body(scope: Scope) -> bool:
+        return scope["method"] not in _SAFE_METHODS and not (scope["method"] == "PUT" and scope["path"] == UPLOADS)
+
+
+def _is_for_guests(scope: Scope) -> bool:
+    """Whether this may be asked without the service's token: what a link opens, by who has the link.
+
+    The address itself is the secret: that of a link, or of a session that was begun by one.
+    """
+    path = scope["path"]
+    if scope["type"] == "http" and scope["method"] == "POST":
+        return _GUESTS_POST.fullmatch(path) is not None
+    if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD"):
+        # Like the parameters, which come through the stream: theirs is a session of their own.
+        return (
+            scope["method"] in ("PUT", "DELETE") and _GUESTS_COMPARE.fullmatch(path) is not None and _is_shared(scope)
+        )
+    if _GUESTS_GET.fullmatch(path):
+        return True
+    return _is_shared(scope)
+
+
+def _is_shared(scope: Scope) -> bool:
+    """Whether this asks for what a guest may have of a session that was begun by a link."""
+    session = _GUESTS_SESSION.fullmatch(scope["path"])
+    return session is not None and any(
+        one.id == session[1] and one.link is not None for one in scope["app"].state.sessions.all()
+    )
+
+
+def _same_origin(origins: list[str], host: str) -> bool:
+    """Browsers send an Origin with every socket and every unsafe request; programs that are no browsers send none."""
+    if not origins:
+        return True
+    if len(origins) > 1:
+        return False
+    scheme, _, netloc = origins[0].partition("://")  # an origin has no path
+    if scheme not in ("http", "https"):
+        return False
+    default = ":443" if scheme == "https" else ":80"
+    return netloc.lower().removesuffix(default) == host.lower().removesuffix(default)
+
+
+def _cookies(headers: Headers) -> dict[str, str]:
+    try:
+        return {name: morsel.value for name, morsel in SimpleCookie("; ".join(headers.getlist("cookie"))).items()}
+    except CookieError:
+        return {}
+
+
+def _cookie(name: str, value: str, scope: Scope) -> str:
+    secure = "; Secure" if scope["scheme"] in ("https", "wss") else ""
+    return f"{name}={value}; Path=/; Max-Age={YEAR_S}; HttpOnly; SameSite=Lax{secure}"
+
+
+async def _refuse_socket(receive: Receive, send: Send) -> None:
+    await receive()  # the connect event
+    await send({"type": "websocket.close", "code": 1008, "reason": ""})
+
+
+async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
+    """Return a request's body as one message, or the refusal of one that is too large or does not come."""
+    declared = headers.get("content-length", "0")
+    if declared.isascii() and declared.isdigit() and int(declared[:20]) > MAX_BODY_BYTES:
+        return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
+    body = bytearray()
+    try:
+        async with asyncio.timeout(BODY_S):
+            while True:
+                message = await receive()
+                if message["type"] != "http.request":
+                    return message
+                body += message.get("body", b"")
+                if len(body) > MAX_BODY_BYTES:
+                    return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
+                if not message.get("more_body", False):
+                    return {"type": "http.request", "body": bytes(body), "more_body": False}
+    except TimeoutError:
+        return _cut(408, "request.stalled", f"The request did not come whole within {BODY_S:g} s.")
+
+
+def _cut(status: int, code: str, message: str) -> Response:
+    """Return the answer to a request of which nobody reads the rest."""
+    return error_response(status, code, message, headers={"Connection": "close"})
+
+
+def _replay(body: Message, receive: Receive) -> Receive:
+    waiting = [body]
+
+    async def replayed() -> Message:
+        return waiting.pop() if waiting else await receive()
+
+    return replayed

@@ -1,0 +1,93 @@
+"""While nobody waits for anything: the checkpoints of logs that were not played to their end, so that seeks are quick.
+
+One log at a time in the whole service, on one thread of its own, at most half of the time, and only in moments in
+which no session computes or has commands. A command to the session ends it at once, and it begins again when the
+session has been left alone for a while.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol
+from weakref import WeakSet
+
+import structlog
+
+from mapper.replay.incremental import Scout
+
+LOOK_EVERY_S = 0.25
+QUIET_S = 1.0  #: without a command to a session before its log is prepared
+PAUSE_S = 0.02
+
+_log = structlog.get_logger(__name__)
+
+
+class Prepared(Protocol):
+    """What is asked of a session."""
+
+    closed: bool
+    commanded_at: float
+
+    @property
+    def cells(self) -> int:
+        """Cells of its maps."""
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody would notice."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it computes, or has commands."""
+
+    def scout(self) -> Scout | None:
+        """Return who leaves its missing checkpoints; None where there is nothing to do."""
+
+
+class Preparing:
+    """Prepares the sessions that ``sessions`` returns, where there ``is_room`` for another map of that size."""
+
+    def __init__(
+        self,
+        sessions: Callable[[], Sequence[Prepared]],
+        is_room: Callable[[Prepared], bool],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._sessions, self._is_room, self._clock = sessions, is_room, clock
+        self._given_up: WeakSet[Prepared] = WeakSet()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="scout")
+
+    async def run(self) -> None:
+        """Prepare whatever there is, until cancelled."""
+        try:
+            while True:
+                await asyncio.sleep(LOOK_EVERY_S)
+                for session in self._sessions():
+                    await self._prepare(session)
+        finally:
+            self._thread.shutdown(wait=False, cancel_futures=True)
+
+    async def _prepare(self, session: Prepared) -> None:
+        scout: Scout | None = None
+        while self._may(session):
+            began = self._clock()
+            if not any(one.is_busy for one in self._sessions()):
+                scout = scout or session.scout()
+                if scout is None or not await self._step(session, scout):
+                    return
+            await asyncio.sleep(max(PAUSE_S, self._clock() - began))
+
+    async def _step(self, session: Prepared, scout: Scout) -> bool:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._thread, scout.step)
+        except Exception:  # noqa: BLE001 - what nobody waits for must not stop the service
+            _log.exception("a log could not be prepared")
+            self._given_up.add(session)
+            return False
+
+    def _may(self, session: Prepared) -> bool:
+        is_left_alone = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
+        return is_left_alone and session not in self._given_up and self._is_room(session)

@@ -1,0 +1,176 @@
+"""The other end of an upload: a log sent to a service from the command line, and gone on with after a cut.
+
+Who uploads is a visitor of the service, as a browser is; a cookie file remembers which one, so that the same file sent
+twice is one log there, and an upload that was cut goes on when the command is run again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import secrets
+import tarfile
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+
+from mapper.core.atomic_file import whole_file
+from mapper.core.errors import MapperError, ReadError
+from mapper.io.logs import log_files
+
+PIECE = 1 << 18
+TRIES = 6  #: in a row without a byte more
+READ_EVERY_S = 0.2
+TIMEOUT_S = 30.0
+
+Progress = Callable[[float], None]
+
+
+class UploadError(MapperError):
+    """The service cannot be reached, or does not take the file."""
+
+
+def upload(
+    file: Path, url: str, visitors: Path, *, progress: Progress | None = None, pause_s: float = 1.0
+) -> tuple[dict[str, Any], str]:
+    """Send ``file`` to the service at ``url`` and wait until it was read; return its record and a link to its map.
+
+    Of a folder the log in it is sent; where that is several files, as a tar archive of them.
+    ``url`` may hold the service's token, as the address does that it prints. ``visitors`` is the file that remembers
+    who this is. After a cut the upload goes on from where the service has it, ``pause_s`` seconds later and twice that
+    after each further try. Raises :class:`ReadError` for a file that cannot be read and :class:`UploadError`.
+    """
+    with _as_one_file(file) as one:
+        return _upload(one, file.resolve().name, url, visitors, progress, pause_s)
+
+
+@contextmanager
+def _as_one_file(path: Path) -> Iterator[Path]:
+    """Yield a file with the log at ``path``. The same files give the same archive, so that it is known again."""
+    logs = log_files(path) if path.is_dir() else [path]
+    if len(logs) == 1:
+        yield logs[0]
+        return
+    with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
+        with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+            for log in logs:
+                info = tarfile.TarInfo(log.name[-100:])  # the end has the number that tells its place
+                with log.open("rb") as file:
+                    info.size = os.fstat(file.fileno()).st_size
+                    archive.addfile(info, file)
+        packed.flush()
+        yield Path(packed.name)
+
+
+def _upload(
+    file: Path, name: str, url: str, visitors: Path, progress: Progress | None, pause_s: float
+) -> tuple[dict[str, Any], str]:
+    parts = urlsplit(url if "//" in url else f"http://{url}")
+    base = f"{parts.scheme}://{parts.netloc}"
+    token = parse_qs(parts.query).get("token", [""])[0]
+    size, digest = _measured(file)
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    try:
+        cookies = {"gridbloom_visitor": _visitor(visitors, base)}
+        with httpx.Client(base_url=base, headers=headers, cookies=cookies, timeout=TIMEOUT_S) as client:
+            record = _sent(client, file, name, size, digest, progress, pause_s)
+            while record["state"] in ("queued", "reading"):
+                time.sleep(READ_EVERY_S)
+                record = _answered(client.get(f"/api/logs/{record['id']}"))
+            if record["state"] == "failed":
+                raise UploadError(record["error"]["code"], record["error"]["message"])
+            session = _answered(client.post("/api/sessions", json={"kind": "log", "log": record["id"]}))
+    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
+        raise UploadError("upload.unreachable", f"The service at {base} cannot be reached: {error}.") from error
+    return record, f"{base}/logs.html?session={session['id']}"
+
+
+def _measured(file: Path) -> tuple[int, str]:
+    """Return a file's size and digest."""
+    try:
+        with file.open("rb") as stream:
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+            size = os.fstat(stream.fileno()).st_size
+    except OSError as error:
+        raise ReadError("log.unreadable", f"The file cannot be read: {error.strerror}.") from error
+    if size == 0:
+        raise ReadError("log.empty", "The file is empty.")
+    return size, digest
+
+
+def _sent(
+    client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
+) -> dict[str, Any]:
+    """Send the file, as often as it takes; return the record of the log."""
+    key = digest[:40]
+    before, tries = -1, 0
+    while True:
+        try:
+            offset = int(_answered(client.get(f"/api/logs/uploads/{key}"))["offset"])
+            tries = 0 if offset > before else tries
+            before = max(before, offset)
+            answer = client.put(
+                "/api/logs",
+                params={"name": name, "upload": key, "sha256": digest},
+                content=_pieces(file, offset, size, progress),
+                headers={"Content-Range": f"bytes {offset}-{size - 1}/{size}", "Content-Length": str(size - offset)},
+            )
+            if answer.status_code == 202:
+                return _answered(answer)
+            if answer.status_code not in (200, 409, 503):  # those are worth another try
+                _answered(answer)
+            failure: Exception = UploadError(*_refusal(answer))
+        except httpx.TransportError as error:
+            failure = error
+        tries += 1
+        if tries >= TRIES:
+            raise failure
+        time.sleep(pause_s * 2 ** (tries - 1))
+
+
+def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> Iterator[bytes]:
+    with file.open("rb") as stream:
+        stream.seek(offset)
+        while piece := stream.read(PIECE):
+            yield piece
+            offset += len(piece)
+            if progress is not None:
+                progress(offset / size)
+
+
+def _answered(answer: httpx.Response) -> dict[str, Any]:
+    if answer.is_success:
+        return dict(answer.json())
+    raise UploadError(*_refusal(answer))
+
+
+def _refusal(answer: httpx.Response) -> tuple[str, str]:
+    try:
+        told = answer.json()
+        return str(told["code"]), str(told["message"])
+    except (ValueError, KeyError, TypeError):
+        return "upload.refused", f"The service answered {answer.status_code}."
+
+
+def _visitor(visitors: Path, base: str) -> str:
+    """Return who this is to the service at ``base``, from the file that remembers it."""
+    try:
+        known = json.loads(visitors.read_text(encoding="utf-8"))
+        if isinstance(known, dict) and isinstance(known.get(base), str):
+            return str(known[base])
+    except (OSError, ValueError):
+        known = {}
+    known = known if isinstance(known, dict) else {}
+    known[base] = secrets.token_urlsafe(18)
+    visitors.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(visitors) as file:
+        file.write(json.dumps(known, indent=1).encode())
+    visitors.chmod(0o600)
+    return str(known[base])

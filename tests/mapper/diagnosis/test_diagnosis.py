@@ -1,0 +1,295 @@
+"""The log doctor: silent on clean logs; each fault, put into a clean one, is found where it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose
+from mapper.diagnosis import Finding, drift_finding, examine
+from mapper.diagnosis.finding import POSSIBLE
+from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
+from mapper.io.logs import open_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.simulation import WORLDS, SensorConfig, Simulation, World, sample_log
+from mapper.simulation.odometry import drifting_odometry
+from tests.bench.doctor import part as part_of
+from tests.bench.doctor import refurnished
+
+N = 300
+
+
+@pytest.fixture(scope="module")
+def clean() -> ScanLog:
+    log = sample_log(N)
+    return replace(log, trajectories={"true": log.trajectory("true")})
+
+
+def named(findings: list[Finding]) -> set[str]:
+    return {finding.check for finding in findings}
+
+
+def the(findings: list[Finding], check: str) -> Finding:
+    (found,) = [finding for finding in findings if finding.check == check]
+    assert 0.0 < found.sure <= 1.0
+    return found
+
+
+def with_poses(log: ScanLog, poses: np.ndarray) -> ScanLog:
+    return replace(log, trajectories={"bad": Trajectory(poses)})
+
+
+@pytest.mark.parametrize("world", sorted(WORLDS))
+def test_nothing_is_found_in_a_clean_log(world: str) -> None:
+    log = sample_log(N, world)
+    assert examine(log, "true") == []
+
+
+@pytest.mark.parametrize("name", ["intel", "aces", "fhw"])
+def test_corrected_poses_of_real_logs_are_not_blamed(data_file: Callable[..., object], name: str) -> None:
+    log = open_log(str(data_file(f"carmen/{name}-corrected.log.gz")))
+    found = named(examine(log, "scan"))
+    assert {name for name in found if not name.startswith("clock.")} <= {"readings.max_range"}
+
+
+def test_raw_odometry_of_a_real_log_is_blamed(data_file: Callable[..., object]) -> None:
+    log = open_log(str(data_file("carmen/aces-corrected.log.gz")))
+    assert "walls.drift" in named(examine(log, "wheel"))
+
+
+@pytest.mark.parametrize("name", ["intel", "aces", "fhw"])
+def test_no_drift_is_found_in_half_of_a_corrected_log(data_file: Callable[..., object], name: str) -> None:
+    log = open_log(str(data_file(f"carmen/{name}-corrected.log.gz")))
+    middle = log.n_scans // 2
+    for start, stop in ((0, middle), (middle, log.n_scans)):
+        assert drift_finding(part_of(log, "scan", start, stop), "scan", MappingConfig()) is None
+
+
+@pytest.mark.parametrize("name", ["carmen/intel.log.gz", "carmen/loop5.log.gz", "breezyslam/exp1.dat.gz"])
+def test_drift_of_a_raw_log_is_a_fact(data_file: Callable[..., object], name: str) -> None:
+    finding = drift_finding(open_log(str(data_file(name))), None, MappingConfig())
+    assert finding is not None
+    assert finding.sure > 0.9
+    assert finding.sentence.startswith("The poses drift: ")
+
+
+@pytest.mark.parametrize(("shift", "is_drift"), [(0.0, False), (0.05, False), (0.5, True), (1.5, True)])
+def test_a_second_half_that_is_shifted_draws_walls_double(clean: ScanLog, shift: float, is_drift: bool) -> None:
+    poses = clean.trajectory().poses.copy()
+    poses[N // 2 :, :2] += shift
+    assert (drift_finding(with_poses(clean, poses), "bad", MappingConfig()) is not None) == is_drift
+
+
+def test_people_before_the_sensor_are_no_drift(clean: ScanLog) -> None:
+    rng = np.random.default_rng(2)
+    people = rng.random(clean.ranges.shape) < 0.15
+    ranges = np.where(people, np.minimum(clean.ranges, 8.0) * rng.uniform(0.2, 0.9, people.shape), clean.ranges)
+    crowded = replace(clean, ranges=ranges.astype(np.float32))
+    assert drift_finding(crowded, None, MappingConfig()) is None
+
+
+def test_drift_is_judged_with_the_mount_of_the_map(clean: ScanLog) -> None:
+    drifting = with_poses(clean, drifting_odometry(clean.trajectory().poses, np.random.default_rng(3)))
+    as_it_is = drift_finding(drifting, None, MappingConfig())
+    assert as_it_is is not None
+    turned = replace(drifting, mount=(0.0, 0.0, -1.0))
+    corrected = drift_finding(turned, None, MappingConfig(mount_yaw=1.0))
+    assert corrected is not None
+    assert corrected.sentence == as_it_is.sentence
+    assert drift_finding(drifting, None, MappingConfig(range_max=0.5)) is None, "too few readings are left"
+
+
+def test_furniture_that_moves_in_a_small_room_is_possible_drift_at_most() -> None:
+    case = refurnished(WORLDS["room"], 3)
+    finding = drift_finding(case.log, case.trajectory, MappingConfig())
+    assert finding is None or (finding.possible and finding.sentence.startswith("The poses may drift: "))
+    assert drift_confidence(0.0) < LEAST_SURE < POSSIBLE < drift_confidence(0.23)
+
+
+def test_a_log_too_short_to_judge_has_no_drift_finding(clean: ScanLog) -> None:
+    assert drift_finding(part_of(clean, "true", 0, 5), None, MappingConfig()) is None
+    with pytest.raises(ConfigError, match="no trajectory"):
+        drift_finding(clean, "slam", MappingConfig())
+
+
+def test_of_few_readings_only_that_is_said(clean: ScanLog) -> None:
+    """A single sonar's: whether poses are out of step with it, or its mount is, would be a guess."""
+    late = compose(clean.trajectory().poses, np.array([0.3, 0.0, 0.2]))
+    one = replace(with_poses(clean, late), ranges=clean.ranges[:, :1].copy())
+    found = examine(one)
+    assert [finding.check for finding in found] == ["readings.few"]
+    assert f"of {N} readings are measured ranges: too few" in found[0].sentence
+    assert "readings.few" not in named(examine(replace(one, ranges=clean.ranges[:, ::20].copy())))
+
+
+def test_a_clock_that_jumps_back(clean: ScanLog) -> None:
+    stamps = clean.stamps_ns.copy()
+    stamps[120:] -= 3_000_000_000
+    found = the(examine(replace(clean, stamps_ns=stamps)), "clock.backwards")
+    assert found.scans == (120,)
+    assert "2.60 s" in found.sentence
+
+
+def test_doubled_stamps(clean: ScanLog) -> None:
+    stamps = clean.stamps_ns.copy()
+    stamps[[50, 90]] = stamps[[49, 89]]
+    assert the(examine(replace(clean, stamps_ns=stamps)), "clock.doubled").scans == (50, 90)
+
+
+def test_a_gap(clean: ScanLog) -> None:
+    stamps = clean.stamps_ns.copy()
+    stamps[200:] += 7_000_000_000
+    found = the(examine(replace(clean, stamps_ns=stamps)), "clock.gap")
+    assert found.scans == (200,)
+    assert "7.4 s" in found.sentence
+
+
+def test_dropped_scans(clean: ScanLog) -> None:
+    kept = np.setdiff1d(np.arange(N), [40, 41, 80, 120, 160, 200])
+    log = replace(
+        clean,
+        ranges=clean.ranges[kept],
+        stamps_ns=clean.stamps_ns[kept],
+        trajectories={"true": Trajectory(clean.trajectory().poses[kept])},
+    )
+    found = the(examine(log), "clock.dropped")
+    assert "About 6 scans" in found.sentence
+    assert found.scans == (40, 78, 117, 156, 195)
+
+
+def test_jitter(clean: ScanLog) -> None:
+    rng = np.random.default_rng(1)
+    steps = rng.exponential(0.4, N)
+    found = examine(replace(clean, stamps_ns=(np.cumsum(steps) * 1e9).astype(np.int64)))
+    assert "clock.jitter" in named(found)
+
+
+def test_a_no_return_that_is_written_as_a_range(clean: ScanLog) -> None:
+    ranges = np.where(np.isinf(clean.ranges), np.float32(8.0), clean.ranges)
+    found = the(examine(replace(clean, ranges=ranges)), "readings.max_range")
+    share = 100 * np.isinf(clean.ranges).sum() / np.isfinite(ranges).sum()
+    assert f"{share:.1f} %" in found.sentence
+    assert found.parameters == {"range_max": 7.9}
+
+
+def test_beams_that_see_the_robot(clean: ScanLog) -> None:
+    ranges = clean.ranges.copy()
+    ranges[:, 170:175] = 0.31
+    found = the(examine(replace(clean, ranges=ranges)), "readings.itself")
+    assert found.sentence.startswith("5 beams around -8°")
+    assert "0.31 m" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("over", "yaw"), [(True, 0.0), (False, np.pi), (False, np.pi / 2), (False, -np.pi / 2), (True, np.pi / 2)]
+)
+def test_a_laser_that_is_turned(clean: ScanLog, over: bool, yaw: float) -> None:
+    # The log claims a mount from which the true one is reached by this correction.
+    claimed = compose((0.0, 0.0, 0.0), (0.0, 0.0, -yaw))
+    log = replace(clean, mount=(float(claimed[0]), float(claimed[1]), float(claimed[2])), upside_down=over)
+    found = the(examine(log), "mount.turned")
+    assert found.parameters is not None
+    assert found.parameters["mount_upside_down"] == over
+    error = (float(found.parameters["mount_yaw"]) - yaw + np.pi) % (2 * np.pi) - np.pi
+    assert abs(error) < 0.01
+
+
+@pytest.mark.parametrize("offset", [(0.15, 0.0, 0.0), (0.0, -0.12, 0.0), (0.0, 0.0, 0.06), (0.1, 0.1, -0.04)])
+def test_a_mount_that_is_a_little_off(clean: ScanLog, offset: tuple[float, float, float]) -> None:
+    log = replace(clean, mount=(-offset[0], -offset[1], -offset[2]))
+    found = the(examine(log), "mount.offset")
+    assert found.parameters is not None
+    corrected = compose(log.mount, [found.parameters[name] for name in ("mount_x", "mount_y", "mount_yaw")])
+    assert np.hypot(*corrected[:2]) < 0.06
+    assert abs(corrected[2]) < 0.015
+
+
+@pytest.mark.parametrize("delay", [0.3, -0.5])
+def test_poses_that_are_late(clean: ScanLog, delay: float) -> None:
+    times = clean.stamps_ns * 1e-9
+    poses = clean.trajectory().poses
+    columns = (poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2]))
+    late = np.stack([np.interp(times - delay, times, column) for column in columns], axis=-1)
+    found = the(examine(with_poses(clean, late)), "timing.delay")
+    assert f"about {abs(delay):.2f} s {'after' if delay > 0 else 'before'}" in found.sentence
+
+
+def test_a_robot_that_moved_without_poses(clean: ScanLog) -> None:
+    found = examine(with_poses(clean, np.zeros((N, 3))))
+    assert named(found) == {"poses.still"}
+    assert "odometry" in the(found, "poses.still").advice
+
+
+def test_a_robot_that_stood_still_is_not_blamed(clean: ScanLog) -> None:
+    rng = np.random.default_rng(4)
+    seen = np.repeat(clean.ranges[:1], N, axis=0) + rng.normal(0.0, 0.01, clean.ranges.shape).astype(np.float32)
+    poses = np.repeat(clean.trajectory().poses[:1], N, axis=0)
+    assert "poses.still" not in named(examine(with_poses(replace(clean, ranges=seen), poses)))
+
+
+def test_odometry_that_drifts(clean: ScanLog) -> None:
+    poses = drifting_odometry(clean.trajectory().poses, np.random.default_rng(3))
+    found = examine(with_poses(clean, poses))
+    drift = the(found, "walls.drift")
+    assert drift.scans
+    assert max(drift.scans) < N
+
+
+def test_a_table_that_goes(clean: ScanLog) -> None:
+    world = WORLDS["room"]
+    # A robot that stays in one room sees the table's place before and after.
+    table = np.array([[2.0, 2.0], [3.0, 2.0], [3.0, 2.6], [2.0, 2.6]]) + _free_place(world)
+    full = World(world.name, world.title, world.bounds, (*world.solids, table), world.start)
+    sensor = SensorConfig(n_beams=360, range_max=8.0, scan_rate=2.5)
+    readings, poses, stamps = [], [], []
+    simulation = Simulation(full, sensor, 2)
+    for part, now in enumerate((full, world)):
+        if part:
+            simulation.alter_world(now)
+        for scan, pose in simulation.advance(60.0):
+            readings.append(scan.ranges)
+            poses.append(pose)
+            stamps.append(scan.stamp_ns)
+    log = ScanLog(
+        np.array(readings),
+        sensor.angle_min,
+        sensor.angle_increment,
+        0.02,
+        8.0,
+        np.array(stamps),
+        {"true": Trajectory(np.array(poses))},
+    )
+    found = the(examine(log), "walls.moving")
+    assert "went" in found.sentence
+    middle = table.mean(axis=0)
+    x, y = (float(v) for v in found.sentence.split("(")[1].split(")")[0].split(","))
+    assert np.hypot(x - middle[0], y - middle[1]) < 0.8
+    assert len(readings) * 0.35 < found.scans[0] < len(readings) * 0.85
+
+
+def _free_place(world: World) -> np.ndarray:
+    """The shift that brings the table into the open, away from where the robot begins."""
+    x0, y0, x1, y1 = world.bounds
+    xs, ys = np.meshgrid(np.linspace(x0, x1, 60), np.linspace(y0, y1, 60))
+    places = np.stack([xs.ravel(), ys.ravel()], axis=-1)
+    far = np.hypot(*(places - np.array(world.start[:2])).T) > 1.5
+    best = places[np.argmax(np.where(far, world.clearance(places), -1.0))]
+    return np.asarray(best - np.array([2.5, 2.3]))
+
+
+def test_a_log_that_is_too_short_is_not_judged(clean: ScanLog) -> None:
+    few = replace(
+        clean,
+        ranges=clean.ranges[:5],
+        stamps_ns=clean.stamps_ns[:5],
+        trajectories={"true": Trajectory(clean.trajectory().poses[:5])},
+    )
+    with pytest.raises(ConfigError, match="too short"):
+        examine(few)
+    with pytest.raises(ConfigError, match="no trajectory"):
+        examine(clean, "slam")

@@ -1,0 +1,358 @@
+"""ROS recordings in each container, written by other tools' writers: scans, frames, poses and topics come out right."""
+
+from __future__ import annotations
+
+import gzip
+import math
+import shutil
+import sqlite3
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import zstandard
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.rosbag2 import StoragePlugin
+
+from mapper.core.errors import ReadError
+from mapper.core.se2 import compose, wrap_angle
+from mapper.grid import OccupancyGrid
+from mapper.io.logs import is_log, open_log
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import KINDS, SECOND, estimate, odometry, scan, sonar, transform, written
+
+T0 = 1_700_000_000 * SECOND
+MOUNT = (0.3, -0.1, 0.5)
+
+
+def truth(seconds: float) -> tuple[float, float, float]:
+    """Where the robot is in the odometry frame: straight ahead at 1 m/s, turning at 0.2 rad/s."""
+    return (seconds, 2.0, float(wrap_angle(3.0 + 0.2 * seconds)))
+
+
+def run(n: int = 10) -> list[recorded.Said]:
+    """Scans at odd tenths of a second, poses at even ones; the map's frame lies 5 m beside the odometry's."""
+    said = [transform(T0, "base_link", "laser", *MOUNT, topic="/tf_static"), transform(T0, "map", "odom", 0.0, 5.0)]
+    for i in range(n + 1):
+        at = T0 + i * SECOND // 5
+        said.append(transform(at, "odom", "base_link", *truth(i / 5)))
+        said.append(odometry(at, *truth(i / 5)))
+        said.append(estimate(at, i / 5, 7.0, 3.0 + i / 25))
+        if i < n:
+            said.append(scan(at + SECOND // 10, [1.0 + i, np.nan, 31.0, -np.inf, 0.0]))
+    said.append(transform(T0 + (n + 1) * SECOND // 5, "map", "odom", 0.0, 5.0))
+    return said
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_scans_mount_and_trajectories(tmp_path, kind):
+    path = written(tmp_path, run(), kind)
+    assert is_log(path)
+    log = open_log(path)
+    assert (log.n_scans, log.n_beams) == (10, 5)
+    np.testing.assert_array_equal(log.stamps_ns, T0 + SECOND // 10 + np.arange(10) * SECOND // 5)
+    np.testing.assert_array_equal(log.ranges[3], np.array([4.0, np.nan, 31.0, np.nan, np.nan], dtype=np.float32))
+    assert (log.angle_min, log.range_max) == (-1.5, 30.0)
+    np.testing.assert_allclose(log.mount, MOUNT, atol=1e-12)
+    assert not log.upside_down
+    assert list(log.trajectories) == ["tf/map", "tf/odom", "odom", "amcl_pose"]
+    expected = np.array([truth((2 * i + 1) / 10) for i in range(10)])
+    for name, shift in (("tf/odom", 0.0), ("odom", 0.0), ("tf/map", 5.0), ("amcl_pose", 5.0)):
+        poses = log.trajectory(name).poses
+        np.testing.assert_allclose(poses[:, :2], expected[:, :2] + [0.0, shift], atol=1e-6)
+        np.testing.assert_allclose(wrap_angle(poses[:, 2] - expected[:, 2]), 0.0, atol=1e-6)
+    frames = {name: trajectory.frame_id for name, trajectory in log.trajectories.items()}
+    assert frames == {"tf/map": "map", "tf/odom": "odom", "odom": "odom", "amcl_pose": "map"}
+    # Where tf has the laser: the chain as anybody composes it.
+    np.testing.assert_allclose(log.sensor_poses("tf/odom"), compose(expected, np.array(MOUNT)), atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_topics_are_listed_with_what_is_known_of_them(tmp_path, kind):
+    more = [sonar(T0 + i, 1.0) for i in range(3)] + [recorded.text(T0, "hello")]
+    log = open_log(written(tmp_path, run() + more, kind))
+    laser, cone, *rest = log.topics
+    assert (laser.name, laser.type, laser.count, laser.beams, laser.frame, laser.chosen) == (
+        "/scan", "sensor_msgs/LaserScan", 10, 5, "laser", True,
+    )  # fmt: skip
+    assert laser.field_of_view_deg == pytest.approx(math.degrees(0.4))
+    assert laser.rate_hz == pytest.approx(5.0)
+    np.testing.assert_allclose(laser.mount or (), MOUNT, atol=1e-12)
+    assert (cone.name, cone.count, cone.beams, cone.mount, cone.chosen) == ("/sonar", 3, 1, None, False)
+    assert cone.field_of_view_deg == pytest.approx(math.degrees(0.5))
+    counts = {topic.name: (topic.type, topic.count) for topic in rest}
+    assert counts["/tf"] == ("tf2_msgs/TFMessage", 13)
+    assert counts["/chatter"] == ("std_msgs/String", 1)
+    assert counts["/amcl_pose"] == ("geometry_msgs/PoseWithCovarianceStamped", 11)
+
+
+def test_the_sensor_with_most_scans_is_taken_or_the_one_that_is_named(tmp_path):
+    said = [scan(T0 + i, [1.0, 2.0], "/front", "front") for i in range(3)]
+    said += [scan(T0 + i, [3.0], "/rear", "rear") for i in range(4)]
+    said += [sonar(T0 + i, 0.5) for i in range(9)]
+    path = written(tmp_path, said, "bag")
+    assert open_log(path).n_beams == 1, "the laser with most scans, not the sonar"
+    assert open_log(path, topic="/front").n_scans == 3
+    assert open_log(path, topic="front").n_scans == 3
+    assert open_log(path, topic="/sonar").n_scans == 9
+    with pytest.raises(ReadError, match=r"no scans on '/left'; it has .*/front.*/rear.*/sonar") as caught:
+        open_log(path, topic="/left")
+    assert caught.value.code == "log.topic"
+
+
+def test_a_sonar_is_one_beam_as_wide_as_its_field_of_view(tmp_path):
+    said = [transform(T0, "base_link", "sonar", 0.2, 0.1, math.pi / 2, topic="/tf_static")]
+    said += [sonar(T0 + i * SECOND, reading, width=0.5) for i, reading in enumerate([1.0, np.inf, 0.01])]
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert (log.beam_width, log.range_max, log.n_beams) == (0.5, 4.0, 1)
+    np.testing.assert_array_equal(log.angles, [0.0])
+    np.testing.assert_allclose(log.mount, (0.2, 0.1, math.pi / 2), atol=1e-12)
+    config = MappingConfig(model="sonar_cone", update="per_scan", resolution=0.05)
+    grid = OccupancyGrid(geometry_for(log, config))
+    integrate_log(grid, log, config, None, 0, 1)
+    # The echo came from an arc of a quarter metre, a metre to the robot's left.
+    cells = grid.geometry.cell_to_world(np.argwhere(grid.log_odds > 0.0))
+    distance = np.hypot(cells[:, 0] - 0.2, cells[:, 1] - 0.1)
+    assert len(cells) > 5
+    assert np.abs(distance - 1.0).max() < 0.3
+    assert np.abs(np.arctan2(cells[:, 0] - 0.2, cells[:, 1] - 0.1)).max() < 0.25 + 0.1
+
+
+def test_sonars_that_share_a_topic_are_told_apart_by_their_frames(tmp_path):
+    said = [sonar(T0 + i, 1.0 + i % 2, frame=f"sonar_{i % 2}") for i in range(7)]
+    log = open_log(written(tmp_path, said, "bag"))
+    assert log.ranges.ravel().tolist() == [1.0] * 4
+    assert {topic.name for topic in log.topics} == {"/sonar", "/sonar#sonar_1"}
+    assert open_log(tmp_path / "run.bag", topic="/sonar#sonar_1").ranges.ravel().tolist() == [2.0] * 3
+
+
+def test_a_laser_that_hangs_upside_down(tmp_path):
+    said = [transform(T0, "base_link", "laser", 0.2, 0.0, 0.7, math.pi, topic="/tf_static")]
+    said += [scan(T0 + i, [1.0] * 5) for i in range(3)]
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert log.upside_down
+    # Each beam's direction on the robot, by turning the beam's own vector: roll by π, then yaw.
+    for i, bearing in enumerate(log.angles):
+        a = -1.5 + 0.1 * i
+        x, y = math.cos(a), -math.sin(a)
+        direction = math.atan2(math.sin(0.7) * x + math.cos(0.7) * y, math.cos(0.7) * x - math.sin(0.7) * y)
+        assert wrap_angle(log.mount[2] + bearing - direction) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_chain_of_mounts_and_the_tilt_of_a_sensor(tmp_path):
+    said = [
+        transform(T0, "base_footprint", "base_link", z=0.1, topic="/tf_static"),
+        transform(T0, "base_link", "mast", 0.5, 0.0, math.pi / 2, topic="/tf_static"),
+        transform(T0, "mast", "laser", 0.2, 0.0, 0.0, 0.6, topic="/tf_static"),
+        scan(T0, [1.0]),
+    ]
+    log = open_log(written(tmp_path, said, "db3"))
+    np.testing.assert_allclose(log.mount, (0.5, 0.2, math.pi / 2), atol=1e-12)
+    assert any("tilted by 34°" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_without_poses_the_robot_stands_still_and_a_note_says_what_to_do(tmp_path, kind):
+    log = open_log(written(tmp_path, [scan(T0 + i, [1.0, 2.0]) for i in range(4)], kind))
+    assert list(log.trajectories) == ["standing still"]
+    assert not log.trajectory().poses.any()
+    assert any("no poses" in note and "record /tf" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("source", ["odom", "tf/odom"])
+@pytest.mark.parametrize("ahead_s", [3600, -1_699_999_000])
+def test_clocks_that_differ_are_put_together_by_when_all_was_recorded(tmp_path, kind, source, ahead_s):
+    """A scanner whose host was set wrongly, and one in simulated time: the recorder saw both."""
+    said = [*[estimate(T0 - 5 * SECOND, 0.0, 0.0, 0.0) for _ in range(2)]]
+    for i in range(11):
+        at = T0 + i * SECOND // 5
+        pose = odometry(at, *truth(i / 5)) if source == "odom" else transform(at, "odom", "laser", *truth(i / 5))
+        seen = at + SECOND // 10
+        said += [pose, replace(scan(seen + ahead_s * SECOND, [1.0]), stamp_ns=seen)]
+    log = open_log(written(tmp_path, said[:-1], kind))
+    np.testing.assert_allclose(log.trajectory(source).poses, [truth(i / 5 + 0.1) for i in range(10)], atol=2e-3)
+    apart = f"{abs(ahead_s):,}.0 s {'behind' if ahead_s > 0 else 'ahead of'}"
+    assert any(f"The clock of {source} is {apart} that of the scans" in note for note in log.notes)
+    assert any("amcl_pose are from another time" in note for note in log.notes)
+
+
+def test_poses_of_another_time_are_left_out_and_those_that_end_early_noted(tmp_path):
+    said = [odometry(T0 + i * SECOND, float(i), 0.0, 0.0) for i in range(3)]
+    said += [odometry(i * SECOND + 5, 0.0, 0.0, 0.0, "/clockless") for i in range(3)]
+    said += [scan(T0 + i * SECOND, [1.0]) for i in range(5)]
+    log = open_log(written(tmp_path, said, "mcap"))
+    np.testing.assert_array_equal(log.trajectory("odom").poses[:, 0], [0.0, 1.0, 2.0, 2.0, 2.0])
+    assert list(log.trajectories) == ["odom"]
+    assert any("2 scans lie before the first or after the last pose of odom" in note for note in log.notes)
+    assert any("clockless are from another time" in note for note in log.notes)
+
+
+def test_scans_with_other_beams_count_at_the_nearest_of_the_usual_ones(tmp_path):
+    said = [scan(T0 + i, [1.0, 2.0, 3.0, 4.0], angles=(0.0, 0.5)) for i in range(3)]
+    said.append(scan(T0 + 3, [5.0, 6.0], angles=(0.0, 0.5)))  # a shorter sweep
+    said.append(scan(T0 + 4, [7.0, 8.0, 9.0], angles=(0.5, 0.45)))  # another one: at 0.5, 0.95 and 1.4
+    log = open_log(written(tmp_path, said, "bag"))
+    assert log.n_beams == 4
+    np.testing.assert_array_equal(log.ranges[3], np.array([5, 6, np.nan, np.nan], dtype=np.float32))
+    np.testing.assert_array_equal(log.ranges[4], np.array([np.nan, 7, 8, 9], dtype=np.float32))
+    assert any("2 of the 5 scans on /scan have other beams" in note for note in log.notes)
+
+
+def test_scans_without_a_time_of_their_own_get_that_of_their_recording(tmp_path):
+    said = scan(0, [1.0])
+    said.stamp_ns = T0
+    assert open_log(written(tmp_path, [said], "bag")).stamps_ns.tolist() == [T0]
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_compressed_chunks_of_a_bag(tmp_path, compression):
+    plain = open_log(written(tmp_path, run(), "bag"))
+    log = open_log(recorded.write_bag(tmp_path / "packed.bag", run(), compression))
+    np.testing.assert_array_equal(log.ranges, plain.ranges)
+    assert log.notes == plain.notes == ()
+
+
+@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
+@pytest.mark.parametrize("options", [{}, {"use_chunking": False}, {"enable_data_crcs": True}, {"chunk_size": 300}])
+@pytest.mark.parametrize("ros", [1, 2])
+def test_kinds_of_mcap(tmp_path, compression, options, ros):
+    path = tmp_path / "a.mcap"
+    path.write_bytes(recorded.mcap_bytes(run(), compression, ros, **options))
+    log = open_log(path)
+    assert (log.n_scans, len(log.trajectories), log.notes) == (10, 4, ())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("pack", [gzip.compress, zstandard.compress], ids=["gzip", "zstd"])
+def test_the_whole_file_compressed(tmp_path, kind, pack):
+    path = written(tmp_path, run(), kind)
+    packed = tmp_path / "picture.png"
+    packed.write_bytes(pack(path.read_bytes()))
+    assert is_log(packed)
+    np.testing.assert_array_equal(open_log(packed).ranges, open_log(path).ranges)
+
+
+@pytest.mark.parametrize(
+    ("plugin", "suffix", "compression"),
+    [
+        (StoragePlugin.SQLITE3, "db3.zstd", "file"),
+        (StoragePlugin.SQLITE3, "db3", "message"),
+        (StoragePlugin.MCAP, "mcap", "none"),
+        (StoragePlugin.MCAP, "mcap.zstd", "file"),
+        (StoragePlugin.MCAP, "mcap", "message"),
+        (StoragePlugin.MCAP, "mcap", "storage"),
+    ],
+)
+def test_the_ways_in_which_rosbag2_compresses(tmp_path, plugin, suffix, compression):
+    log = open_log(recorded.write_rosbag2(tmp_path / "run", run(), plugin, suffix, compression))
+    plain = open_log(written(tmp_path, run(), "mcap"))
+    np.testing.assert_array_equal(log.ranges, plain.ranges)
+    assert list(log.trajectories) == list(plain.trajectories)
+    assert log.notes == ()
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_ros_2_bag_is_a_folder(tmp_path, kind):
+    plugin = StoragePlugin.SQLITE3 if kind == "db3" else StoragePlugin.MCAP
+    file = recorded.write_rosbag2(tmp_path / "run", run(), plugin, kind)
+    assert is_log(tmp_path / "run")
+    assert open_log(tmp_path / "run").n_scans == 10
+    assert file.with_name("metadata.yaml").exists()
+
+
+def test_a_db3_whose_recorder_was_not_closed_says_what_may_be_missing(tmp_path):
+    """Of a database in WAL mode the last rows are in another file, which nobody thinks of."""
+    path = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(path)) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("PRAGMA wal_autocheckpoint=0")
+        recorder.execute("INSERT INTO messages SELECT id + 1000, topic_id, timestamp, data FROM messages")
+        recorder.commit()
+        assert path.with_name(f"{path.name}-wal").stat().st_size > 0
+        alone = tmp_path / "alone.db3"
+        for pack in (bytes, gzip.compress):
+            alone.write_bytes(pack(path.read_bytes()))
+            log = open_log(alone)
+            assert log.n_scans == 10
+            assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
+
+
+def test_a_db3_that_has_all_in_its_journal_says_how_to_get_it(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("CREATE TABLE topics (id, name, type, serialization_format)")
+        recorder.commit()
+        alone = tmp_path / "alone.db3"
+        alone.write_bytes((tmp_path / "run.db3").read_bytes())
+        with pytest.raises(ReadError, match=r"no table 'topics'\. .* ends in -wal; .* wal_checkpoint"):
+            open_log(alone)
+        alone.write_bytes((tmp_path / "run.db3-wal").read_bytes())
+        with pytest.raises(ReadError, match=r"write-ahead log of an SQLite file, of no use without the \.db3"):
+            open_log(alone)
+
+
+@pytest.mark.parametrize("packing", ["zip", "gztar"])
+def test_an_archive_of_a_recording_says_what_to_do(tmp_path, packing):
+    recorded.write_rosbag2(tmp_path / "in" / "run", run(), StoragePlugin.MCAP, "mcap")
+    archive = shutil.make_archive(str(tmp_path / "run"), packing, tmp_path / "in")
+    with pytest.raises(ReadError, match=r"The file is a (zip|packed tar) archive: unpack it, and take") as caught:
+        open_log(archive)
+    assert caught.value.code == "log.archive"
+
+
+def test_what_scans_can_be_made_of_is_said(tmp_path):
+    cloud = {
+        "header": recorded.header(T0, "lidar"), "height": 1, "width": 0, "fields": [], "is_bigendian": False,
+        "point_step": 12, "row_step": 0, "data": np.zeros(0, np.uint8), "is_dense": True,
+    }  # fmt: skip
+    with pytest.raises(ReadError, match=r"it has sensor_msgs/PointCloud2\. A point cloud .* pointcloud_to_laserscan"):
+        open_log(written(tmp_path, [recorded.Said("/velodyne", "sensor_msgs/msg/PointCloud2", T0, cloud)], "mcap"))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_recording_without_scans_says_what_it_has(tmp_path, kind):
+    with pytest.raises(ReadError, match=r"holds no scans .* it has nav_msgs/Odometry\.") as caught:
+        open_log(written(tmp_path, [odometry(T0, 0, 0, 0)], kind))
+    assert caught.value.code == "log.no_scans"
+
+
+@given(st.lists(st.tuples(st.integers(0, 100), st.floats(-50, 50), st.floats(-3.1, 3.1)), min_size=1, max_size=8))
+def test_interpolated_poses_are_those_of_the_textbook(knots):
+    """Planar poses through the 3D machinery = linear in x, the short way round in the angle."""
+    from mapper.core.limits import DEFAULT_LIMITS
+    from mapper.io.logs.transforms import Timeline
+
+    line = Timeline(DEFAULT_LIMITS)
+    by_time = dict.fromkeys(sorted({t for t, _, _ in knots}))
+    for t, x, yaw in knots:
+        if by_time[t] is None:
+            by_time[t] = (x, yaw)
+            q = recorded.quaternion(yaw)
+            line.add(t * 10, (x, 0.0, 0.0, q["x"], q["y"], q["z"], q["w"]))
+    times = np.array(list(by_time)) * 10
+    xs, yaws = np.array([by_time[t] for t in by_time]).T
+    asked = np.arange(-20, 1020, 7)
+    expected = np.interp(asked, times, xs)
+    poses = line.at(asked).planar
+    np.testing.assert_allclose(np.broadcast_to(poses[:, 0], expected.shape), expected, atol=1e-9)
+    turned = np.interp(asked, times, np.unwrap(yaws))
+    # Half a turn in one step may go either way round.
+    if not (np.abs(np.abs(wrap_angle(np.diff(yaws))) - np.pi) < 1e-6).any():
+        np.testing.assert_allclose(wrap_angle(np.broadcast_to(poses[:, 2], turned.shape) - turned), 0.0, atol=1e-6)
+
+
+def test_which_of_several_sensors_is_mapped_is_said(tmp_path):
+    ring = [sonar(T0 + i, 1.0, topic=f"/sonar/{i % 3}") for i in range(9)]
+    path = written(tmp_path, ring, "mcap")
+    said = "Only /sonar/0 is mapped; the log has 2 more sensors to choose: /sonar/1, /sonar/2. Each sonar makes a map"
+    assert sum(said in note for note in open_log(path).notes) == 1
+    assert not any("Only" in note for note in open_log(path, topic="/sonar/1").notes)
+    path.write_bytes(recorded.mcap_bytes([*ring, *run()]))
+    assert sum(note.startswith("Only /scan is mapped; the log has 3 more") for note in open_log(path).notes) == 1
+    path.write_bytes(recorded.mcap_bytes(run()))
+    assert open_log(path).notes == ()

@@ -1,0 +1,38 @@
+"""``python -m mapper.tools.precompile`` leaves no kernel for the first visitor to wait for."""
+
+from __future__ import annotations
+
+import os
+import pkgutil
+import subprocess
+import sys
+
+import mapper.kernels
+from mapper.tools import precompile as warm
+
+
+def test_every_kernel_is_compiled_by_it():
+    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_DISABLE_JIT"}
+    done = subprocess.run(
+        [sys.executable, "-m", "mapper.tools.precompile"], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    ready, of, total, *_ = done.stdout.split()
+    assert of == "of"
+    assert int(ready) == int(total) >= 10
+
+
+def test_a_kernel_that_it_leaves_out_is_named(monkeypatch, capsys):
+    monkeypatch.setattr(warm, "warm", lambda: None)
+    monkeypatch.setattr(warm, "kernels", lambda: {"mapper.kernels.a.used": True, "mapper.kernels.a.forgotten": False})
+    assert warm.main() == 1
+    assert "mapper.kernels.a.forgotten was not compiled" in capsys.readouterr().err
+
+
+def test_all_modules_of_kernels_are_looked_at():
+    names = {info.name for info in pkgutil.iter_modules(mapper.kernels.__path__)}
+    assert {"raycast", "planning", "quantise"} <= names
+    assert {
+        "mapper.simulation.kernels.raycast.cast_rays",
+        "mapper.simulation.kernels.shortest_paths.shortest_paths",
+    } <= set(warm.kernels())

@@ -1,0 +1,296 @@
+"""The stream over a real socket: what a browser gets, and what it can do wrong."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from websockets.asyncio.client import connect
+
+from mapper.io.maps import pgm_bytes
+from mapper.simulation import WORLDS
+from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
+from server.sessions import Session
+from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
+
+
+def session_of(service: Service, session_id: str) -> Session:
+    session: Session = service.state.sessions.get(session_id)
+    return session
+
+
+def expected_log_odds(service: Service, session_id: str) -> Any:
+    """The session's own grid as a client should see it, to half a step of the int8 picture."""
+    view = session_of(service, session_id).view()
+    low, high = view.config.clamp_limits
+    return np.where(view.observed, np.clip(view.log_odds, low, high), np.nan)
+
+
+async def test_a_session_streams_its_map(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: watcher.frames > 10)
+        await watcher.settle()
+        assert watcher.messages[0]["type"] == "hello"
+        assert {"hello", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
+        np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
+        frame = watcher.newest["frame"]
+        assert len(frame["ranges"]) == 360
+        assert watcher.frames > watcher.scans >= 1  # a scan is sent once, however many frames show it
+        assert WORLDS["room"].is_free(frame["pose"][:2])
+        hello = watcher.newest["hello"]
+        assert hello["kind"] == "world"
+        # A session that nobody has touched differs in nothing from what its table calls initial.
+        assert {row["name"]: row["initial"] for row in hello["parameters"]["table"]} == hello["parameters"]["values"]
+
+
+async def test_every_kind_of_change_reaches_the_picture(service: Service) -> None:
+    session_id = service.begin(kind="world", world="room", seed=8)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        for values in (
+            {"window": 0.5},
+            {"log_odds_hit": 0.3, "log_odds_miss": -1.0},
+            {"resolution": 0.1},
+            {"log_odds_min": -5.0, "log_odds_max": 6.0},
+            {"model": "step_window", "update": "per_scan"},
+            {"range_max": 2.0},
+        ):
+            await watcher.send("parameters", values=values)
+            answer = await watcher.answer("parameters")
+            while any(answer["values"][name] != value for name, value in values.items()):
+                answer = await watcher.answer("parameters")
+            await watcher.settle()
+            geometry = watcher.newest["geometry"]
+            step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+            expected = expected_log_odds(service, session_id)
+            np.testing.assert_allclose(watcher.log_odds(), expected, atol=step + 1e-6)
+            assert watcher.newest["frame"]["remade_ms"] > 0
+        await watcher.send("world", name="maze")
+        await watcher.answer("world")
+        await watcher.settle()
+        np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=11 / 254)
+
+
+async def test_a_teleport_brings_new_cells_around_the_new_place(service: Service) -> None:
+    session_id = service.begin(kind="world", world="office", seed=8)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.settle()
+        before = watcher.picture != -128
+        await watcher.send("teleport", x=17.0, y=12.0)
+        await watcher.until(lambda: watcher.newest["frame"]["pose"][0] > 15.0)
+        await watcher.settle()
+        g = watcher.newest["geometry"]
+        x, y = watcher.newest["frame"]["pose"][:2]
+        col, row = int((x - g["origin"][0]) / g["resolution"]), int((y - g["origin"][1]) / g["resolution"])
+        new = (watcher.picture != -128) & ~before
+        assert new[row - 20 : row + 20, col - 20 : col + 20].sum() > 100
+
+
+async def test_a_teleport_into_a_wall_says_where_it_landed(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("teleport", x=-50.0, y=-50.0)
+        notice = await watcher.answer("notice")
+        assert notice["code"] == "teleport.moved"
+        assert "outside the world" in notice["message"]
+
+
+async def test_inspect_reads_one_cell(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.settle()
+        row, col = (int(v) for v in np.argwhere(watcher.picture == watcher.picture.max())[0])
+        await watcher.send("inspect", row=row, col=col, epoch=watcher.epoch)
+        cell = await watcher.answer("cell")
+        assert cell["observed"]
+        assert cell["state"] == "occupied"
+        assert cell["p_occ"] == pytest.approx(1 / (1 + np.exp(-cell["log_odds"])))
+        assert cell["log_odds"] == pytest.approx(watcher.log_odds()[row, col], abs=5.5 / 254)
+        g = watcher.newest["geometry"]
+        assert cell["x"] == pytest.approx(g["origin"][0] + (col + 0.5) * g["resolution"])
+        assert cell["y"] == pytest.approx(g["origin"][1] + (row + 0.5) * g["resolution"])
+
+
+async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
+    session_id = service.begin(kind="world", world="office", seed=1)
+    async with service.connect(session_id) as socket:
+        first = Watcher(socket)
+        await first.settle()
+        told = {"epoch_id": first.newest["hello"]["epoch_id"], "epoch": first.epoch, "revision": first.revision}
+        kept = first.picture.copy()
+    async with service.connect(session_id) as socket:
+        again = Watcher(socket)
+        await again.send("resume", **told)
+        again.epoch, again.picture = first.epoch, kept
+        await again.send("step", scans=5)
+        await again.until(
+            lambda: again.newest.get("frame", {"index": 0})["index"] == first.newest["frame"]["index"] + 5
+        )
+        await again.settle()
+        expected = expected_log_odds(service, session_id)
+        np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 + 1e-6)
+
+
+async def test_two_browsers_share_one_session(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket, service.connect(session_id) as other_socket:
+        one, other = Watcher(socket), Watcher(other_socket)
+        await one.send("parameters", values={"window": 0.3})
+        while (await other.answer("parameters"))["values"]["window"] != 0.3:
+            pass
+        await one.send("parameters", values={"window": -3})
+        assert (await one.answer("error"))["code"] == "parameter.window"
+        await one.settle()
+        await other.settle()
+        assert not [m for m in other.messages if m["type"] == "error"]
+        assert one.picture.tobytes() == other.picture.tobytes()
+
+
+MALFORMED: list[tuple[Any, str]] = [
+    (b"\x01\x02", "command.binary"),
+    ('{"type":"teleport","x":1', "command.json"),
+    ('{"type":"teleport","x":NaN,"y":1}', "command.number"),
+    ('{"type":"teleport","x":1e999,"y":1}', "command.x"),
+    ('{"type":"teleport","x":' + "1" * 400 + ',"y":1}', "command.x"),
+    ('{"type":"play","padding":"' + "x" * 100_000 + '"}', "command.too_long"),
+    ('{"type":"unheard of"}', "command.unknown"),
+    ('{"type":["play"]}', "command.type"),
+    ("null", "command.type"),
+    ('{"type":"ack"}', "command.seq"),
+    ('{"type":"ack","seq":1000000}', "command.seq"),
+    ('{"type":"ack","seq":"1"}', "command.seq"),
+    ('{"type":"resume","epoch_id":5}', "command.epoch_id"),
+    ('{"type":"speed"}', "command.value"),
+    ('{"type":"parameters","values":{"window":"wide"}}', "parameter.window"),
+    ('{"type":"parameters","values":{"__class__":1}}', "parameter.unknown"),
+]
+
+
+@pytest.mark.parametrize(("sent", "code"), MALFORMED)
+async def test_a_malformed_frame_gets_its_error_and_the_session_goes_on(
+    service: Service, sent: str | bytes, code: str
+) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: watcher.frames > 2)
+        await socket.send(sent)
+        error = await watcher.answer("error")
+        assert error["code"] == code
+        assert set(error) == {"type", "code", "message", "detail"}
+        assert len(error["message"]) < 300
+        frames = watcher.frames
+        await watcher.send("ping", id=7)
+        assert (await watcher.answer("pong"))["id"] == 7
+        await watcher.until(lambda: watcher.frames > frames + 2)
+
+
+async def test_too_many_malformed_frames_end_the_connection_and_nothing_else(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket, service.connect(session_id) as good_socket:
+        good = Watcher(good_socket)
+        for _ in range(30):
+            await socket.send("}{")
+        await until_closed(socket)
+        assert socket.close_code == 1008
+        frames = good.frames
+        await good.until(lambda: good.frames > frames + 5)
+
+
+async def test_a_text_that_is_too_long_for_a_frame_ends_only_that_connection(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        await socket.send("x" * (2 << 20))
+        await until_closed(socket)
+        assert socket.close_code == 1009
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: watcher.frames > 2)
+
+
+async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> None:
+    session_id, other_id = service.begin(), service.begin()
+    async with service.connect(session_id, close_timeout=0.5) as socket, service.connect(other_id) as other_socket:
+        other = Watcher(other_socket)
+        session, began = session_of(service, session_id), time.monotonic()
+        before = session.progress[0]
+        flood = [json.dumps({"type": "teleport", "x": 1.0 + i % 5, "y": 2.0}) for i in range(2000)]
+
+        async def pour() -> None:
+            for command in flood:
+                await socket.send(command)
+
+        pouring = asyncio.create_task(pour())
+        await other.until(lambda: other.frames > 30)
+        # Each teleport is a scan, and as it walks there are ten in a second.
+        scans, seconds = session.progress[0] - before, time.monotonic() - began
+        assert scans <= COMMAND_BURST + (COMMANDS_PER_S + 10.0) * seconds + 10
+        pouring.cancel()
+        await asyncio.gather(pouring, return_exceptions=True)
+
+
+async def test_a_flood_without_end_ends_the_connection(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.http.routes.stream.MAX_THROTTLED", 30)
+    monkeypatch.setattr("server.stream.hub.ACK_TIMEOUT_S", PATIENCE_S)  # nothing is acknowledged here
+    async with service.connect(service.begin()) as socket:
+        for _ in range(1000):
+            await socket.send('{"type":"ping","id":1}')
+        await until_closed(socket)
+        assert (socket.close_code, socket.close_reason) == (1008, "too many commands")
+
+
+async def test_the_subprotocol_is_required(service: Service) -> None:
+    async with connect(service.address(service.begin()), compression=None) as socket:
+        await until_closed(socket)
+        assert socket.close_code == 1008
+
+
+async def test_a_session_that_is_not_there_says_so(service: Service) -> None:
+    async with service.connect("nothing") as socket:
+        await until_closed(socket)
+        assert (socket.close_code, socket.close_reason) == (4404, "session.unknown")
+
+
+async def test_a_session_that_is_ended_says_so(service: Service) -> None:
+    session_id = service.begin()
+    async with service.connect(session_id) as socket:
+        await asyncio.wait_for(socket.recv(), PATIENCE_S)
+        answer = await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")
+        assert answer.status_code == 204
+        await until_closed(socket)
+        assert socket.close_code == 4410
+
+
+async def test_the_stream_is_not_compressed_twice(service: Service) -> None:
+    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v1"]) as socket:  # type: ignore[list-item]
+        assert socket.subprotocol == "gridbloom.v1"
+        assert "Sec-WebSocket-Extensions" not in socket.response.headers  # type: ignore[union-attr]
+
+
+async def test_a_log_plays_and_its_end_is_its_map_file(service: Service) -> None:
+    session_id = await asyncio.to_thread(service.begin, kind="log", log="sample-office")
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: watcher.newest.get("frame", {"index": 0})["index"] > 3)
+        hello = watcher.newest["hello"]
+        assert [t["name"] for t in hello["log"]["trajectories"]] == ["true", "odometry"]
+        assert len(watcher.newest["trajectory"]["poses"]) == hello["log"]["n_scans"]
+        await watcher.send("seek", index=hello["log"]["n_scans"])
+        await watcher.until(lambda: watcher.newest["frame"]["index"] == hello["log"]["n_scans"])
+        await watcher.settle()
+        image = (await asyncio.to_thread(service.http.get, f"/api/sessions/{session_id}/map.pgm")).content
+        assert image == pgm_bytes(await asyncio.to_thread(lambda: session_of(service, session_id).grid))
+        rows, cols = watcher.picture.shape
+        shades = np.frombuffer(image[-rows * cols :], dtype=np.uint8).reshape(rows, cols)[::-1]
+        assert (shades[watcher.picture == -128] == 205).all()
+        assert (watcher.log_odds()[shades == 0] > 0.6).all()
+        assert (watcher.log_odds()[shades == 254] < -1.0).all()

@@ -1,0 +1,142 @@
+"""``gridbloom upload`` against a running service, over a line that is cut again and again."""
+
+from __future__ import annotations
+
+import json
+import stat
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+
+from mapper.core.errors import ReadError
+from mapper.io.logs import open_log
+from server.cli import main
+from server.upload_client import TRIES, UploadError, upload
+from tests.mapper.io.logs.test_split import split
+from tests.server.frayed_line import FrayedLine
+from tests.server.library.small_logs import carmen
+from tests.server.service import Service
+
+DATA = carmen(10_000)
+
+
+@pytest.fixture
+def line(service: Service) -> Iterator[FrayedLine]:
+    line = FrayedLine(service.port, 1 << 40)
+    yield line
+    line.close()
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    path = tmp_path / "the run.log"
+    path.write_bytes(DATA)
+    return path
+
+
+def stored(service: Service, record_id: str) -> bytes:
+    digest = service.state.library._catalogue.get(record_id).sha256
+    return bytes((service.state.settings.data_dir / "library" / "blobs" / digest).read_bytes())
+
+
+def test_a_log_is_sent_read_and_to_be_seen(service: Service, log: Path, tmp_path: Path) -> None:
+    visitors = tmp_path / "who" / "visitors.json"
+    shares: list[float] = []
+    record, link = upload(log, f"127.0.0.1:{service.port}", visitors, progress=shares.append)
+    assert (record["name"], record["state"], record["scans"]) == ("the run.log", "ready", 10_000)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    session = parse_qs(urlsplit(link).query)["session"][0]
+    # Who has the link sees it, though the log itself is the sender's alone.
+    assert service.http.get(f"/api/sessions/{session}").json()["title"] == "the run.log"
+    assert service.http.get(f"/api/logs/{record['id']}").status_code == 404
+    assert stat.S_IMODE(visitors.stat().st_mode) == 0o600
+    again, _ = upload(log, f"http://127.0.0.1:{service.port}/logs.html", visitors)
+    assert again["id"] == record["id"], "the same file is stored once"
+
+
+def test_a_folder_with_a_log_in_several_files_is_one_log_there(service: Service, tmp_path: Path) -> None:
+    folder, whole = split(tmp_path, "mcap", 3)
+    url, visitors = f"127.0.0.1:{service.port}", tmp_path / "visitors.json"
+    record, _ = upload(folder, url, visitors)
+    assert (record["name"], record["scans"]) == ("run", open_log(whole).n_scans)
+    assert record["notes"] == ["3 files are read as one recording."]
+    (folder / "run_0.mcap").touch()
+    assert upload(folder, url, visitors)[0]["id"] == record["id"], "the same files are stored once"
+    assert upload(whole.parent, url, visitors)[0]["name"] == "whole"
+    (folder / "metadata.yaml").unlink()
+    with pytest.raises(ReadError, match="holds 3 recordings"):
+        upload(folder, url, visitors)
+
+
+@pytest.mark.parametrize("tenth", range(1, 11))
+def test_it_goes_on_after_each_cut(service: Service, line: FrayedLine, log: Path, tmp_path: Path, tenth: int) -> None:
+    line.most = len(DATA) * tenth // 10 + 2000
+    record, _ = upload(log, line.url, tmp_path / "visitors.json", pause_s=0.01)
+    assert record["scans"] == 10_000
+    assert stored(service, record["id"]) == DATA
+    assert line.connections >= 10 // tenth
+
+
+def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: Path, tmp_path: Path) -> None:
+    line.most = 300_000
+    visitors = tmp_path / "visitors.json"
+    sent: list[float] = []
+
+    def noted(share: float) -> None:
+        """From its second connection on the line carries nothing to speak of."""
+        sent.append(share)
+        line.most = 100
+
+    with pytest.raises(UploadError):
+        upload(log, line.url, visitors, progress=noted, pause_s=0.001)
+    assert line.connections >= TRIES
+    line.most = 1 << 40
+    sent.clear()
+    record, _ = upload(log, line.url, visitors, progress=sent.append, pause_s=0.001)
+    assert sent[0] > 0.2, "what the server had was not sent again"
+    assert stored(service, record["id"]) == DATA
+
+
+def test_what_is_no_log_is_refused_with_the_services_sentence(service: Service, tmp_path: Path) -> None:
+    path = tmp_path / "holiday.jpg"
+    path.write_bytes(b"\xff\xd8\xff" + bytes(1000))
+    with pytest.raises(UploadError, match="JPEG"):
+        upload(path, f"127.0.0.1:{service.port}", tmp_path / "visitors.json")
+
+
+def test_no_file_no_service_and_a_file_of_garbage_for_the_visitors(service: Service, log: Path, tmp_path: Path) -> None:
+    visitors = tmp_path / "visitors.json"
+    with pytest.raises(ReadError, match="No such file"):
+        upload(tmp_path / "gone", f"127.0.0.1:{service.port}", visitors)
+    with pytest.raises(UploadError, match="cannot be reached"):
+        upload(log, "http://127.0.0.1:9", visitors, pause_s=0.001)
+    with pytest.raises(UploadError, match="cannot be reached"):
+        upload(log, "nonsense://", visitors, pause_s=0.001)
+    for garbage in (b"[", b"[1]", b'{"http://x": 5}', b"\xff"):
+        visitors.write_bytes(garbage)
+        assert upload(log, f"127.0.0.1:{service.port}", visitors)[0]["state"] == "ready"
+
+
+def test_the_command(
+    service: Service, log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GRIDBLOOM_DATA_DIR", str(tmp_path / "data"))
+    for arguments, status in (([], 0), (["--json"], 0)):
+        monkeypatch.setattr(
+            sys, "argv", ["gridbloom", "upload", str(log), f"http://127.0.0.1:{service.port}", *arguments]
+        )
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert (ended.value.code or 0) == status
+        out = capsys.readouterr().out
+        assert "logs.html?session=" in out
+    assert json.loads(out.splitlines()[-1])["scans"] == 10_000
+    monkeypatch.setattr(sys, "argv", ["gridbloom", "upload", str(tmp_path / "gone"), "http://127.0.0.1:9"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
