@@ -1,24 +1,30 @@
-"""The one decorator of the kernels: compiled by numba, without the GIL, kept on disk.
+"""The decorator of the compiled functions: numba, without the GIL, cached on disk for each package.
 
-numba tells whether a kept kernel is still good by the time and size of its own file, and would miss a change in a
-function that it calls from another. So what is kept lies in a folder that is named after the text of all kernels.
+numba decides by the time and size of a function's own file whether its cache entry is valid, and misses a change in a
+function that it calls from another file. So each package of kernels has a cache folder that is named after the text of
+its files and of the packages of kernels that it imports: an edited kernel recompiles these packages only.
 """
 
 from __future__ import annotations
 
 import importlib
+import re
 import sys
+from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from typing import TypeVar, cast
 
 from numba import config, njit
 
-_HERE = Path(__file__).parent
-_DIGEST = sha256(b"".join(path.read_bytes() for path in sorted(_HERE.glob("*.py")))).hexdigest()[:16]
+F = TypeVar("F", bound=Callable[..., object])
+
+_ROOT = Path(__file__).parents[1]
+_IMPORTED = re.compile(r"^from mapper\.(\w+)\.kernels", re.MULTILINE)
 
 # Where the folder cannot be written, numba falls back on one of the user's own.
-_BASE = Path(config.CACHE_DIR or _HERE / "__pycache__")  # type: ignore[attr-defined] # numba makes its settings at run time
-config.CACHE_DIR = str(_BASE / f"kernels-{_DIGEST}")  # type: ignore[attr-defined]
+_BASE = Path(config.CACHE_DIR or _ROOT / "__pycache__")  # type: ignore[attr-defined] # numba makes its settings at run time
 
 
 def _start_without_blas() -> None:
@@ -36,6 +42,32 @@ def _start_without_blas() -> None:
         del sys.modules["scipy.linalg"]
 
 
-_start_without_blas()
+def _imported_by(rooms: frozenset[str]) -> frozenset[str]:
+    """Return these packages of kernels and all that they import, directly or not."""
+    texts = (path.read_text() for room in rooms for path in (_ROOT / room / "kernels").glob("*.py"))
+    found = rooms.union(*(_IMPORTED.findall(text) for text in texts))
+    return found if found == rooms else _imported_by(found)
 
-jit = njit(nogil=True, cache=True)
+
+@cache
+def cache_folder(room: str) -> Path:
+    """Return the folder that keeps the compiled functions of ``mapper.<room>.kernels``."""
+    paths = [Path(__file__)]
+    for name in sorted(_imported_by(frozenset([room]))):
+        paths += sorted((_ROOT / name / "kernels").glob("*.py"))
+    digest = sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
+    return _BASE / f"{room}-kernels-{digest}"
+
+
+def jit(function: F) -> F:
+    """Compile a function of a package ``mapper.<room>.kernels`` when it is first called, and keep it on disk."""
+    before = config.CACHE_DIR  # type: ignore[attr-defined]
+    # numba reads the setting when the decorator is applied.
+    config.CACHE_DIR = str(cache_folder(function.__module__.split(".")[1]))  # type: ignore[attr-defined]
+    try:
+        return cast("F", njit(nogil=True, cache=True)(function))
+    finally:
+        config.CACHE_DIR = before  # type: ignore[attr-defined]
+
+
+_start_without_blas()

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import UnwantedError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay.incremental import UnwantedError
 from mapper.sensors.scan import ScanLog, Trajectory
 
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be quick and not to mind a reading's noise

@@ -1,1 +1,27 @@
-"""."""
+"""Occupancy grids: their geometry, what is believed of each cell, and what is computed from whole grids."""
+
+from mapper.grid.occupancy_grid import (
+    FREE,
+    FREE_THRESHOLD,
+    OCCUPIED,
+    OCCUPIED_THRESHOLD,
+    TILE,
+    UNKNOWN,
+    GridGeometry,
+    OccupancyGrid,
+    log_odds,
+    probability,
+)
+
+__all__ = [
+    "FREE",
+    "FREE_THRESHOLD",
+    "OCCUPIED",
+    "OCCUPIED_THRESHOLD",
+    "TILE",
+    "UNKNOWN",
+    "GridGeometry",
+    "OccupancyGrid",
+    "log_odds",
+    "probability",
+]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.count_cells import count_cells, sum_edges
 from mapper.grid.merge import Part, on_one_lattice
+from mapper.grid.occupancy_grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid, log_odds
 
 STATES = ("free", "occupied", "unknown")  #: in the order of :attr:`Comparison.states`
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import wrap_angle
-from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 
 _TOLERANCE = 1e-3  # of a cell: how far two lattices may lie apart and still be the same
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.grid import (
+from mapper.grid.kernels.map_statistics import sum_map
+from mapper.grid.occupancy_grid import (
     FREE_THRESHOLD,
     OCCUPIED_THRESHOLD,
     OccupancyGrid,
@@ -15,7 +16,6 @@ from mapper.grid import (
     log_odds,
     probability,
 )
-from mapper.grid.kernels.map_statistics import sum_map
 
 
 def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.grid import (
+from mapper.grid.occupancy_grid import (
     FREE_THRESHOLD,
     OCCUPIED,
     OCCUPIED_THRESHOLD,

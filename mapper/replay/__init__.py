@@ -1,1 +1,5 @@
-"""."""
+"""A log's map at any time with any parameters."""
+
+from mapper.replay.replay import Replay
+
+__all__ = ["Replay"]

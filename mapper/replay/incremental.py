@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import UnwantedError
 from mapper.core.parallel import alone
 from mapper.grid import TILE, OccupancyGrid
 from mapper.mapping.integrate import CellBox, Change, integrate_scans, scans_at_once
@@ -18,10 +18,6 @@ from mapper.sensors.scan import ScanLog
 PART_READINGS = 1 << 22  #: readings that are added at once, at most
 FIRST_READINGS = 1 << 9  #: the same before it is known how many cells each of them touches
 MOST_UPDATES = 1 << 36  #: cell updates that a scout sets out for: a minute of one core, or two
-
-
-class UnwantedError(MapperError):
-    """Nobody wants the map any more that was being made; it is of no use after that."""
 
 
 class Course:

@@ -68,7 +68,7 @@ class Replay:
         """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less to do.
 
         Raises :class:`ConfigError` for an index that the log does not have, and
-        :class:`mapper.replay.incremental.UnwantedError` where nobody wants the map any more.
+        :class:`mapper.core.errors.UnwantedError` where nobody wants the map any more.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")

@@ -1,1 +1,1 @@
-"""."""
+"""Range scans and logs of scans as arrays."""

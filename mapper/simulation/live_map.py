@@ -9,21 +9,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import ConfigError, MapperError
+from mapper.core.errors import ConfigError, MapperError, UnwantedError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import suited_parameters
-from mapper.replay.incremental import UnwantedError
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
-from mapper.simulation import WORLDS, Edits, Faults, Recording, SensorConfig, Simulation, World, edited
-from mapper.simulation.faults import lengthened, with_lengthened
-from mapper.simulation.lidar import measure
+from mapper.simulation.edits import Edits, edited
+from mapper.simulation.faults import Faults, lengthened, with_lengthened
+from mapper.simulation.floor_plans import WORLDS
+from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.odometry import Odometer
+from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.second_map import SecondMap, Vanishing
+from mapper.simulation.simulation import Simulation
+from mapper.simulation.worlds import World
 
 MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
 WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives

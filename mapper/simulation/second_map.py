@@ -8,9 +8,9 @@ from typing import Any
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import CellBox, Change
 from mapper.mapping.parameters import MappingConfig
-from mapper.simulation import World
 from mapper.simulation.edits import gone
 from mapper.simulation.forgetting import Forgetting, cells_of
+from mapper.simulation.worlds import World
 
 
 @dataclass(slots=True)

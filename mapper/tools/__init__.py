@@ -1,1 +1,1 @@
-"""."""
+"""Programs for developers and images: benchmarks, compiling the kernels ahead of time."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import itertools
 import pkgutil
+import re
 import sys
 import time
 from dataclasses import replace
@@ -16,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-import mapper.kernels
+import mapper
 from mapper.grid import TILE
 from mapper.grid.compare import compare
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
@@ -73,12 +74,14 @@ def warm() -> None:
 
 
 def kernels() -> dict[str, bool]:
-    """Return every jitted function of :mod:`mapper.kernels` by its full name, and whether it is compiled.
+    """Return every jitted function of the packages ``mapper.*.kernels`` by its full name, and whether it is compiled.
 
     Functions with a leading underscore are compiled into those that call them and do not count.
     """
     found: dict[str, bool] = {}
-    for info in pkgutil.iter_modules(mapper.kernels.__path__, "mapper.kernels."):
+    for info in pkgutil.walk_packages(mapper.__path__, "mapper."):
+        if not re.fullmatch(r"mapper\.\w+\.kernels\.\w+", info.name):
+            continue
         for value in vars(importlib.import_module(info.name)).values():
             function = getattr(value, "py_func", None)
             if function is not None and function.__module__ == info.name and not function.__name__.startswith("_"):

@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import MapperError, UnwantedError
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.replay.incremental import UnwantedError
 from mapper.sensors.scan import ScanLog
 from server.sessions.second_map_view import OtherSide, Wanted, comparison_message
 from server.sessions.session import Session

@@ -63,7 +63,7 @@ def first_config(log: ScanLog) -> MappingConfig:
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
     """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
 
-    Raises :class:`mapper.replay.incremental.UnwantedError` where ``wanted``, asked now and then, says False.
+    Raises :class:`mapper.core.errors.UnwantedError` where ``wanted``, asked now and then, says False.
     """
     config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):

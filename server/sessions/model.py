@@ -15,10 +15,9 @@ from typing import Any, ClassVar, Literal
 
 import structlog
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import MapperError, UnwantedError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay.incremental import UnwantedError
 from mapper.simulation import SensorConfig, World
 from server.sessions.messages import cell_message, frame_fields, parameters_message, scan_fields
 from server.sessions.tick import Order, Outcome, error_message

@@ -7,10 +7,9 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from mapper.core.errors import ConfigError, LimitError, MapperError
+from mapper.core.errors import ConfigError, LimitError, MapperError, UnwantedError
 from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay.incremental import UnwantedError
 from mapper.simulation import Edits, Faults, SensorConfig
 from mapper.simulation.live_map import WorldMapper, world_named
 from mapper.simulation.simulation import STEP
@@ -97,7 +96,7 @@ def retold(
 
     ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
     and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
-    that is too long, :class:`mapper.replay.incremental.UnwantedError` where it is not wanted any more, and as the
+    that is too long, :class:`mapper.core.errors.UnwantedError` where it is not wanted any more, and as the
     mapper does for one that cannot be followed.
     """
     journal, steps = story.get("journal"), story.get("steps", 0)

@@ -5,13 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError, LimitError, UnwantedError
 from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import CellBox, geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.replay.incremental import UnwantedError
 from mapper.sensors.scan import ScanLog, Trajectory
 
 

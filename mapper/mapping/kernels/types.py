@@ -1,18 +1,8 @@
-"""What the kernels take: array types, and the tuples that keep arguments that belong together together."""
+"""Tuples of arguments that the compiled updates take."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-
-BoolArray = NDArray[np.bool_]
-Int8Array = NDArray[np.int8]
-UInt8Array = NDArray[np.uint8]
-UInt32Array = NDArray[np.uint32]
-Int32Array = NDArray[np.int32]
-Int64Array = NDArray[np.int64]
-Float32Array = NDArray[np.float32]
-Float64Array = NDArray[np.float64]
 
 #: Where the lattice lies: origin x, y (m), cosine and sine of its yaw, resolution (m): ``GridGeometry.frame``.
 Frame = tuple[float, float, float, float, float]

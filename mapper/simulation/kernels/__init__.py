@@ -1,1 +1,1 @@
-"""."""
+"""Compiled ray casts and shortest paths of the simulator."""

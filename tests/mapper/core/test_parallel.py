@@ -25,7 +25,7 @@ def test_the_number_of_threads_does_not_show(
     geometry = geometry_for(office_log, config)
     maps = []
     for threads in (1, 2, 3, 7):
-        monkeypatch.setattr(mapper.sweep, "cores", lambda threads=threads: threads)
+        monkeypatch.setattr(mapper.mapping.scan_batch, "cores", lambda threads=threads: threads)
         grid = OccupancyGrid(geometry)
         maps.append((integrate_log(grid, office_log, config), grid.log_odds.tobytes(), grid.observed.tobytes()))
     assert all(other == maps[0] for other in maps[1:])

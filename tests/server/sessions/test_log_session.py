@@ -18,12 +18,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import LimitError, UnwantedError
 from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay.incremental import UnwantedError
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
 from server.sessions.log_session import MAX_GAP_S, play_times

@@ -14,8 +14,7 @@ import httpx
 import numpy as np
 import pytest
 
-from mapper.core.errors import LimitError
-from mapper.replay.incremental import UnwantedError
+from mapper.core.errors import LimitError, UnwantedError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import WorldMapper
 from server.sessions import SessionRegistry

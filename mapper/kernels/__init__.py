@@ -1,1 +1,0 @@
-"""The numba twins: bare arrays in, ``out`` arrays written; no classes, no I/O, never raise."""
