@@ -21,7 +21,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import httpx
 
-from mapper.core.atomic_file import whole_file
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs import log_files
 
@@ -170,7 +170,7 @@ def _visitor(visitors: Path, base: str) -> str:
     known = known if isinstance(known, dict) else {}
     known[base] = secrets.token_urlsafe(18)
     visitors.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(visitors) as file:
+    with atomic_write(visitors) as file:
         file.write(json.dumps(known, indent=1).encode())
     visitors.chmod(0o600)
     return str(known[base])

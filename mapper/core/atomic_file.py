@@ -11,7 +11,7 @@ from typing import IO
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
+def atomic_write(path: Path) -> Iterator[IO[bytes]]:
     """Yield a temporary file beside ``path`` that takes its place at the end, so that no reader ever sees half of it.
 
     After an error nothing is left of it, and what was at ``path`` is as it was. Raises :class:`OSError`.

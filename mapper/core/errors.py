@@ -32,5 +32,5 @@ class ConfigError(MapperError):
     """A parameter, a geometry or a pose is impossible: not finite, out of its range, or of a wrong shape."""
 
 
-class UnwantedError(MapperError):
+class WorkCancelledError(MapperError):
     """The computation was cancelled by its caller; its result is incomplete and must not be used."""

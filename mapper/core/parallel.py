@@ -21,20 +21,20 @@ _here = local()
 
 
 def cores() -> int:
-    """Return how many cores this process may use, within :func:`alone` 1."""
+    """Return how many cores this process may use, within :func:`single_threaded` 1."""
     if getattr(_here, "alone", False):
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
-def alone() -> Iterator[None]:
+def single_threaded() -> Iterator[None]:
     """Let this thread work by itself in the block: for what is not to take the cores from anybody."""
-    before, _here.alone = getattr(_here, "alone", False), True
+    before, _here.single_threaded = getattr(_here, "alone", False), True
     try:
         yield
     finally:
-        _here.alone = before
+        _here.single_threaded = before
 
 
 @cache

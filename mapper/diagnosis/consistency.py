@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import UnwantedError
+from mapper.core.errors import WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
@@ -45,9 +45,9 @@ class Examined:
         return consistency(self)
 
     def check_wanted(self) -> None:
-        """Raise :class:`UnwantedError` where nobody wants the examination any more."""
+        """Raise :class:`WorkCancelledError` where nobody wants the examination any more."""
         if not self.wanted():
-            raise UnwantedError("doctor.unwanted", "The examination was given up: its session has ended.")
+            raise WorkCancelledError("doctor.unwanted", "The examination was given up: its session has ended.")
 
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
@@ -78,7 +78,7 @@ def unthinned(log: ScanLog, seen: Examined) -> Examined:
 
 
 def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid:
-    """Return the grid of hits and visits of what was examined. Raises :class:`UnwantedError`."""
+    """Return the grid of hits and visits of what was examined. Raises :class:`WorkCancelledError`."""
     seen.check_wanted()
     config = config or seen.config
     grid = OccupancyGrid(geometry_for(seen.log, config))
@@ -102,9 +102,9 @@ def consistency(seen: Examined, **parameters: object) -> float:
 
 
 def _agreement(grid: OccupancyGrid) -> float:
-    if grid.tallies is None:
+    if grid.cell_statistics is None:
         return 0.0
-    hits, misses = grid.tallies.astype(np.float64)
+    hits, misses = grid.cell_statistics.astype(np.float64)
     total = hits.sum()
     # An endpoint alone says nothing of agreement, so each is judged by the others in its cell.
     others = np.maximum(hits - 1.0, 0.0)

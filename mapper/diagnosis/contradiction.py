@@ -67,7 +67,7 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
 
     ``thinned`` holds scans from all over the log, which are compared far apart in time; ``whole`` holds all scans, of
     which short windows are compared. The mount and the largest range are those of their configurations. Raises
-    :class:`UnwantedError`.
+    :class:`WorkCancelledError`.
     """
     whole, thinned = (
         replace(seen, config=replace(seen.config, range_max=min(seen.config.range_max, RANGE_MAX)))
@@ -116,9 +116,9 @@ def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], int]:
 
 def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
     nothing = np.zeros(0, dtype=np.int64)
-    if grid.tallies is None:
+    if grid.cell_statistics is None:
         return _Part(nothing, np.zeros(0), nothing, nothing)
-    hits, misses = grid.tallies
+    hits, misses = grid.cell_statistics
     touched = (hits > 0) | (misses > 0)
     rows, cols = np.flatnonzero(touched.any(axis=1)), np.flatnonzero(touched.any(axis=0))
     if not len(rows):

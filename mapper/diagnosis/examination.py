@@ -47,8 +47,8 @@ def examine(
     """Return what all checks find in a log with one of its trajectories, the surest first within a check.
 
     ``progress`` is called with the share that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError`
-    for a log too short to judge and for a trajectory that it lacks, and :class:`UnwantedError` soon after ``wanted``
-    said False.
+    for a log too short to judge and for a trajectory that it lacks, and :class:`WorkCancelledError` soon after
+    ``wanted`` said False.
     """
     if log.n_scans < LEAST_SCANS:
         raise ConfigError(

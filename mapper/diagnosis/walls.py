@@ -83,9 +83,9 @@ def drift_confidence(excess: float) -> float:
 def _worst_scans(seen: Examined) -> tuple[int, ...]:
     """Return the scans whose beams end where most others passed, in their order."""
     grid = counts(seen)
-    if grid.tallies is None:
+    if grid.cell_statistics is None:
         return ()
-    hits, misses = grid.tallies
+    hits, misses = grid.cell_statistics
     share = np.divide(hits, hits + misses, out=np.zeros_like(hits), where=hits + misses > 0)
     means = np.ones(len(seen.scans))
     for t, cells in enumerate(_endpoints(seen, grid.geometry)):
@@ -116,9 +116,9 @@ def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
     for k, (start, stop) in enumerate(pairwise(edges.tolist())):
         grid = OccupancyGrid(geometry)
         integrate_scans(grid, seen.log, seen.config, None, start, stop)
-        if grid.tallies is None:
+        if grid.cell_statistics is None:
             continue
-        hits, misses = grid.tallies
+        hits, misses = grid.cell_statistics
         visits = hits + misses
         # A reading's noise puts some hits into the next cell: what was passed must have been so with room around it.
         around = ndimage.maximum_filter(hits, 3)

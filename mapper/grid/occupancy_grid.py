@@ -182,12 +182,20 @@ class OccupancyGrid:
 
     ℓ₀ is the number ``log_odds_prior``, and with ``prior_map`` (rows, cols) float32 what that says of each cell, NaN
     being a cell of which it says nothing: mapping goes on from there, and what the map knew counts as observed.
-    ``tallies`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: what speaks for occupied, and
-    what for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at ``tally_prior``. Raises
-    :class:`ConfigError` for a prior that is not finite.
+    ``cell_statistics`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: what speaks for
+    occupied, and what for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at
+    ``statistics_prior``. Raises :class:`ConfigError` for a prior that is not finite.
     """
 
-    __slots__ = ("geometry", "log_odds", "log_odds_prior", "observed", "prior_map", "tallies", "tally_prior")
+    __slots__ = (
+        "cell_statistics",
+        "geometry",
+        "log_odds",
+        "log_odds_prior",
+        "observed",
+        "prior_map",
+        "statistics_prior",
+    )
 
     def __init__(
         self, geometry: GridGeometry, log_odds_prior: float = 0.0, prior_map: NDArray[np.float32] | None = None
@@ -201,8 +209,8 @@ class OccupancyGrid:
         self.geometry = geometry
         self.log_odds_prior = float(log_odds_prior)
         self.prior_map = prior_map
-        self.tallies: NDArray[np.float32] | None = None
-        self.tally_prior = (0.0, 0.0)
+        self.cell_statistics: NDArray[np.float32] | None = None
+        self.statistics_prior = (0.0, 0.0)
         self.observed: NDArray[np.bool_] = (
             np.zeros(geometry.shape, dtype=np.bool_) if prior_map is None else ~np.isnan(prior_map)
         )
@@ -242,22 +250,22 @@ class OccupancyGrid:
         """Return a grid of the same geometry and prior that no scan has touched."""
         return OccupancyGrid(self.geometry, self.log_odds_prior, self.prior_map)
 
-    def with_tally(self, index: int) -> OccupancyGrid:
+    def with_statistic(self, index: int) -> OccupancyGrid:
         """Return a grid whose ``log_odds`` is a tally of this one; both share the tally and what was observed."""
-        if self.tallies is None:
+        if self.cell_statistics is None:
             raise ConfigError("grid.tallies", "The grid keeps no tallies.")
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry, self.log_odds_prior, None
-        shared.log_odds, shared.observed, shared.tallies = self.tallies[index], self.observed, None
-        shared.tally_prior = self.tally_prior
+        shared.log_odds, shared.observed, shared.cell_statistics = self.cell_statistics[index], self.observed, None
+        shared.statistics_prior = self.statistics_prior
         return shared
 
     def band(self, rows: slice) -> OccupancyGrid:
         """Return the rows ``rows.start`` … ``rows.stop`` as a grid that shares their log-odds and what was observed."""
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry.band(rows), self.log_odds_prior, None
-        shared.log_odds, shared.observed, shared.tallies = self.log_odds[rows], self.observed[rows], None
-        shared.tally_prior = self.tally_prior
+        shared.log_odds, shared.observed, shared.cell_statistics = self.log_odds[rows], self.observed[rows], None
+        shared.statistics_prior = self.statistics_prior
         return shared
 
     @property
@@ -282,11 +290,11 @@ class OccupancyGrid:
             prior_map = np.full(grown.shape, np.nan, dtype=np.float32)
             prior_map[old] = self.prior_map
             self.prior_map = prior_map
-        if self.tallies is not None:
-            tallies = np.empty((2, *grown.shape), dtype=np.float32)
-            tallies[0], tallies[1] = self.tally_prior
-            tallies[old] = self.tallies
-            self.tallies = tallies
+        if self.cell_statistics is not None:
+            cell_statistics = np.empty((2, *grown.shape), dtype=np.float32)
+            cell_statistics[0], cell_statistics[1] = self.statistics_prior
+            cell_statistics[old] = self.cell_statistics
+            self.cell_statistics = cell_statistics
         self.geometry, self.log_odds, self.observed = grown, log_odds, observed
         return True
 

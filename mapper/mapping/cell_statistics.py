@@ -1,8 +1,8 @@
 """Models whose map is no sum of log-odds: they keep two numbers for each cell and compute the log-odds from them.
 
-``tallies[0]`` is what speaks for occupied and ``tallies[1]`` what speaks for empty: the hits and misses of
-:class:`mapper.mapping.sensor_model.HitCounting`, the certainties of :class:`mapper.mapping.sensor_model.MoravecElfes`.
-Numbers of visits are exact up to 2²⁴ in each cell.
+``cell_statistics[0]`` is what speaks for occupied and ``cell_statistics[1]`` what speaks for empty: the hits and misses
+of :class:`mapper.mapping.sensor_model.HitCounting`, the certainties of
+:class:`mapper.mapping.sensor_model.MoravecElfes`. Numbers of visits are exact up to 2²⁴ in each cell.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mapper.grid import OccupancyGrid, probability
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_model import HitCounting, MoravecElfes
 
-TALLIED = ("moravec_elfes", "hit_counting")  #: values of ``model``
+STATISTICS_MODELS = ("moravec_elfes", "hit_counting")  #: values of ``model``
 
 
 def begin(grid: OccupancyGrid, config: MappingConfig) -> None:
@@ -25,17 +25,17 @@ def begin(grid: OccupancyGrid, config: MappingConfig) -> None:
 
     Raises :class:`ConfigError` for a grid into which a model of the other kind has put something: the two do not mix.
     """
-    tallied = config.model in TALLIED
-    if tallied and grid.tallies is None:
+    has_statistics = config.model in STATISTICS_MODELS
+    if has_statistics and grid.cell_statistics is None:
         known = False if grid.prior_map is None else ~np.isnan(grid.prior_map)
         if np.any(grid.observed & ~known):
             raise _mixed(config)
-        grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
+        grid.cell_statistics = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
         if config.model == "moravec_elfes":
-            grid.tallies[:] = _certainties_of(grid.prior())
+            grid.cell_statistics[:] = _certainties_of(grid.prior())
             speaks, against = _certainties_of(np.full(1, grid.log_odds_prior, dtype=np.float32))[:, 0].tolist()
-            grid.tally_prior = (speaks, against)
-    elif not tallied and grid.tallies is not None:
+            grid.statistics_prior = (speaks, against)
+    elif not has_statistics and grid.cell_statistics is not None:
         raise _mixed(config)
 
 
@@ -50,10 +50,10 @@ def forget(grid: OccupancyGrid, config: MappingConfig, part: tuple[slice, slice]
     prior = grid.prior(part)
     grid.log_odds[part] = prior
     grid.observed[part] = False if grid.prior_map is None else ~np.isnan(grid.prior_map[part])
-    if grid.tallies is not None:
-        grid.tallies[:, *part] = 0.0
+    if grid.cell_statistics is not None:
+        grid.cell_statistics[:, *part] = 0.0
         if config.model == "moravec_elfes":
-            grid.tallies[:, *part] = _certainties_of(prior)
+            grid.cell_statistics[:, *part] = _certainties_of(prior)
 
 
 def _mixed(config: MappingConfig) -> ConfigError:
@@ -66,12 +66,12 @@ def show(grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64]) -> 
     A cell whose tallies are what they were at first keeps its prior as it is, also one that a prior map states beyond
     the clamp: no reading has said anything of it.
     """
-    if grid.tallies is None or box[1] <= box[0]:
+    if grid.cell_statistics is None or box[1] <= box[0]:
         return
     part = np.s_[box[0] : box[1], box[2] : box[3]]
-    speaks, against = grid.tallies[(0, *part)], grid.tallies[(1, *part)]
+    speaks, against = grid.cell_statistics[(0, *part)], grid.cell_statistics[(1, *part)]
     log_odds_prior: float | NDArray[np.float32] = grid.log_odds_prior
-    at_first: Sequence[float] | NDArray[np.float32] = grid.tally_prior
+    at_first: Sequence[float] | NDArray[np.float32] = grid.statistics_prior
     if grid.prior_map is not None:
         log_odds_prior = grid.prior(part)
         if config.model == "moravec_elfes":

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP, draw_cones, touches_of_cones
-from mapper.mapping.kernels.types import Cone, Evidence, Rule
+from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP, contributions_of_cones, draw_cones
+from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate
 from mapper.mapping.parameters import MappingConfig
 
 if TYPE_CHECKING:
-    from mapper.mapping.scan_batch import Sweep
+    from mapper.mapping.scan_batch import ScanBatch
 
 
 def cone_of(config: MappingConfig) -> Cone:
@@ -37,7 +37,7 @@ def ends_in_cells(config: MappingConfig) -> bool:
 
 
 def drawer_of_cones(
-    sweep: Sweep, grid: OccupancyGrid, config: MappingConfig, rule: Rule
+    batch: ScanBatch, grid: OccupancyGrid, config: MappingConfig, log_odds_update: LogOddsUpdate
 ) -> Callable[[int, int, NDArray[np.int64]], int]:
     """Return what adds all scans to the rows [row_low, row_high) of a grid and widens a box."""
     return partial(
@@ -45,45 +45,49 @@ def drawer_of_cones(
         grid.log_odds.reshape(-1),
         grid.observed.reshape(-1),
         grid.geometry.cols,
-        *sweep.scans_on(grid.geometry),
+        *batch.scans_on(grid.geometry),
         grid.geometry.frame,
-        sweep.sight(config),
+        batch.reading_filter(config),
         cone_of(config),
         evidence_of(config),
         ends_in_cells(config),
         np.zeros(grid.log_odds.size if ends_in_cells(config) else 0, dtype=np.bool_),
-        rule,
+        log_odds_update,
     )
 
 
-def touches_in_cones(
-    sweep: Sweep, geometry: GridGeometry, config: MappingConfig, row: int, col: int
+def contributions_in_cones(
+    batch: ScanBatch, geometry: GridGeometry, config: MappingConfig, row: int, col: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return the readings that touch a cell, as :meth:`mapper.mapping.scan_batch.Sweep.touches`, and the evidence of
-    each (n,).
+    """Return the readings that touch a cell, as :meth:`mapper.mapping.scan_batch.ScanBatch.contributions`, and the
+    evidence of each (n,).
     """
-    out, increments = np.empty((sweep.ranges.size, 2), np.int64), np.empty(sweep.ranges.size, np.float32)
-    view = (geometry.frame, sweep.sight(config), cone_of(config), evidence_of(config), ends_in_cells(config))
-    n = touches_of_cones(*sweep.scans_on(geometry), *view, row, col, out, increments)
+    out, increments = np.empty((batch.ranges.size, 2), np.int64), np.empty(batch.ranges.size, np.float32)
+    view = (geometry.frame, batch.reading_filter(config), cone_of(config), evidence_of(config), ends_in_cells(config))
+    n = contributions_of_cones(*batch.scans_on(geometry), *view, row, col, out, increments)
     return out[:n], increments[:n]
 
 
 def ramp_increments(
-    sweep: Sweep, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], touches: NDArray[np.int64]
+    batch: ScanBatch,
+    geometry: GridGeometry,
+    config: MappingConfig,
+    cell: tuple[int, int],
+    contributions: NDArray[np.int64],
 ) -> NDArray[np.float32]:
     """Return what each touch (n, 2) of a cell by thin beams with a smooth ramp says of it (n,), log-odds."""
     model = config.beam_model()
-    scans, beams = np.divmod(touches[:, 0], sweep.ranges.shape[1])
-    z = sweep.ranges[scans, beams].astype(np.float64)
-    x, y, cos, sin = sweep.sensors[scans].T
+    scans, beams = np.divmod(contributions[:, 0], batch.ranges.shape[1])
+    z = batch.ranges[scans, beams].astype(np.float64)
+    x, y, cos, sin = batch.sensors[scans].T
     column, row = geometry.to_lattice(np.stack([x, y], axis=-1)).T
     d_col, d_row = cell[1] + 0.5 - column, cell[0] + 0.5 - row
     s = np.sqrt(d_col * d_col + d_row * d_row) * geometry.resolution
-    returned = (z >= sweep.range_min) & (z <= sweep.range_max)
+    returned = (z >= batch.range_min) & (z <= batch.range_max)
     z = np.where(returned, z, 0.0)
-    px, py = (z * part for part in sweep.beams[beams].T)
+    px, py = (z * part for part in batch.beams[beams].T)
     ends = geometry.world_to_cell(np.stack([x + cos * px - sin * py, y + sin * px + cos * py], axis=-1))
     ended = returned & (ends == np.array(cell)).all(axis=-1)
     within = model.increment(s, z)  # type: ignore[arg-type] # a ramp takes a reading for each distance as well
-    thin = np.where(touches[:, 1] == 1, within, model.log_odds_miss)
+    thin = np.where(contributions[:, 1] == 1, within, model.log_odds_miss)
     return np.where(ended, model.log_odds_hit, thin).astype(np.float32)

@@ -12,9 +12,9 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.kernels.amanatides_woo import END_U, END_V, RAY_FIELDS, U, V, Z, plan_rays
 from mapper.mapping.kernels.beam_cells import add_increments, cells_of_lines, cells_of_rays
 from mapper.mapping.kernels.bresenham import FAR, LINE_FIELDS, plan_lines, reach
-from mapper.mapping.kernels.types import Sight
+from mapper.mapping.kernels.types import ReadingFilter
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import Sweep, check_beam_length
+from mapper.mapping.scan_batch import ScanBatch, check_beam_length
 from mapper.mapping.sensor_model import InverseSensorModel
 
 
@@ -32,7 +32,7 @@ class CrossedCells:
 
 
 def add_with_model(
-    grid: OccupancyGrid, sweep: Sweep, config: MappingConfig, model: InverseSensorModel
+    grid: OccupancyGrid, batch: ScanBatch, config: MappingConfig, model: InverseSensorModel
 ) -> tuple[int, tuple[int, int, int, int], bool]:
     """Add one scan by ``model``; the grid grows first where the scan reaches beyond it.
 
@@ -42,19 +42,19 @@ def add_with_model(
     """
     if config.update != "per_beam":
         raise ConfigError("model.update", "A sensor model of your own updates per beam; set update to per_beam.")
-    if grid.tallies is not None:
+    if grid.cell_statistics is not None:
         raise ConfigError(
             "model.tallies", "The grid keeps the counts of another model; start a new one for a model of your own."
         )
     behind = _checked_reach(model)
-    check_beam_length(sweep.range_max + behind, grid.geometry.resolution)
-    sight = (sweep.range_min, sweep.range_max, 2.0 * behind, 0.0, config.no_return == "free")
+    check_beam_length(batch.range_max + behind, grid.geometry.resolution)
+    reading_filter = (batch.range_min, batch.range_max, 2.0 * behind, 0.0, config.no_return == "free")
     out = np.array([np.inf, np.inf, -np.inf, -np.inf])
-    reach(sweep.ranges, sweep.sensors, sweep.beams, sight, out)
+    reach(batch.ranges, batch.sensors, batch.beams, reading_filter, out)
     # The model is evaluated on the grid as it will be, which changes only once the answer is known to be good.
     geometry, _, _ = grid.geometry.grown_to_include(out[:2], out[2:])
-    crossed = crossed_cells(geometry, sweep, sight, config.traversal)
-    increments = _checked_increments(model, crossed, sweep.range_max)
+    crossed = crossed_cells(geometry, batch, reading_filter, config.traversal)
+    increments = _checked_increments(model, crossed, batch.range_max)
     grown = grid.grow_to_include(out[:2], out[2:])
     low, high = (np.float32(limit) for limit in config.clamp_limits)
     add_increments(grid.log_odds.reshape(-1), grid.observed.reshape(-1), crossed.cells, increments, low, high)
@@ -65,13 +65,17 @@ def add_with_model(
     return len(crossed.cells), box, grown
 
 
-def crossed_cells(geometry: GridGeometry, sweep: Sweep, sight: Sight, traversal: str) -> CrossedCells:
-    """Return the cells that the beams of one scan cross up to their readings and half the window of ``sight`` more."""
-    n = sweep.ranges.size
+def crossed_cells(
+    geometry: GridGeometry, batch: ScanBatch, reading_filter: ReadingFilter, traversal: str
+) -> CrossedCells:
+    """Return the cells that the beams of one scan cross up to their readings and half the window of ``reading_filter``
+    more.
+    """
+    n = batch.ranges.size
     work, box = np.zeros(geometry.rows + 1), np.zeros(4, dtype=np.int64)
-    beams = (sweep.ranges, sweep.sensors, sweep.beams, geometry.frame, sight, 0)
-    z = sweep.ranges[0].astype(np.float64)
-    z[z > sweep.range_max] = np.inf
+    beams = (batch.ranges, batch.sensors, batch.beams, geometry.frame, reading_filter, 0)
+    z = batch.ranges[0].astype(np.float64)
+    z[z > batch.range_max] = np.inf
     if traversal == "amanatides_woo":
         rays = np.empty((n, RAY_FIELDS))
         plan_rays(*beams, rays, work, box)
@@ -85,10 +89,10 @@ def crossed_cells(geometry: GridGeometry, sweep: Sweep, sight: Sight, traversal:
     if traversal == "amanatides_woo":
         count = cells_of_rays(rays, geometry.resolution, geometry.shape, cells, beam, s)
     else:
-        u, v = geometry.to_lattice(sweep.sensor_poses[0, :2]).tolist()
+        u, v = geometry.to_lattice(batch.sensor_poses[0, :2]).tolist()
         count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, s)
     z, s = z[beam[:count]], s[:count]
-    if sight[2] == 0.0:
+    if reading_filter[2] == 0.0:
         # Without a window a cell before the endpoint's lies before the reading, also where its centre does not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
         s = np.where(ends, s, np.minimum(s, np.nextafter(z, 0.0)))

@@ -20,7 +20,7 @@ from mapper.core.se2 import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
 from mapper.mapping.parameters import CONES, MappingConfig
-from mapper.mapping.scan_batch import Sweep
+from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.sensors.scan import RangeScan, ScanLog, check_poses, cones
 
@@ -61,13 +61,13 @@ class Change:
     cells_updated: int
 
 
-def _add(grid: OccupancyGrid, sweep: Sweep, config: MappingConfig) -> Change:
-    count, box = sweep.add_to(grid, config)
+def _add(grid: OccupancyGrid, batch: ScanBatch, config: MappingConfig) -> Change:
+    count, box = batch.add_to(grid, config)
     touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
     return Change(touched, geometry_changed=False, cells_updated=count)
 
 
-def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> Sweep:
+def scan_batch_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> ScanBatch:
     """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
     poses = log.trajectory(trajectory).poses[start:stop]
     return _sweep(log, log.ranges[start:stop], compose(poses, np.array(log.mount)), config)
@@ -75,7 +75,7 @@ def sweep_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, st
 
 def _sweep(
     sensor: RangeScan | ScanLog, ranges: NDArray[np.float32], poses: NDArray[np.float64], config: MappingConfig
-) -> Sweep:
+) -> ScanBatch:
     turned_over = config.mount_upside_down
     angles = -sensor.angles if turned_over else sensor.angles
     if config.model in CONES and (config.model == "moravec_elfes" or config.update == "per_beam"):
@@ -91,7 +91,7 @@ def _sweep(
         if float(greatest) > range_max:
             greatest = np.nextafter(greatest, np.float32(0.0))
         ranges = np.where(ranges > greatest, greatest, ranges)
-    return Sweep(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
+    return ScanBatch(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
 
 
 def geometry_for(
@@ -105,7 +105,7 @@ def geometry_for(
     """
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
-    low, high = sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+    low, high = scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
     # A cell to spare on each side: an endpoint on the border itself must not be rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
@@ -129,7 +129,7 @@ def grid_for(
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
     grid = prior.as_prior(config.log_odds_prior)
-    grid.grow_to_include(*sweep_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
+    grid.grow_to_include(*scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
     return grid
 
 
@@ -164,12 +164,12 @@ def integrate_scan(
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
-    sweep = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
+    batch = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
     if model is not None:
-        count, box, grown = add_with_model(grid, sweep, config, model)
+        count, box, grown = add_with_model(grid, batch, config, model)
         return Change(CellBox(*box) if count else None, grown, count)
-    grown = grid.grow_to_include(*sweep.bounds(config))
-    change = _add(grid, sweep, config)
+    grown = grid.grow_to_include(*batch.bounds(config))
+    change = _add(grid, batch, config)
     return Change(change.box, grown, change.cells_updated)
 
 
@@ -177,7 +177,7 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    return _add(grid, sweep_of_log(log, config, trajectory, start, stop), config)
+    return _add(grid, scan_batch_of_log(log, config, trajectory, start, stop), config)
 
 
 def integrate_parts(

@@ -16,11 +16,11 @@ from mapper.core.parallel import in_parallel, scratch, shares
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
 from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fields
-from mapper.mapping.kernels.types import Frame, Rule, Sight
+from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
 from mapper.mapping.parameters import MappingConfig
 
 if TYPE_CHECKING:
-    from mapper.mapping.scan_batch import Sweep
+    from mapper.mapping.scan_batch import ScanBatch
 
 Span = tuple[int, int]
 
@@ -31,7 +31,7 @@ class PlannedScans:
 
     scans: tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
     frame: Frame
-    sight: Sight
+    reading_filter: ReadingFilter
     plan: Plan
     toggles: NDArray[np.uint32]
 
@@ -52,7 +52,7 @@ class PlannedFields:
 
 
 def plan_of_fields(
-    sweep: Sweep, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
+    batch: ScanBatch, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
 ) -> PlannedFields:
     """Plan some scans of a sweep for the per-scan update.
 
@@ -63,17 +63,17 @@ def plan_of_fields(
             "grid.size",
             f"The per-scan update takes grids of less than {MAX_SIDE} rows and columns; choose larger cells.",
         )
-    ranges, sensors, headings = sweep.ranges[part], sweep.sensors[part], sweep.headings(geometry)[part]
-    frame, sight, n = geometry.frame, sweep.sight(config), len(ranges)
+    ranges, sensors, headings = batch.ranges[part], batch.sensors[part], batch.headings(geometry)[part]
+    frame, reading_filter, n = geometry.frame, batch.reading_filter(config), len(ranges)
     starts, sure = np.empty((n, PLANES + 1), dtype=np.int64), np.empty(n, dtype=np.bool_)
     views = np.empty((n, 4), dtype=np.int64)
     work = np.zeros((threads, geometry.rows + 1))
 
     def planned(a: int, b: int, own_work: NDArray[np.float64]) -> PlannedScans:
         plan = (starts[a:b], sure[a:b], views[a:b])
-        scans, sees = (ranges[a:b], sensors[a:b]), (sweep.fields, headings[a:b])
-        toggles = plan_fields(*scans, sweep.beams, *sees, frame, sight, geometry.cols, plan, own_work)
-        return PlannedScans((*scans, *sees), frame, sight, plan, toggles)
+        scans, sees = (ranges[a:b], sensors[a:b]), (batch.fields, headings[a:b])
+        toggles = plan_fields(*scans, batch.beams, *sees, frame, reading_filter, geometry.cols, plan, own_work)
+        return PlannedScans((*scans, *sees), frame, reading_filter, plan, toggles)
 
     parts = in_parallel(
         [partial(planned, a, b, own) for (a, b), own in zip(shares(n, threads), work, strict=True)]
@@ -82,7 +82,7 @@ def plan_of_fields(
 
 
 def drawer_of_fields(
-    planned: PlannedFields, grid: OccupancyGrid, rule: Rule
+    planned: PlannedFields, grid: OccupancyGrid, log_odds_update: LogOddsUpdate
 ) -> Callable[[int, int, NDArray[np.int64]], int]:
     """Return what draws them into rows [row_low, row_high), which lie in ``planned.rows``, and widens a box."""
     (row, row_stop), (word, word_stop) = planned.rows, planned.words
@@ -98,8 +98,8 @@ def drawer_of_fields(
             used, planes = store[:rows], store[rows : rows + prod(shape)].reshape(shape)
             for part in planned.parts:
                 count += draw_fields(
-                    grid.log_odds, seen, seen_place, *part.scans, part.frame, part.sight, part.plan, part.toggles,
-                    planes, used, rule, row_low, row_high,
+                    grid.log_odds, seen, seen_place, *part.scans, part.frame, part.reading_filter, part.plan,
+                    part.toggles, planes, used, log_odds_update, row_low, row_high,
                 )  # fmt: skip
         observe(grid.observed, seen, seen_place, row_low, row_high, box)
         return count

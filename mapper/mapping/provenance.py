@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.cell_statistics import TALLIED, begin, shown
-from mapper.mapping.integrate import sweep_of_log
+from mapper.mapping.cell_statistics import STATISTICS_MODELS, begin, shown
+from mapper.mapping.integrate import scan_batch_of_log
 from mapper.mapping.kernels.contributions import running_sum
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import Sweep, rule_of
+from mapper.mapping.scan_batch import ScanBatch, log_odds_update_of
 from mapper.sensors.scan import ScanLog
 
 
@@ -27,8 +27,8 @@ class Provenance:
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
     (beyond the max range: no return); ``hits`` (n,) bool whether it argued for occupied; ``increments`` (n,) float32
     is its evidence (for models that keep tallies: what it changed) and ``log_odds`` (n,) float32 what the cell held
-    after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``tallies`` is what such
-    a model goes on from.
+    after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
+    what such a model goes on from.
     """
 
     scans: NDArray[np.int64]
@@ -39,7 +39,7 @@ class Provenance:
     log_odds: NDArray[np.float32]
     before: float
     prior: float
-    tallies: NDArray[np.float32] | None = field(default=None, repr=False)
+    cell_statistics: NDArray[np.float32] | None = field(default=None, repr=False)
 
     @property
     def after(self) -> float:
@@ -73,20 +73,20 @@ def provenance(
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")
-    sweep = sweep_of_log(log, config, trajectory, 0, stop)
+    batch = scan_batch_of_log(log, config, trajectory, 0, stop)
     if before is None:
         before = _nothing(config.log_odds_prior if prior is None else prior)
-    if config.model in TALLIED:
-        touches, log_odds, tallies = _tallied(sweep, geometry, config, (row, col), before)
+    if config.model in STATISTICS_MODELS:
+        contributions, log_odds, cell_statistics = _tallied(batch, geometry, config, (row, col), before)
         increments = np.diff(log_odds, prepend=np.float32(before.after))
     else:
-        touches, increments = sweep.touches(geometry, config, row, col)
-        log_odds, tallies = np.empty_like(increments), None
-        _, _, low, high = rule_of(config)
+        contributions, increments = batch.contributions(geometry, config, row, col)
+        log_odds, cell_statistics = np.empty_like(increments), None
+        _, _, low, high = log_odds_update_of(config)
         running_sum(increments, np.float32(before.after), low, high, log_odds)
-    scans, beams = np.divmod(touches[:, 0], max(1, log.n_beams))
-    ranges, hits = log.ranges[scans, beams], touches[:, 1] == 1
-    return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, tallies)
+    scans, beams = np.divmod(contributions[:, 0], max(1, log.n_beams))
+    ranges, hits = log.ranges[scans, beams], contributions[:, 1] == 1
+    return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, cell_statistics)
 
 
 def _nothing(prior: float) -> Provenance:
@@ -96,20 +96,26 @@ def _nothing(prior: float) -> Provenance:
 
 
 def _tallied(
-    sweep: Sweep, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], before: Provenance
+    batch: ScanBatch, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
     """Return touches, log-odds after each, and the tallies at the end, of a model whose evidence does not add up."""
     if config.model == "moravec_elfes":
         # What an arc says of a cell depends on the whole arc, so the map is made again and the cell watched.
         grid = OccupancyGrid(geometry, before.prior)
         begin(grid, config)
-        if before.tallies is not None:
-            grid.tallies = before.tallies.copy()
+        if before.cell_statistics is not None:
+            grid.cell_statistics = before.cell_statistics.copy()
         box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-        _, touches, certainties = sweep.watch_certainties(grid, config, box, number)
-        assert grid.tallies is not None  # noqa: S101 - begun above
-        return touches, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.tallies
-    touches, _ = sweep.touches(geometry, config, *cell)
-    counted = np.zeros(2, dtype=np.float32) if before.tallies is None else before.tallies
-    counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)
-    return touches, shown(config, counts[0], counts[1], before.prior), counts[:, -1] if len(touches) else counted
+        _, contributions, certainties = batch.watch_certainties(grid, config, box, number)
+        assert grid.cell_statistics is not None  # noqa: S101 - begun above
+        return contributions, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
+    contributions, _ = batch.contributions(geometry, config, *cell)
+    counted = np.zeros(2, dtype=np.float32) if before.cell_statistics is None else before.cell_statistics
+    counts = counted[:, np.newaxis] + np.array(
+        [np.cumsum(contributions[:, 1] == kind) for kind in (1, 0)], dtype=np.float32
+    )
+    return (
+        contributions,
+        shown(config, counts[0], counts[1], before.prior),
+        counts[:, -1] if len(contributions) else counted,
+    )

@@ -18,21 +18,26 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.parallel import bands, cores, in_parallel, shares
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping import cell_statistics as tallies
-from mapper.mapping.cone_update import drawer_of_cones, evidence_of, ramp_increments, touches_in_cones
+from mapper.mapping import cell_statistics as cell_statistics
+from mapper.mapping.cone_update import contributions_in_cones, drawer_of_cones, evidence_of, ramp_increments
 from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach
-from mapper.mapping.kernels.contributions import sift, touches_of_fields, touches_of_lines, touches_of_rays
+from mapper.mapping.kernels.contributions import (
+    contributions_of_fields,
+    contributions_of_lines,
+    contributions_of_rays,
+    filter_readings_near_cell,
+)
 from mapper.mapping.kernels.moravec_elfes import add_certainties
-from mapper.mapping.kernels.negative_zero import unveil, veil
+from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
-from mapper.mapping.kernels.types import Rule, Sight
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
 from mapper.mapping.parameters import CONES, MappingConfig
 from mapper.mapping.per_scan_update import drawer_of_fields, plan_of_fields
 
 _CHUNK_READINGS = 1 << 19  # planned at once: each turn costs two rounds of the threads
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
-_WORTH_VEILING = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
+_ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 
 Scans = tuple[
     NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
@@ -50,7 +55,7 @@ class _Plan:
 
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
-class Sweep:
+class ScanBatch:
     """Scans of one sensor, with the poses it had."""
 
     ranges: NDArray[np.float32]  # (n_scans, n_beams)
@@ -76,7 +81,7 @@ class Sweep:
         theta = np.ascontiguousarray(self.sensor_poses[:, 2] - geometry.origin[2])
         return np.column_stack([np.cos(theta), np.sin(theta)])
 
-    def sight(self, config: MappingConfig) -> Sight:
+    def reading_filter(self, config: MappingConfig) -> ReadingFilter:
         """Which readings count and how, as the kernels take it."""
         model = config.beam_model()
         growth = 4.0 * config.sigma_growth if config.model == "smooth_ramp" else 0.0
@@ -97,7 +102,7 @@ class Sweep:
             stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]
             directions = [right * stretch, self.beams * stretch, left * stretch]
         for direction in directions:
-            reach(self.ranges, self.sensors, np.ascontiguousarray(direction), self.sight(config), out)
+            reach(self.ranges, self.sensors, np.ascontiguousarray(direction), self.reading_filter(config), out)
         return out[:2], out[2:]
 
     def add_to(self, grid: OccupancyGrid, config: MappingConfig) -> tuple[int, NDArray[np.int64]]:
@@ -110,32 +115,39 @@ class Sweep:
         threads = cores() if self.ranges.size >= _WORTH_SHARING else 1
         rows, cols = grid.geometry.shape
         box = np.array([rows, 0, cols, 0], dtype=np.int64)
-        tallies.begin(grid, config)
+        cell_statistics.begin(grid, config)
         if config.model == "moravec_elfes":
             count = self._add_certainties(grid, config, box)
         elif config.model == "hit_counting":
             count = self._count(grid, config, threads, box)
         else:
-            count = self._draw(grid, config, rule_of(config), threads, box)
-        tallies.show(grid, config, box)
+            count = self._draw(grid, config, log_odds_update_of(config), threads, box)
+        cell_statistics.show(grid, config, box)
         return count, box
 
     def _draw(
-        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+        self,
+        grid: OccupancyGrid,
+        config: MappingConfig,
+        log_odds_update: LogOddsUpdate,
+        threads: int,
+        box: NDArray[np.int64],
     ) -> int:
-        """Add all scans by ``rule``; return the number of cell updates and widen ``box``."""
+        """Add all scans by ``log_odds_update``; return the number of cell updates and widen ``box``."""
         if _is_wide(config):
             evenly = np.ones(grid.geometry.rows)
-            return _in_bands(drawer_of_cones(self, grid, config, rule), evenly, (0, len(evenly)), threads, box)
+            return _in_bands(
+                drawer_of_cones(self, grid, config, log_odds_update), evenly, (0, len(evenly)), threads, box
+            )
         draw_sweep = self._draw_fields if config.update == "per_scan" else self._draw_beams
-        return draw_sweep(grid, config, rule, threads, box)
+        return draw_sweep(grid, config, log_odds_update, threads, box)
 
     def _count(self, grid: OccupancyGrid, config: MappingConfig, threads: int, box: NDArray[np.int64]) -> int:
         """Count the hits and the misses of each cell: two maps, in each of which one of them counts 1."""
         count = 0
-        for tally, (miss, hit) in enumerate(((0.0, 1.0), (1.0, 0.0))):
-            rule = (np.float32(miss), np.float32(hit), np.float32(-np.inf), np.float32(np.inf))
-            count = self._draw(grid.with_tally(tally), config, rule, threads, box)
+        for statistic, (miss, hit) in enumerate(((0.0, 1.0), (1.0, 0.0))):
+            log_odds_update = (np.float32(miss), np.float32(hit), np.float32(-np.inf), np.float32(np.inf))
+            count = self._draw(grid.with_statistic(statistic), config, log_odds_update, threads, box)
         return count
 
     def _add_certainties(self, grid: OccupancyGrid, config: MappingConfig, box: NDArray[np.int64]) -> int:
@@ -148,19 +160,19 @@ class Sweep:
         """Add all scans to the certainties of Moravec and Elfes.
 
         Return the number of cell updates and, of the cell with this number (−1: none), the readings that touched it, as
-        :meth:`touches`, and its certainties after each (n, 2): occupied, empty.
+        :meth:`contributions`, and its certainties after each (n, 2): occupied, empty.
         """
-        assert grid.tallies is not None  # noqa: S101 - begun before
-        occupied, empty = (tally.reshape(-1) for tally in grid.tallies)
+        assert grid.cell_statistics is not None  # noqa: S101 - begun before
+        occupied, empty = (statistic.reshape(-1) for statistic in grid.cell_statistics)
         room = 2 * self.ranges.size if cell >= 0 else 0
-        touches, certainties = np.empty((room, 2), np.int64), np.empty((room, 2), np.float32)
+        contributions, certainties = np.empty((room, 2), np.int64), np.empty((room, 2), np.float32)
         count, n = add_certainties(
             occupied, empty, grid.observed.reshape(-1), grid.geometry.cols, *self.scans_on(grid.geometry),
-            grid.geometry.frame, self.sight(config), config.opening, box, cell, touches, certainties,
+            grid.geometry.frame, self.reading_filter(config), config.opening, box, cell, contributions, certainties,
         )  # fmt: skip
-        return count, touches[:n], certainties[:n]
+        return count, contributions[:n], certainties[:n]
 
-    def touches(
+    def contributions(
         self, geometry: GridGeometry, config: MappingConfig, row: int, col: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         """Return the readings that touch a cell (n, 2) and the evidence of each (n,), log-odds.
@@ -168,28 +180,30 @@ class Sweep:
         A reading is scan · n_beams + beam, and 1 for a hit or 0 for a miss.
         """
         if _is_wide(config):
-            return touches_in_cones(self, geometry, config, row, col)
-        touches = self._thin_touches(geometry, config, row, col)
+            return contributions_in_cones(self, geometry, config, row, col)
+        contributions = self._thin_touches(geometry, config, row, col)
         if config.model == "smooth_ramp":
-            return touches, ramp_increments(self, geometry, config, (row, col), touches)
-        miss, hit, _, _ = rule_of(config)
-        return touches, np.where(touches[:, 1] == 1, hit, miss).astype(np.float32)
+            return contributions, ramp_increments(self, geometry, config, (row, col), contributions)
+        miss, hit, _, _ = log_odds_update_of(config)
+        return contributions, np.where(contributions[:, 1] == 1, hit, miss).astype(np.float32)
 
     def _thin_touches(self, geometry: GridGeometry, config: MappingConfig, row: int, col: int) -> NDArray[np.int64]:
-        sight, n_beams = self.sight(config), self.ranges.shape[1]
+        reading_filter, n_beams = self.reading_filter(config), self.ranges.shape[1]
         if config.update == "per_scan":
             out = np.empty((len(self.ranges), 2), dtype=np.int64)
-            n = touches_of_fields(*self.scans_on(geometry), geometry.frame, sight, row, col, out)
+            n = contributions_of_fields(*self.scans_on(geometry), geometry.frame, reading_filter, row, col, out)
             return out[:n]
         sifted, near = np.empty_like(self.ranges), np.empty(len(self.ranges), dtype=np.bool_)
-        sift(self.ranges, self.sensors, self.beams, geometry.frame, sight, row, col, sifted, near)
+        filter_readings_near_cell(
+            self.ranges, self.sensors, self.beams, geometry.frame, reading_filter, row, col, sifted, near
+        )
         sifted = sifted[near]
         planned = self._plan_beams(sifted, self.sensors[near], geometry, config, 1).planned
         out = np.empty((sifted.size, 2), dtype=np.int64)
         if config.traversal == "amanatides_woo":
-            n = touches_of_rays(planned, geometry.resolution, row, col, out)
+            n = contributions_of_rays(planned, geometry.resolution, row, col, out)
         else:
-            n = touches_of_lines(planned, row, col, out)
+            n = contributions_of_lines(planned, row, col, out)
         scans, beams = np.divmod(out[:n, 0], n_beams)
         out[:n, 0] = np.flatnonzero(near)[scans] * n_beams + beams
         return out[:n]
@@ -212,7 +226,7 @@ class Sweep:
         work = np.zeros((threads, geometry.rows + 1))
         boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
         plan, planned = _plan_space(config, ranges.size)
-        view = (self.beams, geometry.frame, self.sight(config))
+        view = (self.beams, geometry.frame, self.reading_filter(config))
         in_parallel(
             [
                 partial(plan, ranges[a:b], sensors[a:b], *view, a * n_beams, planned, own_work, own_box)
@@ -224,7 +238,12 @@ class Sweep:
         return _Plan(planned, np.cumsum(work.sum(axis=0))[:-1], box)
 
     def _draw_beams(
-        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+        self,
+        grid: OccupancyGrid,
+        config: MappingConfig,
+        log_odds_update: LogOddsUpdate,
+        threads: int,
+        box: NDArray[np.int64],
     ) -> int:
         frame, evidence, smooth = grid.geometry.frame, evidence_of(config), config.model == "smooth_ramp"
         flat = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
@@ -232,23 +251,32 @@ class Sweep:
         for part in self._chunks():
             plan = self._plan_beams(self.ranges[part], self.sensors[part], grid.geometry, config, threads)
             if config.traversal == "amanatides_woo":
-                draw = partial(draw_rays, *flat, plan.planned, frame[4], smooth, evidence, rule)
+                draw = partial(draw_rays, *flat, plan.planned, frame[4], smooth, evidence, log_odds_update)
             elif smooth:
-                ranges, sensors, sight = self.ranges[part], self.sensors[part], self.sight(config)
-                draw = partial(draw_ramps, *flat, plan.planned, ranges, sensors, frame, sight, evidence, rule)
+                ranges, sensors, reading_filter = self.ranges[part], self.sensors[part], self.reading_filter(config)
+                draw = partial(
+                    draw_ramps, *flat, plan.planned, ranges, sensors, frame, reading_filter, evidence, log_odds_update
+                )
             else:
-                draw = partial(draw_lines, *flat, plan.planned, rule)
-            count += _in_bands(partial(_veiled, grid, plan, draw), plan.work, (0, len(plan.work)), threads, box)
+                draw = partial(draw_lines, *flat, plan.planned, log_odds_update)
+            count += _in_bands(
+                partial(_draw_with_observed, grid, plan, draw), plan.work, (0, len(plan.work)), threads, box
+            )
         return count
 
     def _draw_fields(
-        self, grid: OccupancyGrid, config: MappingConfig, rule: Rule, threads: int, box: NDArray[np.int64]
+        self,
+        grid: OccupancyGrid,
+        config: MappingConfig,
+        log_odds_update: LogOddsUpdate,
+        threads: int,
+        box: NDArray[np.int64],
     ) -> int:
         count = 0
         for part in self._chunks():
             plan = plan_of_fields(self, part, grid.geometry, config, threads)
             if plan.rows[0] < plan.rows[1] and plan.words[0] < plan.words[1]:
-                count += _in_bands(drawer_of_fields(plan, grid, rule), plan.work, plan.rows, threads, box)
+                count += _in_bands(drawer_of_fields(plan, grid, log_odds_update), plan.work, plan.rows, threads, box)
         return count
 
 
@@ -278,21 +306,23 @@ def _plan_space(config: MappingConfig, readings: int) -> tuple[Callable[..., Non
     return plan_lines, np.empty((LINE_FIELDS, readings), dtype=np.int32)
 
 
-def _veiled(
+def _draw_with_observed(
     grid: OccupancyGrid, plan: _Plan, draw: Callable[..., int], row_low: int, row_high: int, box: NDArray[np.int64]
 ) -> int:
     """Draw a band, noting what was observed in the way that costs less for so many cells."""
     touched = plan.box.copy()
     touched[:2] = touched[:2].clip(row_low, row_high)
     cells = int((touched[1] - touched[0]) * (touched[3] - touched[2]))
-    if plan.work[row_low:row_high].sum() < _WORTH_VEILING * cells or not veil(grid.log_odds, grid.observed, touched):
+    if plan.work[row_low:row_high].sum() < _ENCODE_ABOVE_UPDATES_PER_CELL * cells or not encode_unobserved(
+        grid.log_odds, grid.observed, touched
+    ):
         return draw(row_low, row_high, box, True)
     count = draw(row_low, row_high, box, False)
-    unveil(grid.log_odds, grid.observed, touched)
+    decode_observed(grid.log_odds, grid.observed, touched)
     return count
 
 
-def rule_of(config: MappingConfig) -> Rule:
+def log_odds_update_of(config: MappingConfig) -> LogOddsUpdate:
     """Return the increments and the clamp as the kernels take them."""
     model = config.beam_model()
     low, high = (np.float32(limit) for limit in config.clamp_limits)

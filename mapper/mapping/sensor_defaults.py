@@ -12,7 +12,7 @@ from mapper.mapping.parameters import BY_NAME
 SONAR_WINDOW = 0.2  #: metres: how thick the arc of a sonar's echo is taken to be
 
 
-def suited_parameters(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def sensor_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Return ``given`` values of :data:`mapper.mapping.parameters.PARAMETERS` and those that a sensor calls for
     besides.
 

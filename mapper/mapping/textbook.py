@@ -228,11 +228,12 @@ def inverse_range_sensor_model(
 def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
     """Count for each cell how often a beam ended in it and how often one passed it. Return the number of updates.
 
-    Which cells those are is decided as by fixed increments; ``grid.tallies`` holds the hits n and the misses m, and
+    Which cells those are is decided as by fixed increments; ``grid.cell_statistics`` holds the hits n and the misses m,
+    and
     ``grid.log_odds`` those of their posterior mean (n + w·p₀) / (n + m + w), clamped. p₀ is the cell's own prior.
     """
     model = cast("HitCounting", config.beam_model())
-    hits, misses = tallies_of(grid, config)
+    hits, misses = statistics_of(grid, config)
     before = hits + misses
     one = config.with_values({"model": "fixed_increments", "clamp": False, "log_odds_hit": 1.0, "log_odds_miss": -1.0})
     counted = OccupancyGrid(grid.geometry)
@@ -264,7 +265,7 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
     Source: Moravec & Elfes 1985.
     """
     model = cast("MoravecElfes", config.beam_model())
-    occupied, empty = certainties = tallies_of(grid, config)
+    occupied, empty = certainties = statistics_of(grid, config)
     known = certainties.copy()
     z_max = min(scan.range_max, config.range_max)
     cones = [
@@ -303,17 +304,17 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
     return updates
 
 
-def tallies_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
+def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
     """Return the grid's two tallies (2, rows, cols): what speaks for occupied, and what for empty.
 
     Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
     """
-    if grid.tallies is None:
-        grid.tallies = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
+    if grid.cell_statistics is None:
+        grid.cell_statistics = np.zeros((2, *grid.geometry.shape), dtype=np.float32)
         if config.model == "moravec_elfes":
             value = 2 * probability(grid.prior()) - 1
-            grid.tallies[0], grid.tallies[1] = np.maximum(value, 0), np.maximum(-value, 0)
-    return grid.tallies
+            grid.cell_statistics[0], grid.cell_statistics[1] = np.maximum(value, 0), np.maximum(-value, 0)
+    return grid.cell_statistics
 
 
 # --- Why a cell is what it is ----------------------------------------------------------------------------------------
@@ -323,7 +324,7 @@ def provenance(
     grid: OccupancyGrid, scans: Sequence[RangeScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
 ) -> list[tuple[int, int, float, np.float32]]:
     """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
-    touches = []
+    contributions = []
     value = grid.prior()[cell]
     for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
         z_max = min(scan.range_max, config.range_max)
@@ -331,8 +332,8 @@ def provenance(
             evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
             if cell in evidence:
                 value = bayes_filter(value, np.float32(evidence[cell]), config)
-                touches.append((t, k, evidence[cell], value))
-    return touches
+                contributions.append((t, k, evidence[cell], value))
+    return contributions
 
 
 # --- Where things are ------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.grid import TILE, OccupancyGrid
-from mapper.mapping import cell_statistics as tallies
+from mapper.mapping import cell_statistics as cell_statistics
 from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 
@@ -122,13 +122,13 @@ class Checkpoints:
                 changed[tile] |= any(low < kept <= high for kept in versions)
             tiles = _listed(changed)
             found = [self._version(tile, moment) for tile in tiles]
-        tallies.begin(grid, self.config)
+        cell_statistics.begin(grid, self.config)
         decompressor = zstandard.ZstdDecompressor()
         # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
         unpacked = [None if data is None else decompressor.decompress(data) for data in found]
         for tile, data in zip(tiles, unpacked, strict=True):
             if data is None:
-                tallies.forget(grid, self.config, _cells_of(tile))
+                cell_statistics.forget(grid, self.config, _cells_of(tile))
             else:
                 _fill(grid, _cells_of(tile), data)
         return _box_of(tiles, grid)
@@ -159,13 +159,16 @@ def _box_of(tiles: list[Tile], grid: OccupancyGrid) -> CellBox | None:
 def _packed(grid: OccupancyGrid, part: Part) -> bytes:
     """Return all that a grid holds of some cells."""
     arrays = [grid.log_odds[part], grid.observed[part]]
-    return b"".join(one.tobytes() for one in (arrays if grid.tallies is None else [*arrays, *grid.tallies[:, *part]]))
+    return b"".join(
+        one.tobytes()
+        for one in (arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]])
+    )
 
 
 def _fill(grid: OccupancyGrid, part: Part, data: bytes) -> None:
     """Put back what :func:`_packed` returned."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     at = 0
-    for one in arrays if grid.tallies is None else [*arrays, *grid.tallies[:, *part]]:
+    for one in arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]]:
         one[:] = np.frombuffer(data, one.dtype, one.size, at).reshape(one.shape)
         at += one.nbytes

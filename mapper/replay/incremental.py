@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mapper.core.errors import UnwantedError
-from mapper.core.parallel import alone
+from mapper.core.errors import WorkCancelledError
+from mapper.core.parallel import single_threaded
 from mapper.grid import TILE, OccupancyGrid
 from mapper.mapping.integrate import CellBox, Change, integrate_scans, scans_at_once
 from mapper.mapping.parameters import MappingConfig
@@ -20,7 +20,7 @@ FIRST_READINGS = 1 << 9  #: the same before it is known how many cells each of t
 MOST_UPDATES = 1 << 36  #: cell updates that a scout sets out for: a minute of one core, or two
 
 
-class Course:
+class IncrementalReplay:
     """A map in time: the map of the first :attr:`index` scans of a log, which goes to any other number of scans.
 
     On its way it leaves checkpoints, and it begins at one of them where that is less to do. ``grid`` is empty at first
@@ -53,14 +53,14 @@ class Course:
     def go_to(self, index: int, wanted: Callable[[], bool] = lambda: True) -> Change:
         """Bring the map to ``index`` scans.
 
-        Raises :class:`UnwantedError` where ``wanted``, asked now and then, says False.
+        Raises :class:`WorkCancelledError` where ``wanted``, asked now and then, says False.
         """
         moment = self.checkpoints.before(index)
         box = self._restore(moment) if index < self.index or moment > self.index else None
         count = 0
         while self.index < index:
             if not wanted():
-                raise UnwantedError("replay.unwanted", "The map is not wanted any more.")
+                raise WorkCancelledError("replay.unwanted", "The map is not wanted any more.")
             change = self.step(index)
             count += change.cells_updated
             box = change.box if box is None else box if change.box is None else box | change.box
@@ -97,7 +97,7 @@ class Course:
         """Cells that a scan updates, as far as the way so far tells."""
         return self._updates / self._scans if self._scans else None
 
-    def expect_as(self, other: Course) -> None:
+    def expect_as(self, other: IncrementalReplay) -> None:
         """Expect that scans cost what they did on another way, before anything is known of this one."""
         self._scans, self._updates, self._in_time = other._scans, other._updates, other._in_time
 
@@ -111,37 +111,37 @@ class Course:
         return max(1, min(due, most, most if self._in_time is None else self._in_time))
 
 
-class Scout:
+class CheckpointPrefetcher:
     """Leaves the checkpoints that a course has not come by yet, on a grid of its own, while nobody waits.
 
     For one thread at a time, which need not be that of the course.
     """
 
-    def __init__(self, course: Course) -> None:
-        self._follows = course
-        self._course: Course | None = None  # made by the thread that goes: a large grid takes its time
+    def __init__(self, replay: IncrementalReplay) -> None:
+        self._follows = replay
+        self._replay: IncrementalReplay | None = None  # made by the thread that goes: a large grid takes its time
 
     @staticmethod
-    def is_worth(course: Course) -> bool:
+    def is_worth(replay: IncrementalReplay) -> bool:
         """Whether so much is left to go that somebody would notice, and not hours of work."""
-        kept, rate = course.checkpoints, course.updates_per_scan
-        return rate is not None and kept.spacing < rate * (course.log.n_scans - kept.reached) < MOST_UPDATES
+        kept, rate = replay.checkpoints, replay.updates_per_scan
+        return rate is not None and kept.spacing < rate * (replay.log.n_scans - kept.reached) < MOST_UPDATES
 
     def step(self) -> bool:
         """Work for some hundredths of a second, on this thread alone; return whether something is left to do."""
-        course = self._course = self._course or self._begin()
-        with alone():
-            newest = course.checkpoints.newest
-            if newest > course.index:  # where others have been
-                course.go_to(newest)
-            elif course.index < course.log.n_scans:
-                course.step(course.log.n_scans)
-        return course.index < course.log.n_scans
+        replay = self._replay = self._replay or self._begin()
+        with single_threaded():
+            newest = replay.checkpoints.newest
+            if newest > replay.index:  # where others have been
+                replay.go_to(newest)
+            elif replay.index < replay.log.n_scans:
+                replay.step(replay.log.n_scans)
+        return replay.index < replay.log.n_scans
 
-    def _begin(self) -> Course:
-        course = self._follows
-        own = Course(course.log, course.config, course.trajectory, course.grid.emptied(), course.checkpoints)
-        own.expect_as(course)
+    def _begin(self) -> IncrementalReplay:
+        replay = self._follows
+        own = IncrementalReplay(replay.log, replay.config, replay.trajectory, replay.grid.emptied(), replay.checkpoints)
+        own.expect_as(replay)
         return own
 
 

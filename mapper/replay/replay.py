@@ -10,7 +10,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import CellBox, Change, grid_for
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
-from mapper.replay.incremental import Course, Scout
+from mapper.replay.incremental import CheckpointPrefetcher, IncrementalReplay
 from mapper.sensors.scan import ScanLog
 
 COSTLY = ("model", "update", "no_return", "resolution")  #: parameters on which it depends what a scan costs
@@ -36,48 +36,48 @@ class Replay:
         self._limits = limits
         self._prior = prior
         self.trajectory = trajectory or log.default_trajectory
-        self._course = self._new_course(log, MappingConfig() if config is None else config)
-        self._under_way: tuple[Course, int] | None = None
+        self._replay = self._new_course(log, MappingConfig() if config is None else config)
+        self._under_way: tuple[IncrementalReplay, int] | None = None
         self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
-    def _new_course(self, log: ScanLog, config: MappingConfig) -> Course:
+    def _new_course(self, log: ScanLog, config: MappingConfig) -> IncrementalReplay:
         grid = grid_for(log, config, self.trajectory, self._limits, self._prior)
-        return Course(log, config, self.trajectory, grid)
+        return IncrementalReplay(log, config, self.trajectory, grid)
 
     @property
     def log(self) -> ScanLog:
         """The log."""
-        return self._course.log
+        return self._replay.log
 
     @property
     def config(self) -> MappingConfig:
         """The parameters."""
-        return self._course.config
+        return self._replay.config
 
     @property
     def grid(self) -> OccupancyGrid:
         """The map; another object only after other parameters."""
-        return self._course.grid
+        return self._replay.grid
 
     @property
     def index(self) -> int:
         """Scans in the map."""
-        return self._course.index
+        return self._replay.index
 
     def advance_to(self, index: int) -> Change:
         """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less to do.
 
         Raises :class:`ConfigError` for an index that the log does not have, and
-        :class:`mapper.core.errors.UnwantedError` where nobody wants the map any more.
+        :class:`mapper.core.errors.WorkCancelledError` where nobody wants the map any more.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
-        return self._go(self._course, index)
+        return self._go(self._replay, index)
 
-    def _go(self, course: Course, index: int) -> Change:
-        self._under_way = (course, index)
+    def _go(self, replay: IncrementalReplay, index: int) -> Change:
+        self._under_way = (replay, index)
         try:
-            return course.go_to(index, self.wanted)
+            return replay.go_to(index, self.wanted)
         finally:
             self._under_way = None
 
@@ -89,18 +89,18 @@ class Replay:
 
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
-        course = self._new_course(self.log, config)
+        replay = self._new_course(self.log, config)
         if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
-            course.expect_as(self._course)
-        change = self._go(course, self.index)
-        geometry_changed = course.grid.geometry != self.grid.geometry
-        self._course = course
-        rows, cols = course.grid.geometry.shape
+            replay.expect_as(self._replay)
+        change = self._go(replay, self.index)
+        geometry_changed = replay.grid.geometry != self.grid.geometry
+        self._replay = replay
+        rows, cols = replay.grid.geometry.shape
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
 
-    def scout(self) -> Scout | None:
+    def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return one that leaves the checkpoints which this replay has not; None where nothing is worth the trouble."""
-        return Scout(self._course) if Scout.is_worth(self._course) else None
+        return CheckpointPrefetcher(self._replay) if CheckpointPrefetcher.is_worth(self._replay) else None
 
     def provenance(self, row: int, col: int) -> Provenance:
         """Return every beam that touched a cell of the map as it stands, with what it added.

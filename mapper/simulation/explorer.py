@@ -31,7 +31,7 @@ SPACING = 0.1  # metres between the points of a path
 
 
 @dataclass(slots=True)
-class Walker:
+class Explorer:
     """Steers one robot through one world. ``rng`` chooses between goals; ``visited`` remembers when it was where.
 
     ``visited`` (rows, cols) is the time in seconds at which each cell of the world's lattice was last near the robot.

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import ConfigError, MapperError, UnwantedError
+from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import suited_parameters
+from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 from mapper.simulation.edits import Edits, edited
 from mapper.simulation.faults import Faults, lengthened, with_lengthened
@@ -33,7 +33,7 @@ WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives
 MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
 
 
-class WorldMapper:
+class LiveMap:
     """A simulation and the map that it makes. Not for several threads at once.
 
     Everything the sensor saw is kept, so the whole map can be made anew with other parameters, with or without the
@@ -54,7 +54,7 @@ class WorldMapper:
     ) -> None:
         """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`."""
         sensor = sensor or SensorConfig()
-        self.wanted = wanted  #: asked while maps are made: False ends that with :class:`UnwantedError`
+        self.wanted = wanted  #: asked while maps are made: False ends that with :class:`WorkCancelledError`
         self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
         self._mapping = mapping
         self.seed = seed
@@ -69,7 +69,7 @@ class WorldMapper:
     def first_config(sensor: SensorConfig) -> MappingConfig:
         """Return the parameters that a live world begins with."""
         first = {"range_max": sensor.range_max, "window": 0.2, "resolution": 0.05}
-        return MappingConfig().with_values(suited_parameters(sensor.cone, first))
+        return MappingConfig().with_values(sensor_defaults(sensor.cone, first))
 
     def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
         """Start anew in ``world``, altered by ``edits``, the robot having walked for a moment.
@@ -136,7 +136,7 @@ class WorldMapper:
                 for at, _ in integrate_parts(grid, log, config, None, 0, stop):
                     self.fraction = (done + at) / max(1, total)
                     if not self.wanted():
-                        raise UnwantedError("world.unwanted", "The map is not wanted any more.")
+                        raise WorkCancelledError("world.unwanted", "The map is not wanted any more.")
                 done += stop
         finally:
             self.fraction = None
@@ -290,7 +290,7 @@ class WorldMapper:
         other_kind = sensor.kind != self.simulation.sensor.kind
         self.simulation.set_sensor(sensor)
         if other_kind:
-            suited = suited_parameters(sensor.cone)
+            suited = sensor_defaults(sensor.cone)
             model = {"model": suited.pop("model", "fixed_increments")}
             self.recordings = [Recording(sensor)]
             self.remake(self.config.with_values(model | suited))

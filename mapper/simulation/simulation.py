@@ -10,7 +10,7 @@ import numpy as np
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.sensors.scan import LaserScan
-from mapper.simulation.explorer import Walker
+from mapper.simulation.explorer import Explorer
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World
@@ -66,7 +66,7 @@ class Simulation:
         self._next_scan = STEP  # the first scan comes at once
         self.world = world
         self.robot = Robot(world.start, radius)
-        self.walker = Walker(world, self._wander)
+        self.explorer = Explorer(world, self._wander)
         self._before = world.start
 
     @property
@@ -101,7 +101,7 @@ class Simulation:
     @auto.setter
     def auto(self, value: bool) -> None:
         if value and not self._auto:
-            self.walker.forget_path()
+            self.explorer.forget_path()
         self._auto = value
         self._drive = self._control = (0.0, 0.0)
 
@@ -125,14 +125,14 @@ class Simulation:
         now = self._steps * STEP
         if self._auto:
             if self._steps % CONTROL_STEPS == 0:
-                self._control = self.walker.velocities(self.robot, now)
+                self._control = self.explorer.velocities(self.robot, now)
             wanted = self._control
         else:
             wanted = self._drive if now < self._drive_until else (0.0, 0.0)
         self._before = self.robot.pose
         self.robot.step(self.world, *wanted, STEP)
         if self._steps % NOTE_STEPS == 0:
-            self.walker.note(self.robot.pose, now)
+            self.explorer.note(self.robot.pose, now)
         self._steps += 1
 
     def _scan(self) -> tuple[LaserScan, PoseTuple]:
@@ -167,7 +167,7 @@ class Simulation:
         pose = (float(place[0]), float(place[1]), heading)
         self.robot.pose = self._before = pose
         self.robot.stop()
-        self.walker.forget_path()
+        self.explorer.forget_path()
         self._drive = self._control = (0.0, 0.0)
         moved = not self.world.is_free((x, y), needed)
         return Teleport(pose, moved, self._landing(x, y, pose) if moved else f"The robot stands at ({x:.2f}, {y:.2f}).")
@@ -201,7 +201,7 @@ class Simulation:
         place = world.nearest_free((x, y), needed)
         moved = not world.is_free((x, y), self.radius)
         self.world = world
-        self.walker.enter(world)
+        self.explorer.enter(world)
         if moved:
             self.robot.pose = self._before = (float(place[0]), float(place[1]), yaw)
             self.robot.stop()

@@ -40,7 +40,7 @@ class _NoEvidence:
         return np.zeros_like(s)
 
 
-def warm() -> None:
+def precompile() -> None:
     """Use each part of the mapper once, as the service does: walk, record, map in every way, draw."""
     world = WORLDS["room"]
     simulation = Simulation(world)
@@ -92,7 +92,7 @@ def kernels() -> dict[str, bool]:
 def main() -> int:
     """Warm, and say how long it took."""
     began = time.perf_counter()
-    warm()
+    precompile()
     done = kernels()
     cold = [name for name, compiled in done.items() if not compiled]
     for name in cold:

@@ -49,7 +49,7 @@ def compare(
     from mapper.grid.compare import STATES, difference  # noqa: PLC0415 - start-up
     from mapper.grid.compare import compare as compare_maps  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters, mount)
     changed = _pairs(other or [])
@@ -66,7 +66,7 @@ def compare(
     grids = []
     for path, sensor, poses, wanted in sides:
         scans = read_log(path, sensor)
-        config = configured(suited_parameters(scans.beam_width, wanted))
+        config = configured(sensor_defaults(scans.beam_width, wanted))
         with refusing(path):
             grid = grid_for(scans, config, poses)
             integrate_log(grid, scans, config, poses)

@@ -60,7 +60,7 @@ def map_log(
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
@@ -70,7 +70,7 @@ def map_log(
     notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
-    config = configured(suited_parameters(scans.beam_width, given))
+    config = configured(sensor_defaults(scans.beam_width, given))
     with refusing(log):
         grid = grid_for(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
@@ -133,14 +133,14 @@ def _export(
     log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
     """Write what was asked for; return the paths."""
-    from mapper.core.atomic_file import whole_file  # noqa: PLC0415 - start-up
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
     from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
 
     for path in (mcap, tum):
         if path is None:
             continue
         try:
-            with whole_file(path) as file:
+            with atomic_write(path) as file:
                 if path is tum:
                     file.write(tum_text(log, trajectory).encode())
                 else:

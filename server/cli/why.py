@@ -42,14 +42,14 @@ def why(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Say why a cell is what it is: every beam that touched it, and what each of them added."""
-    from mapper.mapping.sensor_defaults import suited_parameters  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
     from mapper.replay import Replay  # noqa: PLC0415 - start-up
 
     point = place(at)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     scans = read_log(log, topic)
     notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
-    config = configured(suited_parameters(scans.beam_width, given))
+    config = configured(sensor_defaults(scans.beam_width, given))
     with refusing(log):
         replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)

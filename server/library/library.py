@@ -27,7 +27,7 @@ from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.storage import private_folder
-from server.library.upload_receiver import Intake, Part, Received, too_large
+from server.library.upload_receiver import Part, Received, UploadReceiver, too_large
 from server.library.workers import worker_at
 from server.settings import Settings
 
@@ -62,14 +62,14 @@ class LibraryLimits:
 def check_stores(settings: Settings) -> None:
     """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
     from server.library.database import Database  # noqa: PLC0415
-    from server.library.store_identity import check_belonging  # noqa: PLC0415 - who reads logs does without SQLAlchemy
+    from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
     root = settings.data_dir / "library"
     private_folder(root)
     blobs = Blobs.at(settings.blobs, root)
     database = Database.open(settings.database_url, root)
     try:
-        check_belonging(database, blobs)
+        check_store_identity(database, blobs)
     finally:
         database.close()
     if settings.executor is not None:
@@ -109,7 +109,7 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
-        self._intake = Intake(blobs, max_bytes=self._max_upload_bytes)
+        self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)

@@ -13,7 +13,7 @@ from mapper.io.logs.summary import LogSummary
 from server.library import workers
 from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
-from server.work.fair_lock import Turns
+from server.work.fair_lock import FairLock
 
 
 class Reader:
@@ -25,7 +25,7 @@ class Reader:
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
-        self._turns = Turns()
+        self._turns = FairLock()
         self._worker: Worker = worker or PoolWorker(memory_bytes)
 
     @property

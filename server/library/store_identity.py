@@ -17,7 +17,7 @@ from server.library.tables import store
 _log = structlog.get_logger(__name__)
 
 
-def check_belonging(database: Database, blobs: Blobs) -> None:
+def check_store_identity(database: Database, blobs: Blobs) -> None:
     """Note in the records which store they belong to; raise :class:`StorageError` where they belong to another.
 
     A store that cannot say who it is just now is let pass. Blocks.

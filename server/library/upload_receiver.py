@@ -61,7 +61,7 @@ class Received:
         self.touched_s = time.monotonic()
 
 
-class Intake:
+class UploadReceiver:
     """The uploads that are under way, or were cut and may go on. Used from the event loop only."""
 
     def __init__(self, blobs: Blobs, *, max_bytes: int) -> None:

@@ -142,7 +142,7 @@ class ExecutorWorker:
         self.end()
         lease = self._lease = self._folder / f"{uuid.uuid4().hex}.lease"
         lease.write_bytes(b"0")
-        self._job = self._executor.submit(read_apart, job, str(lease))
+        self._job = self._executor.submit(read_in_process, job, str(lease))
         self._job.add_done_callback(lambda _: lease.unlink(missing_ok=True))
         return self._job
 
@@ -160,7 +160,7 @@ class ExecutorWorker:
         self._executor.shutdown(wait=True)
 
 
-def read_apart(job: Job, lease: str) -> LogSummary:
+def read_in_process(job: Job, lease: str) -> LogSummary:
     """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
     command = [sys.executable, "-m", "server.library.worker_main"]
     try:

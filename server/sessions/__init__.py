@@ -1,13 +1,14 @@
 """Sessions: each owns one grid, its parameters and its clock."""
 
-from mapper.simulation.live_map import WorldMapper
+from mapper.simulation.live_map import LiveMap
 from server.sessions.log_session import LogSession, first_config
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.session import Session
-from server.sessions.simulation_session import WorldSession
+from server.sessions.simulation_session import SimulationSession
 from server.sessions.view import LogView, SessionView
 
 __all__ = [
+    "LiveMap",
     "LogSession",
     "LogView",
     "Session",
@@ -15,7 +16,6 @@ __all__ = [
     "SessionNotFoundError",
     "SessionRegistry",
     "SessionView",
-    "WorldMapper",
-    "WorldSession",
+    "SimulationSession",
     "first_config",
 ]

@@ -7,25 +7,25 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from mapper.core.errors import MapperError, UnwantedError
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog
-from server.sessions.second_map_view import OtherSide, Wanted, comparison_message
+from server.sessions.second_map_view import SecondMapView, Wanted, comparison_message
 from server.sessions.session import Session
-from server.sessions.tick import Outcome
+from server.sessions.tick import TickResult
 from server.sessions.view import Side
 from server.stream.hub import Hub
-from server.stream.tiles import TilePicture, followed, picture_of
+from server.stream.tiles import TilePicture, picture_of, update_picture
 from server.work.scheduler import checkpoint
 
 
-class ComparedSession(Session):
+class ComparableSession(Session):
     """A session of a replay, B, with another side beside it, A, where somebody compares."""
 
-    _other: OtherSide | None = None
+    _other: SecondMapView | None = None
     _second: Hub | None = None  #: who watches A; stays when the comparison ends
     _wish = 0  #: counts the wishes to compare: only the newest is fulfilled
 
@@ -88,14 +88,14 @@ class ComparedSession(Session):
         other.check_lattice(self.grid)
         return other.replay.grid, self.grid
 
-    def _compared_with(self) -> OtherSide:
+    def _compared_with(self) -> SecondMapView:
         if self._other is None:
             raise MapperError("compare.none", "This session compares its map with no other one now.")
         return self._other
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
-    def _other_side(self, wanted: Wanted, wish: int) -> OtherSide:
+    def _other_side(self, wanted: Wanted, wish: int) -> SecondMapView:
         def is_wanted() -> bool:
             checkpoint()
             return wish == self._wish and not self.closed
@@ -103,13 +103,13 @@ class ComparedSession(Session):
         limits = self.limits()
         room = replace(limits, max_cells=max(1, limits.max_cells - int(self.grid.log_odds.size)))
         try:
-            return OtherSide(wanted, self.replay, self.config, room, is_wanted)
-        except UnwantedError as error:
+            return SecondMapView(wanted, self.replay, self.config, room, is_wanted)
+        except WorkCancelledError as error:
             raise _superseded() from error
 
-    def _take_over(self, other: OtherSide | None) -> tuple[Outcome, TilePicture | None]:
+    def _take_over(self, other: SecondMapView | None) -> tuple[TickResult, TilePicture | None]:
         """Go on with another other side; return what to send, and its picture, in which a new epoch begins."""
-        outcome = Outcome(changed=True)
+        outcome = TickResult(changed=True)
         if other is None:
             self._other = None
             outcome.slot(comparison_message(self.replay.index))
@@ -126,7 +126,7 @@ class ComparedSession(Session):
         outcome.slot(self.parameters_message())
         return outcome, picture
 
-    def follow(self, config: MappingConfig, outcome: Outcome) -> None:
+    def follow(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
         other, before = self._other, self.config
         if other is not None:
@@ -138,7 +138,7 @@ class ComparedSession(Session):
                 other.follow(before)
             raise
 
-    def draw_second(self, outcome: Outcome) -> list[TilePicture | None]:
+    def draw_second(self, outcome: TickResult) -> list[TilePicture | None]:
         """Bring the other side, and its picture, to where the session is."""
         other, hub = self._other, self._second
         if other is None or hub is None:
@@ -147,14 +147,14 @@ class ComparedSession(Session):
         whole, box = other.second.changed()
         other.is_new |= whole or box is not None or outcome.new_grid or outcome.box is not None
         outcome.changed |= whole or box is not None
-        return [followed(hub.picture, other.second.grid, other.second.config, box, whole=whole)]
+        return [update_picture(hub.picture, other.second.grid, other.second.config, box, whole=whole)]
 
     @property
-    def owes(self) -> bool:
+    def has_deferred_work(self) -> bool:
         """Whether the numbers are older than the maps."""
         return self._other is not None and self._other.is_new
 
-    def pay(self, outcome: Outcome) -> None:
+    def run_deferred_work(self, outcome: TickResult) -> None:
         """Compare the two maps as they are."""
         other, index = self._other, self.replay.index
         if other is None:

@@ -17,15 +17,15 @@ from mapper.grid import OccupancyGrid
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.mapping.sensor_defaults import suited_parameters
+from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.replay import Replay
-from mapper.replay.incremental import Scout
+from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
-from server.sessions.compared import ComparedSession
+from server.sessions.compared import ComparableSession
 from server.sessions.diagnosing import examination
 from server.sessions.session import Session
-from server.sessions.tick import Outcome
-from server.sessions.view import LogView, Moment, as_pose
+from server.sessions.tick import TickResult
+from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text
 
@@ -57,13 +57,13 @@ def first_config(log: ScanLog) -> MappingConfig:
     """Return the parameters that a log is mapped with at first."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
-    return MappingConfig().with_values(suited_parameters(log.beam_width, {"range_max": range_max}))
+    return MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": range_max}))
 
 
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
     """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
 
-    Raises :class:`mapper.core.errors.UnwantedError` where ``wanted``, asked now and then, says False.
+    Raises :class:`mapper.core.errors.WorkCancelledError` where ``wanted``, asked now and then, says False.
     """
     config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
@@ -80,7 +80,7 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
     return replay
 
 
-class LogSession(ComparedSession):
+class LogSession(ComparableSession):
     """A session of one log."""
 
     kind: ClassVar[Literal["world", "log"]] = "log"
@@ -178,7 +178,7 @@ class LogSession(ComparedSession):
         """Scans in the map, scans of the log."""
         return (self._replay.index, self.log.n_scans)
 
-    def moment(self) -> Moment:
+    def robot_state(self) -> RobotState:
         """The scan that came last into the map; before the first, its place without readings."""
         log, index = self.log, self._replay.index
         newest = max(index - 1, 0)
@@ -187,7 +187,7 @@ class LogSession(ComparedSession):
             scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
         base = as_pose(log.trajectory(self.trajectory).poses[newest])
         sensor = as_pose(self._sensor_poses[newest])
-        return Moment(base, sensor, sensor, scan, float(self._recorded[newest]))
+        return RobotState(base, sensor, sensor, scan, float(self._recorded[newest]))
 
     def sources(self) -> list[Source]:
         """The log, as far as it is in the map."""
@@ -197,9 +197,9 @@ class LogSession(ComparedSession):
         """Those that suit the log's sensor."""
         return first_config(self.log)
 
-    def scout(self) -> Scout | None:
+    def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return who leaves the checkpoints that lie ahead."""
-        return self._replay.scout()
+        return self._replay.prefetcher()
 
     def particulars(self) -> dict[str, Any]:
         """The log and its trajectories."""
@@ -228,11 +228,11 @@ class LogSession(ComparedSession):
         stamps = np.round(self._recorded[::every], 1).tolist()
         return {"type": "trajectory", "name": self.trajectory, "every": every, "poses": path, "stamps": stamps}
 
-    def remake(self, config: MappingConfig, outcome: Outcome) -> None:
+    def remake(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make the map anew at the same scan."""
         self.follow(config, outcome)
 
-    def advance(self, dt: float, outcome: Outcome) -> None:
+    def advance(self, dt: float, outcome: TickResult) -> None:
         """Play on, or go to where a command wants to be."""
         replay, count = self._replay, self.log.n_scans
         if dt > 0.0 and self._target < count:
@@ -246,7 +246,7 @@ class LogSession(ComparedSession):
             outcome.changed = True
             outcome.notice("log.end", "The log has come to its end: all of its scans are in the map.")
 
-    def obey(self, command: dict[str, Any], outcome: Outcome) -> None:
+    def obey(self, command: dict[str, Any], outcome: TickResult) -> None:
         """Carry out a command. Where to go is only noted: of many seeks that came meanwhile the last one counts."""
         count = self.log.n_scans
         match command["type"]:
@@ -284,7 +284,7 @@ class LogSession(ComparedSession):
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])
 
-    def _choose(self, trajectory: str, outcome: Outcome) -> None:
+    def _choose(self, trajectory: str, outcome: TickResult) -> None:
         old = self._replay
         replay = Replay(self.log, self.config, trajectory, self.limits())
         replay.wanted = old.wanted

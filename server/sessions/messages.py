@@ -11,7 +11,7 @@ from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, proba
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from mapper.simulation import SensorConfig
-from server.sessions.view import Moment, Pose
+from server.sessions.view import Pose, RobotState
 
 
 def parameter_table(config: MappingConfig, initial: MappingConfig) -> dict[str, Any]:
@@ -34,24 +34,24 @@ def working_message(elapsed_s: float | None = None, fraction: float | None = Non
     }
 
 
-def frame_fields(moment: Moment) -> dict[str, Any]:
+def frame_fields(robot_state: RobotState) -> dict[str, Any]:
     """Return the part of a ``frame`` message that says where the robot is."""
     fields: dict[str, Any] = {
-        "stamp": round(moment.stamp_s, 4),
-        "pose": _rounded(moment.pose),
-        "sensor_pose": _rounded(moment.sensor_pose),
+        "stamp": round(robot_state.stamp_s, 4),
+        "pose": _rounded(robot_state.pose),
+        "sensor_pose": _rounded(robot_state.sensor_pose),
     }
-    if moment.believed_pose is not None:
-        fields["believed_pose"] = _rounded(moment.believed_pose)
+    if robot_state.believed_pose is not None:
+        fields["believed_pose"] = _rounded(robot_state.believed_pose)
     return fields
 
 
-def scan_fields(moment: Moment, config: MappingConfig) -> dict[str, Any]:
+def scan_fields(robot_state: RobotState, config: MappingConfig) -> dict[str, Any]:
     """Return the part of a ``frame`` message that says what the robot sees."""
-    scan = moment.scan
-    fields: dict[str, Any] = {"scan_pose": _rounded(moment.scan_pose)}
-    if moment.believed_scan_pose is not None:
-        fields["believed_scan_pose"] = _rounded(moment.believed_scan_pose)
+    scan = robot_state.scan
+    fields: dict[str, Any] = {"scan_pose": _rounded(robot_state.scan_pose)}
+    if robot_state.believed_scan_pose is not None:
+        fields["believed_scan_pose"] = _rounded(robot_state.believed_scan_pose)
     fields |= {"ranges": _ranges(scan), "range_max": min(scan.range_max, config.range_max)}
     if scan.beam_width > 0.0:
         fields["beam_width"] = scan.beam_width

@@ -15,24 +15,24 @@ from typing import Any, ClassVar, Literal
 
 import structlog
 
-from mapper.core.errors import MapperError, UnwantedError
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import SensorConfig, World
 from server.sessions.messages import cell_message, frame_fields, parameters_message, scan_fields
-from server.sessions.tick import Order, Outcome, error_message
-from server.sessions.view import Moment, SessionView, Side
+from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.sessions.view import RobotState, SessionView, Side
 from server.sessions.why import Source, why_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, integer, number, values
-from server.stream.tiles import TilePicture, followed
+from server.stream.tiles import TilePicture, update_picture
 
 ORDERS_S = 0.05  #: computing time of a tick after which its further commands wait: other sessions want the threads too
 
 _log = structlog.get_logger(__name__)
 
 
-class Content(ABC):
+class SessionModel(ABC):
     """What world and log sessions compute."""
 
     kind: ClassVar[Literal["world", "log"]]
@@ -57,7 +57,7 @@ class Content(ABC):
         """The map."""
 
     @abstractmethod
-    def moment(self) -> Moment:
+    def robot_state(self) -> RobotState:
         """The newest scan and where it was taken."""
 
     @property
@@ -71,18 +71,18 @@ class Content(ABC):
         """The least and the greatest speed."""
 
     @abstractmethod
-    def obey(self, command: dict[str, Any], outcome: Outcome) -> None:
+    def obey(self, command: dict[str, Any], outcome: TickResult) -> None:
         """Carry out a command of this kind of session (worker thread).
 
         Raises :class:`ProtocolError` or :class:`MapperError` for one that is refused; nothing has changed then.
         """
 
     @abstractmethod
-    def remake(self, config: MappingConfig, outcome: Outcome) -> None:
+    def remake(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make the whole map anew with other parameters (worker thread). Raises as :meth:`obey` does."""
 
     @abstractmethod
-    def advance(self, dt: float, outcome: Outcome) -> None:
+    def advance(self, dt: float, outcome: TickResult) -> None:
         """Let ``dt`` seconds pass, 0 to only carry out what commands left to do (worker thread)."""
 
     @abstractmethod
@@ -102,7 +102,7 @@ class Content(ABC):
         """Who watches each of the session's maps: the map, and where there is one the second beside it."""
         return (self.hub,)
 
-    def draw_second(self, _outcome: Outcome) -> list[TilePicture | None]:
+    def draw_second(self, _outcome: TickResult) -> list[TilePicture | None]:
         """Bring the second map's picture up to date (worker thread); return it where a new epoch begins."""
         return []
 
@@ -118,11 +118,13 @@ class Content(ABC):
         return None
 
     @property
-    def owes(self) -> bool:
-        """Whether something is left to compute that no picture waits for: :meth:`pay` does, when there is time."""
+    def has_deferred_work(self) -> bool:
+        """Whether something is left to compute that no picture waits for: :meth:`run_deferred_work` does, when there is
+        time.
+        """
         return False
 
-    def pay(self, outcome: Outcome) -> None:
+    def run_deferred_work(self, outcome: TickResult) -> None:
         """Compute what is owed (worker thread)."""
         raise RuntimeError(f"a {self.kind} session owes nothing, not even {outcome}")
 
@@ -146,17 +148,17 @@ class Content(ABC):
 
     def view(self) -> SessionView:
         """Return what the session shows now."""
-        grid, moment = self.grid, self.moment()
+        grid, robot_state = self.grid, self.robot_state()
         index, count = self.progress
         return SessionView(
             geometry=grid.geometry,
             log_odds=grid.log_odds,
             observed=grid.observed,
-            pose=moment.pose,
-            sensor_pose=moment.scan_pose,
-            ranges=moment.scan.ranges,
-            angles=moment.scan.angles,
-            range_max=min(moment.scan.range_max, self.config.range_max),
+            pose=robot_state.pose,
+            sensor_pose=robot_state.scan_pose,
+            ranges=robot_state.scan.ranges,
+            angles=robot_state.scan.angles,
+            range_max=min(robot_state.scan.range_max, self.config.range_max),
             world=self.world,
             config=self.config,
             sensor=self.sensor,
@@ -175,21 +177,21 @@ class Content(ABC):
         frame = {"playing": self.playing, "speed": self.speed, "index": index, "count": count, "auto": False}
         if self._remade_ms is not None:
             frame["remade_ms"] = round(self._remade_ms, 2)
-        return frame | frame_fields(self.moment())
+        return frame | frame_fields(self.robot_state())
 
     def scan_fields(self) -> dict[str, Any]:
         """The part of the ``frame`` message that tells of the newest scan: the same object while that is the same."""
-        moment = self.moment()
-        key = (moment.scan, moment.scan_pose, moment.believed_scan_pose, self.config.range_max)
+        robot_state = self.robot_state()
+        key = (robot_state.scan, robot_state.scan_pose, robot_state.believed_scan_pose, self.config.range_max)
         told = self._told
-        if told is None or told[0][0] is not moment.scan or told[0][1:] != key[1:]:
-            told = self._told = (key, scan_fields(moment, self.config))
+        if told is None or told[0][0] is not robot_state.scan or told[0][1:] != key[1:]:
+            told = self._told = (key, scan_fields(robot_state, self.config))
         return told[1]
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
-    def _compute(self, orders: list[Order], dt: float) -> Outcome:
-        outcome = Outcome()
+    def _compute(self, orders: list[QueuedCommand], dt: float) -> TickResult:
+        outcome = TickResult()
         config, asked_by = self._pending or self.config, None
         started = time.perf_counter()
         outcome.rest = [*orders]
@@ -224,7 +226,7 @@ class Content(ABC):
             if config != self.config:
                 self._remake(config, outcome)
             self._pending = None
-        except UnwantedError:
+        except WorkCancelledError:
             pass  # the newer command comes with the next tick, and these parameters with it
         except MapperError as error:
             self._pending = None
@@ -232,7 +234,7 @@ class Content(ABC):
             outcome.reminded.append(asked_by)
         try:
             self.advance(dt if self.playing else 0.0, outcome)
-        except UnwantedError:
+        except WorkCancelledError:
             outcome.new_grid = True  # it stands somewhere on the way
         except MapperError as error:
             self.playing = False
@@ -245,17 +247,19 @@ class Content(ABC):
 
     @contextmanager
     def giving_up(self) -> Iterator[None]:
-        """In the block a newer command may end a computation with :class:`UnwantedError`; nothing is lost by it."""
+        """In the block a newer command may end a computation with :class:`WorkCancelledError`; nothing is lost by
+        it.
+        """
         self._may_give_up = True
         try:
             yield
         finally:
             self._may_give_up = False
 
-    def _refuse(self, outcome: Outcome, client: Client | None, error: ProtocolError | MapperError) -> None:
+    def _refuse(self, outcome: TickResult, client: Client | None, error: ProtocolError | MapperError) -> None:
         outcome.answers.append((client, error_message(error.code, error.message)))
 
-    def _remake(self, config: MappingConfig, outcome: Outcome) -> None:
+    def _remake(self, config: MappingConfig, outcome: TickResult) -> None:
         started = time.perf_counter()
         with self.giving_up():
             self.remake(config, outcome)
@@ -264,15 +268,15 @@ class Content(ABC):
         outcome.changed = True
         outcome.slot(self.parameters_message())
 
-    def _draw(self, outcome: Outcome) -> None:
+    def _draw(self, outcome: TickResult) -> None:
         """Bring the pictures up to date with what changed in the maps."""
         whole = outcome.new_grid or self._redraw
-        outcome.pictures = [followed(self.hub.picture, self.grid, self.config, outcome.box, whole=whole)]
+        outcome.pictures = [update_picture(self.hub.picture, self.grid, self.config, outcome.box, whole=whole)]
         self._redraw = False
         outcome.pictures += self.draw_second(outcome)
         outcome.changed |= any(picture is not None for picture in outcome.pictures)
 
-    def _obey(self, order: Order, outcome: Outcome) -> None:
+    def _obey(self, order: QueuedCommand, outcome: TickResult) -> None:
         command = order.command
         match command["type"]:
             case "play":
@@ -321,7 +325,7 @@ class Content(ABC):
             raise ProtocolError("command.cell", f"Cell ({row}, {col}) lies outside the map.")
         return row, col, epoch
 
-    def _explain(self, client: Client | None, command: dict[str, Any], outcome: Outcome) -> None:
+    def _explain(self, client: Client | None, command: dict[str, Any], outcome: TickResult) -> None:
         """Answer a "why" from the map as this tick leaves it."""
         try:
             side = self._side_of(command)

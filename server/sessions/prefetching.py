@@ -16,7 +16,7 @@ from weakref import WeakSet
 
 import structlog
 
-from mapper.replay.incremental import Scout
+from mapper.replay.incremental import CheckpointPrefetcher
 
 LOOK_EVERY_S = 0.25
 QUIET_S = 1.0  #: without a command to a session before its log is prepared
@@ -25,7 +25,7 @@ PAUSE_S = 0.02
 _log = structlog.get_logger(__name__)
 
 
-class Prepared(Protocol):
+class Prefetchable(Protocol):
     """What is asked of a session."""
 
     closed: bool
@@ -43,21 +43,21 @@ class Prepared(Protocol):
     def is_busy(self) -> bool:
         """Whether it computes, or has commands."""
 
-    def scout(self) -> Scout | None:
+    def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return who leaves its missing checkpoints; None where there is nothing to do."""
 
 
-class Preparing:
+class CheckpointPrefetching:
     """Prepares the sessions that ``sessions`` returns, where there ``is_room`` for another map of that size."""
 
     def __init__(
         self,
-        sessions: Callable[[], Sequence[Prepared]],
-        is_room: Callable[[Prepared], bool],
+        sessions: Callable[[], Sequence[Prefetchable]],
+        is_room: Callable[[Prefetchable], bool],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._sessions, self._is_room, self._clock = sessions, is_room, clock
-        self._given_up: WeakSet[Prepared] = WeakSet()
+        self._given_up: WeakSet[Prefetchable] = WeakSet()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="scout")
 
     async def run(self) -> None:
@@ -70,24 +70,24 @@ class Preparing:
         finally:
             self._thread.shutdown(wait=False, cancel_futures=True)
 
-    async def _prepare(self, session: Prepared) -> None:
-        scout: Scout | None = None
+    async def _prepare(self, session: Prefetchable) -> None:
+        prefetcher: CheckpointPrefetcher | None = None
         while self._may(session):
             began = self._clock()
             if not any(one.is_busy for one in self._sessions()):
-                scout = scout or session.scout()
-                if scout is None or not await self._step(session, scout):
+                prefetcher = prefetcher or session.prefetcher()
+                if prefetcher is None or not await self._step(session, prefetcher):
                     return
             await asyncio.sleep(max(PAUSE_S, self._clock() - began))
 
-    async def _step(self, session: Prepared, scout: Scout) -> bool:
+    async def _step(self, session: Prefetchable, prefetcher: CheckpointPrefetcher) -> bool:
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._thread, scout.step)
+            return await asyncio.get_running_loop().run_in_executor(self._thread, prefetcher.step)
         except Exception:  # noqa: BLE001 - what nobody waits for must not stop the service
             _log.exception("a log could not be prepared")
             self._given_up.add(session)
             return False
 
-    def _may(self, session: Prepared) -> bool:
+    def _may(self, session: Prefetchable) -> bool:
         is_left_alone = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
         return is_left_alone and session not in self._given_up and self._is_room(session)

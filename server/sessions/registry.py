@@ -20,10 +20,10 @@ from mapper.sensors.scan import ScanLog
 from mapper.simulation.live_map import world_named
 from server.sessions.log_session import LogSession, first_replay
 from server.sessions.making import UnderWay
-from server.sessions.prefetching import Preparing
+from server.sessions.prefetching import CheckpointPrefetching
 from server.sessions.session import Session
 from server.sessions.simulation_commands import retold
-from server.sessions.simulation_session import DEFAULT_WORLD, WorldSession
+from server.sessions.simulation_session import DEFAULT_WORLD, SimulationSession
 from server.sessions.story_cost import check_story
 from server.sessions.view import LogView
 from server.stream.hub import Traffic
@@ -84,7 +84,9 @@ class SessionRegistry:
     async def start(self) -> None:
         """Begin to end sessions that nobody watches, and to prepare what others may ask for."""
         self.loop = asyncio.get_running_loop()
-        preparing = Preparing(self.all, lambda session: self._limits(None, guest=True).max_cells >= session.cells)
+        preparing = CheckpointPrefetching(
+            self.all, lambda session: self._limits(None, guest=True).max_cells >= session.cells
+        )
         self._tasks = [
             asyncio.create_task(self._reap(), name="session reaper"),
             asyncio.create_task(preparing.run(), name="seeks prepared"),
@@ -124,7 +126,7 @@ class SessionRegistry:
         playing: bool = True,
         address: str = "",
         name: str | None = None,
-    ) -> WorldSession:
+    ) -> SimulationSession:
         """Start a live world for a visitor, with ``story`` one in which everything told there has happened.
 
         Without ``playing`` it stands still, whatever the story says. ``address`` is where the visitor's requests come
@@ -145,7 +147,7 @@ class SessionRegistry:
                 told = {**(story or {}), "world": named, "seed": number}
                 make = partial(retold, told, limits=limits, wanted=making.goes_on, report=making.report)
                 mapper = await self._scheduler.run(self.pool, party, make, waited_for=cost_s <= URGENT_S)
-            session = WorldSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
+            session = SimulationSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
             session.max_story_s = self._settings.max_story_s
             session.resume(story or {})
             self._begin(session, party, playing=playing)

@@ -34,7 +34,7 @@ class Wanted:
     title: str = ""
 
 
-class OtherSide:
+class SecondMapView:
     """A map beside a log session's own. Of the same log it holds as many scans; another log is in it as a whole."""
 
     def __init__(

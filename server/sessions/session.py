@@ -23,10 +23,10 @@ from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay.incremental import Scout
+from mapper.replay.incremental import CheckpointPrefetcher
 from server.sessions.messages import parameter_table, working_message
-from server.sessions.model import Content
-from server.sessions.tick import Order, Outcome, error_message
+from server.sessions.model import SessionModel
+from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.stream.tiles import picture_of
@@ -47,7 +47,7 @@ T = TypeVar("T")
 _log = structlog.get_logger(__name__)
 
 
-class Session(Content):
+class Session(SessionModel):
     """What world and log sessions share. Make them with the registry, on the event loop."""
 
     def __init__(
@@ -77,7 +77,7 @@ class Session(Content):
         self._clock = clock
         self._pool = pool
         self._limits = limits
-        self._orders: list[Order] = []
+        self._orders: list[QueuedCommand] = []
         self._wake = asyncio.Event()
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
@@ -156,7 +156,7 @@ class Session(Content):
         """Take a command. Raises :class:`ProtocolError` where too many wait already."""
         if len(self._orders) >= MAX_ORDERS:
             raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
-        self._orders.append(Order(command, client))
+        self._orders.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
         if command["type"] in _WISHES:
             self._wishes += 1
@@ -164,16 +164,16 @@ class Session(Content):
         self._wake.set()
 
     @property
-    def has_orders(self) -> bool:
+    def has_queued_commands(self) -> bool:
         """Whether commands wait to be carried out, or are being."""
         return bool(self._orders)
 
     @property
     def is_busy(self) -> bool:
         """Whether the session computes, or is about to."""
-        return self.has_orders or self._lock.locked()
+        return self.has_queued_commands or self._lock.locked()
 
-    def scout(self) -> Scout | None:
+    def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return who prepares seeks while nobody waits; None where there is nothing to prepare."""
         return None
 
@@ -240,7 +240,7 @@ class Session(Content):
         while True:
             ticking = self.playing and self.watched
             if self._pays_now():
-                await self._pay()
+                await self._run_deferred_work()
             elif not self._orders:
                 await self._wait(self._idle_s(last + TICK_S if ticking else None))
             if self.closed:
@@ -254,7 +254,7 @@ class Session(Content):
                 continue
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
-            rest: list[Order] = []
+            rest: list[QueuedCommand] = []
             try:
                 async with self._lock:
                     self._wishes_begun = self._wishes
@@ -273,7 +273,7 @@ class Session(Content):
 
     def _pays_now(self) -> bool:
         """Whether what is owed is due, and nothing else, or for too long."""
-        if not (self.owes and self.watched) or self.closed:
+        if not (self.has_deferred_work and self.watched) or self.closed:
             return False
         late = self._clock() - self._owed_at
         return late >= 0.0 and (not self._orders or late > PATIENCE_S)
@@ -281,16 +281,16 @@ class Session(Content):
     def _idle_s(self, tick_at: float | None) -> float | None:
         """Return how long nothing is due, in seconds; None for as long as nobody commands."""
         due = [] if tick_at is None else [tick_at]
-        if self.owes and self.watched:
+        if self.has_deferred_work and self.watched:
             due.append(self._owed_at)
         return min(due) - self._clock() if due else None
 
-    async def _pay(self) -> None:
+    async def _run_deferred_work(self) -> None:
         began = self._clock()
-        outcome = Outcome()
+        outcome = TickResult()
         try:
             async with self._lock:
-                await self.on_thread(partial(self.pay, outcome), waited_for=False)
+                await self.on_thread(partial(self.run_deferred_work, outcome), waited_for=False)
             self._deliver(outcome)
         except Exception:  # noqa: BLE001 - a defect in what nobody waits for must not stop the map
             _log.exception("what was owed could not be computed")
@@ -342,7 +342,7 @@ class Session(Content):
             async with asyncio.timeout(seconds):
                 await self._wake.wait()
 
-    def _deliver(self, outcome: Outcome) -> None:
+    def _deliver(self, outcome: TickResult) -> None:
         """Send what a tick left (event loop)."""
         if self.closed:
             return

@@ -7,14 +7,14 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from mapper.core.errors import ConfigError, LimitError, MapperError, UnwantedError
+from mapper.core.errors import ConfigError, LimitError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import Edits, Faults, SensorConfig
-from mapper.simulation.live_map import WorldMapper, world_named
+from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.simulation import STEP
 from server.sessions.story_cost import story_seconds
-from server.sessions.tick import Outcome
+from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError, number, values
 
 ACTIONS = ("teleport", "drive", "auto", "sensor", "edit")
@@ -35,7 +35,7 @@ def edits_of(command: dict[str, Any]) -> Edits:
     return Edits.of(command.get("added", []), command.get("erased", []))
 
 
-def act(mapper: WorldMapper, command: dict[str, Any], outcome: Outcome) -> None:
+def act(mapper: LiveMap, command: dict[str, Any], outcome: TickResult) -> None:
     """Carry out one of :data:`ACTIONS`. Raises as the mapper does, and nothing has changed then."""
     simulation = mapper.simulation
     steps = simulation.steps
@@ -60,7 +60,7 @@ def act(mapper: WorldMapper, command: dict[str, Any], outcome: Outcome) -> None:
     mapper.journal.append((steps, {key: value for key, value in command.items() if key != "watch"}))
 
 
-def story_of(mapper: WorldMapper, most_s: float = math.inf) -> dict[str, Any]:
+def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
     """Return all that is needed to make this world, its recording and its map again; see :func:`retold`.
 
     ``journal`` is None where the story is too long, or would take more than ``most_s`` seconds to replay; the world
@@ -81,7 +81,7 @@ def story_of(mapper: WorldMapper, most_s: float = math.inf) -> dict[str, Any]:
         "journal": [list(entry) for entry in mapper.journal] if short else None,
         "pose": [round(v, 3) for v in mapper.simulation.pose],
         "auto": mapper.simulation.auto,
-        "parameters": _changed(mapper.config, WorldMapper.first_config(sensor)),
+        "parameters": _changed(mapper.config, LiveMap.first_config(sensor)),
         "faults": _changed(mapper.faults, Faults()),
     }
 
@@ -91,12 +91,12 @@ def retold(
     limits: Callable[[], Limits] = Limits,
     wanted: Callable[[], bool] = lambda: True,
     report: Callable[[float], None] = lambda _: None,
-) -> WorldMapper:
+) -> LiveMap:
     """Return the mapper to which everything in a story has happened again.
 
     ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
     and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
-    that is too long, :class:`mapper.core.errors.UnwantedError` where it is not wanted any more, and as the
+    that is too long, :class:`mapper.core.errors.WorkCancelledError` where it is not wanted any more, and as the
     mapper does for one that cannot be followed.
     """
     journal, steps = story.get("journal"), story.get("steps", 0)
@@ -104,7 +104,7 @@ def retold(
         raise LimitError("story.long", f"A story has at most {MAX_JOURNAL} actions in {MAX_STORY_S:g} s.")
     sensor = SensorConfig().with_values(story.get("sensor") or {})
     edits = edits_of(story.get("edits") or {})
-    mapper = WorldMapper(
+    mapper = LiveMap(
         world_named(story["world"]),
         story["seed"],
         sensor=sensor,
@@ -117,14 +117,14 @@ def retold(
     def advance_to(step: int) -> None:
         while mapper.simulation.steps < step:
             if not wanted():
-                raise UnwantedError("story.unwanted", "The story is not wanted any more.")
+                raise WorkCancelledError("story.unwanted", "The story is not wanted any more.")
             mapper.advance(STEP)
             report(mapper.simulation.steps / max(1, steps))
 
     for at, command in journal or ():
         advance_to(min(at, steps))
         if not wanted():
-            raise UnwantedError("story.unwanted", "The story is not wanted any more.")
+            raise WorkCancelledError("story.unwanted", "The story is not wanted any more.")
         _retell(mapper, command)
     advance_to(steps)
     if journal is None and story.get("pose") is not None:
@@ -137,11 +137,11 @@ def retold(
     return mapper
 
 
-def _retell(mapper: WorldMapper, command: dict[str, Any]) -> None:
+def _retell(mapper: LiveMap, command: dict[str, Any]) -> None:
     if command.get("type") not in ACTIONS:
         raise ConfigError("story.action", f"A story holds no {command.get('type')!r:.80}.")
     try:
-        act(mapper, command, Outcome())
+        act(mapper, command, TickResult())
     except ProtocolError as error:
         raise MapperError(error.code, error.message) from error
 

@@ -18,30 +18,30 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
 from mapper.simulation.edits import solid_ids
 from mapper.simulation.faults import polished_faces
-from mapper.simulation.live_map import WorldMapper, world_named
+from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.sessions.session import Session
 from server.sessions.simulation_commands import ACTIONS, act, edits_of, story_of
-from server.sessions.tick import Outcome
-from server.sessions.view import Moment, as_pose
+from server.sessions.tick import TickResult
+from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
 from server.stream.hub import Hub
 from server.stream.protocol import ProtocolError, integer, text, values
-from server.stream.tiles import TilePicture, followed, picture_of
+from server.stream.tiles import TilePicture, picture_of, update_picture
 
 DEFAULT_WORLD = "office"
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a step in one tick
 
 
-class WorldSession(Session):
+class SimulationSession(Session):
     """A session of the live world."""
 
     kind: ClassVar[Literal["world", "log"]] = "world"
 
     def __init__(
         self,
-        mapper: WorldMapper,
+        mapper: LiveMap,
         *,
         owner: str,
         pool: Executor,
@@ -98,23 +98,23 @@ class WorldSession(Session):
         """Of the scans that were taken those that were not taken out again are in the map."""
         return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
 
-    def moment(self) -> Moment:
+    def robot_state(self) -> RobotState:
         """Where the robot is now, and its newest scan."""
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = mapper.newest
         if scan is None:
             raise RuntimeError("a world session has taken a scan before it starts")
         seen_from = as_pose(compose(mapper.newest_pose, simulation.mount))
-        moment = Moment(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
+        robot_state = RobotState(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
         if mapper.hidden:
-            moment = Moment(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
+            robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
         if mapper.believed_pose == mapper.newest_pose:
-            return moment
+            return robot_state
         believed = mapper.believed_pose
         # Since its newest scan the robot has moved as it truly has: the drift of a tenth of a second cannot be seen.
-        since = compose(inverse(np.array(mapper.newest_pose)), np.array(moment.pose))
+        since = compose(inverse(np.array(mapper.newest_pose)), np.array(robot_state.pose))
         now = as_pose(compose(believed, since))
-        return replace(moment, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
+        return replace(robot_state, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
 
     def sources(self) -> list[Source]:
         """The recordings, one for each kind of sensor."""
@@ -186,19 +186,19 @@ class WorldSession(Session):
         """As every session's, and whether the robot walks by itself."""
         return super().frame() | {"auto": self._mapper.simulation.auto}
 
-    def remake(self, config: MappingConfig, outcome: Outcome) -> None:
+    def remake(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make the map anew from everything that was seen."""
         self._mapper.remake(config)
         outcome.new_grid = True
 
-    def advance(self, dt: float, outcome: Outcome) -> None:
+    def advance(self, dt: float, outcome: TickResult) -> None:
         """Let the robot walk and see."""
         if dt > 0.0:
             outcome.changed = True
             for change in self._mapper.advance(dt * self.speed):
                 outcome.add(change)
 
-    def draw_second(self, outcome: Outcome) -> list[TilePicture | None]:
+    def draw_second(self, outcome: TickResult) -> list[TilePicture | None]:
         """Bring the second map's picture up to date, and tell how the two maps forget."""
         second, vanishing = self._mapper.second, self._mapper.vanishing
         told = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
@@ -208,9 +208,9 @@ class WorldSession(Session):
         if second is None:
             return []
         whole, box = second.changed()
-        return [followed(self._second.picture, second.grid, second.config, box, whole=whole)]
+        return [update_picture(self._second.picture, second.grid, second.config, box, whole=whole)]
 
-    def obey(self, command: dict[str, Any], outcome: Outcome) -> None:
+    def obey(self, command: dict[str, Any], outcome: TickResult) -> None:
         """Carry out a command."""
         mapper = self._mapper
         match command["type"]:
@@ -248,7 +248,7 @@ class WorldSession(Session):
             case other:
                 raise ProtocolError("command.unknown", f"A world session knows no command {other!r:.80}.")
 
-    def _step(self, command: dict[str, Any], outcome: Outcome) -> None:
+    def _step(self, command: dict[str, Any], outcome: TickResult) -> None:
         scans = integer(command, "scans", 1)
         if not 1 <= abs(scans) <= MAX_STEP_SCANS:
             raise ProtocolError("command.scans", f"A live world steps by 1 to {MAX_STEP_SCANS} scans, on or back.")
@@ -262,7 +262,7 @@ class WorldSession(Session):
         if scans > now:
             outcome.unfinished = command | {"scans": scans - now}
 
-    def _begin(self, world: World, edits: dict[str, Any], outcome: Outcome) -> None:
+    def _begin(self, world: World, edits: dict[str, Any], outcome: TickResult) -> None:
         self._mapper.begin(world, self.sensor, edits_of(edits))
         self.title = self.world.title
         outcome.new_grid = True

@@ -11,7 +11,7 @@ from server.stream.tiles import TilePicture
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class QueuedCommand:
     """A command, and who gave it (None: viser's panel, or code)."""
 
     command: dict[str, Any]
@@ -19,10 +19,10 @@ class Order:
 
 
 @dataclass(slots=True)
-class Outcome:
+class TickResult:
     """Collected on a worker thread, sent on the event loop."""
 
-    rest: list[Order] = field(default_factory=list)  #: commands that wait for the next tick
+    rest: list[QueuedCommand] = field(default_factory=list)  #: commands that wait for the next tick
     unfinished: dict[str, Any] | None = None  #: what a long command leaves for the next tick
     changed: bool = False  #: whether there is a new frame to publish
     new_grid: bool = False  #: whether the whole picture has to be read anew

@@ -66,7 +66,7 @@ class LogView:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class RobotState:
     """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
 
     The correction of the mount among the parameters is in neither: the map composes it onto them. ``believed_*`` are

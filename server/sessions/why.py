@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import sweep_of_log
+from mapper.mapping.integrate import scan_batch_of_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.sensors.scan import ScanLog
@@ -83,7 +83,7 @@ def _touches(
     source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[dict[str, Any]]:
     """Return the touches ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
-    sweep = sweep_of_log(source.log, config, source.trajectory, 0, source.stop)
+    sweep = scan_batch_of_log(source.log, config, source.trajectory, 0, source.stop)
     scans, beams = part.scans[inside], part.beams[inside]
     ranges = part.ranges[inside].astype(np.float64)
     returned = (ranges >= sweep.range_min) & (ranges <= sweep.range_max)

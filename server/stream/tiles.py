@@ -106,7 +106,7 @@ def picture_of(grid: OccupancyGrid, config: MappingConfig, epoch: int = 1, revis
     return picture
 
 
-def followed(
+def update_picture(
     picture: TilePicture, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool
 ) -> TilePicture | None:
     """Bring a picture up to date with its grid, ``whole`` or in a ``box``; return a new one where an epoch begins."""

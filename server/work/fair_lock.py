@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 
-class Turns:
+class FairLock:
     """A lock with a queue for each owner. Used from one event loop only."""
 
     def __init__(self) -> None:

@@ -38,8 +38,11 @@ Touch = tuple[int, int, float, np.float32]  # scan, beam, what it added, the log
 
 
 def told(found: list[list[Touch]]) -> tuple[Any, ...]:
-    names = [[(t, k) for t, k, _, _ in touches] for touches in found]
-    values = [np.array([[e for *_, e, _ in touches], [v for *_, v in touches]], np.float32) for touches in found]
+    names = [[(t, k) for t, k, _, _ in contributions] for contributions in found]
+    values = [
+        np.array([[e for *_, e, _ in contributions], [v for *_, v in contributions]], np.float32)
+        for contributions in found
+    ]
     return (names, *values)
 
 
@@ -48,7 +51,7 @@ def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     return told([textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)])
 
 
-def alone(scan: RangeScan, beam: int) -> RangeScan:
+def single_threaded(scan: RangeScan, beam: int) -> RangeScan:
     """The scan as if all its other beams had measured nothing."""
     ranges = np.full_like(scan.ranges, np.nan)
     ranges[beam] = scan.ranges[beam]
@@ -65,7 +68,8 @@ def provenance_of_scans_by_textbook(case: MappingCase) -> tuple[Any, ...]:
             break
         whole = textbook.inverse_range_sensor_model(grid, scan, pose, config)
         single = [
-            textbook.inverse_range_sensor_model(grid, alone(scan, k), pose, config) for k in range(len(scan.ranges))
+            textbook.inverse_range_sensor_model(grid, single_threaded(scan, k), pose, config)
+            for k in range(len(scan.ranges))
         ]
         z_max = min(scan.range_max, config.range_max)
         readings = textbook.readings(scan, config)
@@ -73,13 +77,13 @@ def provenance_of_scans_by_textbook(case: MappingCase) -> tuple[Any, ...]:
             textbook.cell_at(grid, pose, bearing, z) if scan.range_min <= z <= z_max else None
             for z, bearing in zip(readings, scan.angles, strict=True)
         ]
-        for cell, touches in found.items():
+        for cell, contributions in found.items():
             if np.isnan(whole[cell]):
                 continue
             ended = [k for k, end in enumerate(ends) if end == cell and config.model != "sonar_cone"]
             beam = [*ended, *(k for k, evidence in enumerate(single) if not np.isnan(evidence[cell]))][0]
             values[cell] = textbook.bayes_filter(values[cell], np.float32(whole[cell]), config)
-            touches.append((t, beam, whole[cell], values[cell]))
+            contributions.append((t, beam, whole[cell], values[cell]))
     return told(list(found.values()))
 
 
@@ -89,10 +93,10 @@ def provenance_of_counts_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     found: dict[tuple[int, int], list[Touch]] = {cell: [] for cell in cells_to_ask(case)}
     for t, (scan, pose) in enumerate(zip(case.scans(), case.sensor_poses(), strict=True)):
         for k in range(len(scan.ranges)):
-            counts, before = textbook.tallies_of(grid, case.config).copy(), grid.log_odds.copy()
-            textbook.count_hits_and_misses(grid, alone(scan, k), pose, case.config)
-            counted = (textbook.tallies_of(grid, case.config) != counts).any(axis=0)
-            for cell, touches in found.items():
+            counts, before = textbook.statistics_of(grid, case.config).copy(), grid.log_odds.copy()
+            textbook.count_hits_and_misses(grid, single_threaded(scan, k), pose, case.config)
+            counted = (textbook.statistics_of(grid, case.config) != counts).any(axis=0)
+            for cell, contributions in found.items():
                 if counted[cell]:
-                    touches.append((t, k, grid.log_odds[cell] - before[cell], grid.log_odds[cell]))
+                    contributions.append((t, k, grid.log_odds[cell] - before[cell], grid.log_odds[cell]))
     return told(list(found.values()))

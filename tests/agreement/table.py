@@ -22,7 +22,7 @@ from mapper.mapping import textbook, traversal
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
-from mapper.mapping.kernels.contributions import touches_of_rays
+from mapper.mapping.kernels.contributions import contributions_of_rays
 from tests.agreement.asking import (
     provenance_by_kernel,
     provenance_by_textbook,
@@ -72,7 +72,7 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 def tallies_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = integrate_log(grid, case.log, case.config)
-    return grid.tallies, grid.p_occ.astype(np.float32), grid.observed, count
+    return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
 def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
@@ -80,7 +80,7 @@ def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
-    return grid.tallies, grid.p_occ.astype(np.float32), grid.observed, count
+    return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
 def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
@@ -112,7 +112,7 @@ def ray_by_kernel(case: RayCase) -> tuple[Any, ...]:
     flat, box = (drawn.reshape(-1), observed.reshape(-1)), np.array([rows, 0, cols, 0])
     draw_rays(*flat, cols, ray, 1.0, False, (1.0, 0.0), (one, nothing, low, high), 0, rows, box, True)
     for row, col in np.ndindex(case.shape):
-        touched[row, col] = touches_of_rays(ray, 1.0, row, col, np.empty((1, 2), dtype=np.int64))
+        touched[row, col] = contributions_of_rays(ray, 1.0, row, col, np.empty((1, 2), dtype=np.int64))
     return drawn, observed, touched, box if drawn.any() else None
 
 

@@ -72,8 +72,8 @@ def test_the_other_models(log: ScanLog, model: str, update: str) -> None:
         assert count == textbook.occupancy_grid_mapping(theirs, few.scan(t), poses[t], config) > 300
         np.testing.assert_array_equal(ours.observed, theirs.observed)
         np.testing.assert_allclose(ours.log_odds, theirs.log_odds, atol=1e-6 if model != "moravec_elfes" else 1e-5)
-        if ours.tallies is not None and theirs.tallies is not None:
-            np.testing.assert_allclose(ours.tallies, theirs.tallies, atol=1e-6)
+        if ours.cell_statistics is not None and theirs.cell_statistics is not None:
+            np.testing.assert_allclose(ours.cell_statistics, theirs.cell_statistics, atol=1e-6)
 
 
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])

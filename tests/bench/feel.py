@@ -137,14 +137,14 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
-    alone = _slid(page)
+    single_threaded = _slid(page)
     page.get_by_role("button", name="Save as A").click()
     page.locator(".compare-look .choice-option", has_text="Difference").click()
     until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
     settled_digest(page)
     compared = _slid(page)
     page.context.close()
-    return alone, compared
+    return single_threaded, compared
 
 
 def _slid(page: Page) -> Laps:
@@ -257,8 +257,8 @@ def feel() -> None:
                 row("the same dragged", drag, "", "")
             row("teleport click → first new cells", teleport(browser, server), "100 ms", "50 ms")
             if real.is_file():
-                alone, compared = retuned(browser, server)
-                row("slider moved → the whole Intel map", alone, "150 ms", "50 ms")
+                single_threaded, compared = retuned(browser, server)
+                row("slider moved → the whole Intel map", single_threaded, "150 ms", "50 ms")
                 row("the same while comparing → its difference", compared, "", "")
             seconds, kilobytes = opening(browser, server)
             still, hidden = asleep(browser, server)

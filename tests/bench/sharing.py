@@ -142,15 +142,15 @@ def sharing(log: ScanLog) -> None:
 
 def _print_case(server: str, slider: Slider, what: str, case: str, whose: str, addresses: Sequence[str]) -> None:
     visitors = [f"{'visitor' if whose == 'same' else f'visitor{n}':_<24}" for n in range(STORIES)]
-    alone: list[float] = []
+    single_threaded: list[float] = []
     beside: list[float] = []
     for _ in range(ROUNDS):
-        alone += [slider.lap() for _ in range(LAPS)]
+        single_threaded += [slider.lap() for _ in range(LAPS)]
         with stories(server, visitors, addresses):
             beside += [slider.lap() for _ in range(LAPS)]
         time.sleep(BEGUN_S)
-    medians = [statistics.median(times) for times in (alone, beside)]
-    tails = [statistics.quantiles(times, n=20)[-1] for times in (alone, beside)]
+    medians = [statistics.median(times) for times in (single_threaded, beside)]
+    tails = [statistics.quantiles(times, n=20)[-1] for times in (single_threaded, beside)]
     cells = [f"{1000 * median:.0f} / {1000 * tail:.0f} ms" for median, tail in zip(medians, tails, strict=True)]
     ratio = f"{medians[1] / medians[0]:.2f} / {tails[1] / tails[0]:.2f}"
     print(f"| {what} | {STORIES} stories of {case} | {' | '.join(cells)} | {ratio} |", flush=True)

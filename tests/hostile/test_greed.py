@@ -80,7 +80,7 @@ async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Servi
         await watcher.send("step", scans=95)
         await watcher.send("step", scans=5)
         counts = set()
-        while session.progress[0] < started + 100 or session.has_orders:
+        while session.progress[0] < started + 100 or session.has_queued_commands:
             if await watcher.read() is None:
                 await watcher.acknowledge()
             counts.add(session.progress[0])

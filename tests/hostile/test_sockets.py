@@ -172,7 +172,7 @@ async def test_every_command_takes_odd_values(service: Service, undisturbed: Und
                 count += 1
                 await barrier(watcher, count)
         session = service.state.sessions.get(session_id)
-        await eventually(lambda: not session.has_orders)
+        await eventually(lambda: not session.has_queued_commands)
         await watcher.send("play")
         frames = watcher.frames
         await watcher.until(lambda: watcher.frames > frames + 3)

@@ -14,9 +14,9 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, grid_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay, checkpoints
-from mapper.replay import incremental as course
+from mapper.replay import incremental as replay
 from mapper.replay.checkpoints import Checkpoints
-from mapper.replay.incremental import Course
+from mapper.replay.incremental import IncrementalReplay
 from mapper.sensors.scan import ScanLog, Trajectory
 
 N = 60
@@ -53,7 +53,7 @@ def _often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checkpoints after every few scans."""
     monkeypatch.setattr(checkpoints, "SPACING", 1000)
     monkeypatch.setattr(checkpoints, "WORTH_KEEPING", 0)
-    monkeypatch.setattr(course, "FIRST_READINGS", 24)
+    monkeypatch.setattr(replay, "FIRST_READINGS", 24)
 
 
 def assert_same(ours: OccupancyGrid, theirs: OccupancyGrid) -> None:
@@ -61,9 +61,9 @@ def assert_same(ours: OccupancyGrid, theirs: OccupancyGrid) -> None:
     assert ours.geometry == theirs.geometry
     assert ours.log_odds.tobytes() == theirs.log_odds.tobytes()
     np.testing.assert_array_equal(ours.observed, theirs.observed)
-    if theirs.tallies is not None and (ours.tallies is not None or ours.observed.any()):
-        assert ours.tallies is not None
-        assert ours.tallies.tobytes() == theirs.tallies.tobytes()
+    if theirs.cell_statistics is not None and (ours.cell_statistics is not None or ours.observed.any()):
+        assert ours.cell_statistics is not None
+        assert ours.cell_statistics.tobytes() == theirs.cell_statistics.tobytes()
 
 
 def one_go(
@@ -75,7 +75,7 @@ def one_go(
 
 
 def kept_by(replay: Replay) -> Checkpoints:
-    return replay._course.checkpoints
+    return replay._replay.checkpoints
 
 
 @pytest.mark.parametrize("config", WAYS, ids=named)
@@ -89,10 +89,10 @@ def test_seeks_of_every_model_end_at_the_map_made_in_one_go(
         replay = Replay(log, config)
         replay.advance_to(4)
         for index in jumps:
-            scout = replay.scout()
-            for _ in range(scouted if scout else 0):
-                assert scout is not None
-                scout.step()
+            prefetcher = replay.prefetcher()
+            for _ in range(scouted if prefetcher else 0):
+                assert prefetcher is not None
+                prefetcher.step()
             before = replay.grid.log_odds.copy()
             change = replay.advance_to(index)
             assert_same(replay.grid, one_go(log, config, index))
@@ -149,7 +149,7 @@ def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, mon
         mapped.append(int(rest[3]) - int(rest[2]))  # type: ignore[call-overload]
         return integrate_scans(grid, log, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(course, "integrate_scans", counted)
+    monkeypatch.setattr(replay, "integrate_scans", counted)
     for index in (1, N - 1, N // 2, N // 4, N):
         mapped.clear()
         replay.advance_to(index)
@@ -161,13 +161,13 @@ def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, mon
 
 def test_a_scout_leaves_all_checkpoints_while_the_replay_goes_on(log: ScanLog) -> None:
     replay = Replay(log, WAYS[0])
-    assert replay.scout() is None  # nothing is known of the log yet
+    assert replay.prefetcher() is None  # nothing is known of the log yet
     replay.advance_to(3)
-    scout = replay.scout()
-    assert scout is not None
+    prefetcher = replay.prefetcher()
+    assert prefetcher is not None
 
     def walk() -> None:
-        while scout.step():
+        while prefetcher.step():
             pass
 
     thread = Thread(target=walk)
@@ -176,7 +176,7 @@ def test_a_scout_leaves_all_checkpoints_while_the_replay_goes_on(log: ScanLog) -
         replay.advance_to(index)
         assert_same(replay.grid, one_go(log, WAYS[0], index))
     thread.join()
-    assert replay.scout() is None
+    assert replay.prefetcher() is None
     assert kept_by(replay).reached == N
     for moment in kept_by(replay).moments:
         replay.advance_to(moment)
@@ -205,7 +205,7 @@ def test_one_moment_is_kept_however_large(log: ScanLog, monkeypatch: pytest.Monk
 def test_scans_that_touch_nothing(log: ScanLog) -> None:
     blind = replace(log, ranges=np.full_like(log.ranges, np.nan))
     grid = OccupancyGrid(geometry_for(log, WAYS[0]))
-    blank = Course(blind, WAYS[0], "walk", grid)
+    blank = IncrementalReplay(blind, WAYS[0], "walk", grid)
     blank.go_to(N)
     assert blank.go_to(0).box is None
     assert not grid.observed.any()

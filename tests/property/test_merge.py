@@ -43,10 +43,10 @@ def test_grids_of_other_extent_are_laid_over_one_another(row: int, col: int, yaw
     both = merged(a, b)
     assert both.log_odds.sum() == pytest.approx(0.5 * both.log_odds.size + 1.5 - 1.5)
     assert both.observed.sum() == 1 + ((row + 6, col + 7) != (3, 4))
-    for grid, cell, alone in ((a, (3, 4), 2.0), (b, (6, 7), -1.0)):
+    for grid, cell, single_threaded in ((a, (3, 4), 2.0), (b, (6, 7), -1.0)):
         r, c = both.geometry.world_to_cell(grid.geometry.cell_to_world(cell))
         assert both.observed[r, c]
-        assert both.log_odds[r, c] == (alone if (row + 6, col + 7) != (3, 4) else 0.5)
+        assert both.log_odds[r, c] == (single_threaded if (row + 6, col + 7) != (3, 4) else 0.5)
 
 
 def test_what_does_not_fit_is_refused() -> None:
@@ -73,7 +73,7 @@ def test_maps_that_went_on_from_different_maps_or_count_are_refused() -> None:
     with pytest.raises(ConfigError, match="prior maps differ"):
         merged(a, other)
     counted = OccupancyGrid(geometry)
-    counted.tallies = np.zeros((2, 2, 3), dtype=np.float32)
+    counted.cell_statistics = np.zeros((2, 2, 3), dtype=np.float32)
     for pair in ((counted, OccupancyGrid(geometry)), (OccupancyGrid(geometry), counted)):
         with pytest.raises(ConfigError, match="sums of log-odds"):
             merged(*pair)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mapper.core.errors import ConfigError, LimitError, UnwantedError
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import CellBox, geometry_for, integrate_log, integrate_scan
@@ -84,7 +84,7 @@ def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeyp
     replay = Replay(log, MappingConfig(resolution=0.2))
     answers = iter([True, True, False])
     replay.wanted = lambda: next(answers)
-    with pytest.raises(UnwantedError):
+    with pytest.raises(WorkCancelledError):
         replay.advance_to(20)
 
 

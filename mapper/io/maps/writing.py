@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
-from mapper.core.atomic_file import whole_file
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid
 from mapper.io.maps.images import pgm_pieces, png_pieces
@@ -141,7 +141,7 @@ def save_map(
             (image_path, image_pieces(grid, occupied_threshold, free_threshold, mode)),
             (yaml_path, [yaml_text(grid.geometry, image_path.name, mode, frame=frame).encode()]),
         ):
-            with whole_file(path) as file:
+            with atomic_write(path) as file:
                 file.writelines(pieces)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)

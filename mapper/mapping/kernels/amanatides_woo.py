@@ -16,7 +16,7 @@ from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Evidence, Frame, Rule, Sight
+from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -28,14 +28,23 @@ RAY_FIELDS = 8
 
 
 @jit
-def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-              first: int, rays: Float64Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
+def plan_rays(
+    ranges: Float32Array,
+    sensors: Float64Array,
+    beams: Float64Array,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    first: int,
+    rays: Float64Array,
+    work: Float64Array,
+    box: Int64Array,
+) -> None:
     """Write the ray of each beam, scan after scan.
 
     As :func:`mapper.mapping.kernels.bresenham.plan_lines`, but the rows from ``first`` of ``rays`` (n, 8) float64 are
     written.
     """
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     rows = len(work) - 1
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
@@ -75,15 +84,15 @@ def plan_rays(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, 
 
 @jit
 def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float,
-              smooth: bool, evidence: Evidence, rule: Rule, row_low: int, row_high: int, box: Int64Array,
-              mark: bool) -> int:  # fmt: skip
+              smooth: bool, evidence: Evidence, log_odds_update: LogOddsUpdate, row_low: int, row_high: int, box:
+              Int64Array, mark: bool) -> int:  # fmt: skip
     """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
     cell. With
     ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
     """
-    miss, hit, low, high = _without_minus_zero(rule)
+    miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0

@@ -12,7 +12,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
-from mapper.mapping.kernels.types import Rule
+from mapper.mapping.kernels.types import LogOddsUpdate
 
 #: A sheet is ``planes`` (3, rows, words + 1) int64, 32 cells to a word, and ``used`` (rows,) int64, which has a bit for
 #: each 1 << shift words in which some plane is not 0. FREE has the toggles of the region in which a scan's cells are
@@ -112,9 +112,9 @@ def _filled(toggles: int) -> int:
 
 
 @jit
-def _add(cells: Float32Array, start: int, inside: int, hits: int, rule: Rule) -> None:
+def _add(cells: Float32Array, start: int, inside: int, hits: int, log_odds_update: LogOddsUpdate) -> None:
     """Add evidence to those of 32 cells whose bit is set, in the form that compilers turn into vector instructions."""
-    miss, hit, low, high = rule
+    miss, hit, low, high = log_odds_update
     for c in range(WORD):
         at = np.uint64(start + c)
         before = cells[at]
@@ -126,7 +126,7 @@ def _add(cells: Float32Array, start: int, inside: int, hits: int, rule: Rule) ->
 @jit
 def _settle(
     cells: Float32Array, cols: int, seen: Int64Array, seen_place: Place, planes: Int64Array, used: Int64Array,
-    place: Place, windows: bool, rule: Rule,
+    place: Place, windows: bool, log_odds_update: LogOddsUpdate,
 ) -> int:  # fmt: skip
     """Add what a sheet says to the grid and wipe it; return the number of updates.
 
@@ -163,7 +163,7 @@ def _settle(
             # The last word of a row may reach beyond it: then the row's last 32 cells are taken.
             beyond = max(WORD * word - last, 0)
             inside = ((free | hits) << beyond) & _ALL
-            _add(cells, corner + row * cols + WORD * word - beyond, inside, hits << beyond, rule)
+            _add(cells, corner + row * cols + WORD * word - beyond, inside, hits << beyond, log_odds_update)
             noted[np.uint64(noted_start + row * noted_length + word)] |= inside >> beyond
             count += _ones(inside)
         spare = np.uint64(row * length + place[2])
@@ -174,10 +174,10 @@ def _settle(
 @jit
 def _settle_narrow(
     cells: Float32Array, cols: int, seen: Int64Array, seen_place: Place, planes: Int64Array, used: Int64Array,
-    place: Place, windows: bool, rule: Rule,
+    place: Place, windows: bool, log_odds_update: LogOddsUpdate,
 ) -> int:  # fmt: skip
     """As :func:`_settle`, cell by cell, for a grid of any width."""
-    miss, hit, low, high = rule
+    miss, hit, low, high = log_odds_update
     count = 0
     for r in range(len(used)):
         free, outer = 0, 0

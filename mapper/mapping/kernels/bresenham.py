@@ -20,7 +20,7 @@ from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Frame, Rule, Sight
+from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -87,17 +87,27 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 
 @jit
-def plan_lines(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight,
-               first: int, lines: Int32Array, work: Float64Array, box: Int64Array) -> None:  # fmt: skip
+def plan_lines(
+    ranges: Float32Array,
+    sensors: Float64Array,
+    beams: Float64Array,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    first: int,
+    lines: Int32Array,
+    work: Float64Array,
+    box: Int64Array,
+) -> None:
     """Write the line of each beam, scan after scan.
 
     ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
-    ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``sight``: see
-    :mod:`mapper.mapping.kernels.types`. The columns [first, first + n_scans · n_beams) of ``lines`` (9, n) int32 are
-    written; to ``work`` (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added; ``box``
-    (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold the lines, also where they leave the grid.
+    ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``reading_filter``:
+    see :mod:`mapper.mapping.kernels.types`. The columns [first, first + n_scans · n_beams) of ``lines`` (9, n) int32
+    are written; to ``work`` (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added;
+    ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold the lines, also where they leave the
+    grid.
     """
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     resolution = frame[4]
     rows = len(work) - 1
     top, bottom, left, right = box[0], box[1], box[2], box[3]
@@ -192,15 +202,24 @@ def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
 
 
 @jit
-def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, rule: Rule, row_low: int,
-               row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+def draw_lines(
+    log_odds: Float32Array,
+    observed: BoolArray,
+    cols: int,
+    lines: Int32Array,
+    log_odds_update: LogOddsUpdate,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+    mark: bool,
+) -> int:
     """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``observed`` is
     written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,) int64 (row0, row1, col0,
-    col1), half-open, is widened to hold what was touched; ``rule``: :mod:`mapper.mapping.kernels.types`.
+    col1), half-open, is widened to hold what was touched; ``log_odds_update``: :mod:`mapper.mapping.kernels.types`.
     """
-    miss, hit, low, high = _without_minus_zero(rule)
+    miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
@@ -255,12 +274,18 @@ def draw_lines(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
 
 
 @jit
-def reach(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, sight: Sight, bounds: Float64Array) -> None:
+def reach(
+    ranges: Float32Array,
+    sensors: Float64Array,
+    beams: Float64Array,
+    reading_filter: ReadingFilter,
+    bounds: Float64Array,
+) -> None:
     """Widen ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to hold the sensors and what they see.
 
     The other arguments are those of :func:`plan_lines`.
     """
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
         bounds[0], bounds[1] = min(bounds[0], x), min(bounds[1], y)

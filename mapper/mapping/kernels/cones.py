@@ -16,7 +16,7 @@ from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import cell_of, to_lattice
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Cone, Evidence, Frame, Rule, Sight
+from mapper.mapping.kernels.types import Cone, Evidence, Frame, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -28,9 +28,9 @@ _NEAR_ZERO = 1e-9
 
 
 @jit
-def _kind_of(z: float, sight: Sight) -> int:
+def _kind_of(z: float, reading_filter: ReadingFilter) -> int:
     """Return what a reading says: nothing, a range, or that nothing returned and all is free."""
-    range_min, range_max, _, _, no_return_free = sight
+    range_min, range_max, _, _, no_return_free = reading_filter
     if range_min <= z <= range_max:
         return RETURN
     return NO_RETURN if z > range_max and no_return_free else NOTHING
@@ -114,19 +114,19 @@ def _cone_evidence(s: float, z: float, half: float, theta: float, cone: Cone, ev
 
 @jit
 def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: Float32Array, sensors: Float64Array,
-               beams: Float64Array, fields: Float64Array, headings: Float64Array, frame: Frame, sight: Sight,
-               cone: Cone, evidence: Evidence, mark_endpoints: bool, marked: BoolArray, rule: Rule, row_low: int,
-               row_high: int, box: Int64Array) -> int:  # fmt: skip
+               beams: Float64Array, fields: Float64Array, headings: Float64Array, frame: Frame, reading_filter:
+               ReadingFilter, cone: Cone, evidence: Evidence, mark_endpoints: bool, marked: BoolArray, log_odds_update:
+               LogOddsUpdate, row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
     """Add what the cones of all beams say to the rows [row_low, row_high); return the number of cell updates.
 
     ``ranges``, ``sensors``, ``beams``, ``fields`` and ``headings`` as
     :func:`mapper.mapping.kernels.perceptual_field.plan_fields` takes them; ``evidence``: miss and hit before rounding.
-    With ``mark_endpoints`` the cells that hold endpoints get the hit increment of ``rule``, once in each scan, and
-    nothing else; ``marked``, flat like ``log_odds``, is scratch, false before and after. The rest as in
+    With ``mark_endpoints`` the cells that hold endpoints get the hit increment of ``log_odds_update``, once in each
+    scan, and nothing else; ``marked``, flat like ``log_odds``, is scratch, false before and after. The rest as in
     :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
-    _, hit, low, high = rule
-    _, range_max, window, growth, _ = sight
+    _, hit, low, high = log_odds_update
+    _, range_max, window, growth, _ = reading_filter
     resolution, n_beams = frame[4], ranges.shape[1]
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
@@ -138,7 +138,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
         for k in range(len(ends)):
             ends[k] = -1
             z = float(ranges[t, k])
-            if _kind_of(z, sight) != RETURN:
+            if _kind_of(z, reading_filter) != RETURN:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
             eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
@@ -148,7 +148,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
                 marked[ends[k]] = True
         for k in range(n_beams):
             z = float(ranges[t, k])
-            kind = _kind_of(z, sight)
+            kind = _kind_of(z, reading_filter)
             edges = _edges_of(fields, k, turn_u, turn_v)
             if kind == NOTHING or (edges[0] == edges[2] and edges[1] == edges[3]):
                 continue
@@ -192,16 +192,16 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
 
 
 @jit
-def touches_of_cones(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
-                     headings: Float64Array, frame: Frame, sight: Sight, cone: Cone, evidence: Evidence,
-                     mark_endpoints: bool, row: int, col: int, out: Int64Array,
+def contributions_of_cones(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
+                     headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, cone: Cone, evidence:
+                     Evidence, mark_endpoints: bool, row: int, col: int, out: Int64Array,
                      increments: Float32Array) -> int:  # fmt: skip
     """Test a cell against cones; ``out`` (≥ n, 2) int64 and ``increments`` (≥ n,) are written, the touches in order.
 
     As :mod:`mapper.mapping.kernels.contributions` writes them; with ``mark_endpoints`` a scan that ended in the cell is
     named by the first beam that did.
     """
-    _, range_max, window, growth, _ = sight
+    _, range_max, window, growth, _ = reading_filter
     resolution, n_beams = frame[4], ranges.shape[1]
     count = 0
     for t in range(ranges.shape[0]):
@@ -214,7 +214,7 @@ def touches_of_cones(ranges: Float32Array, sensors: Float64Array, beams: Float64
         if mark_endpoints:
             for k in range(n_beams):
                 z = float(ranges[t, k])
-                if _kind_of(z, sight) != RETURN or abs(s - z) > 2.0 * resolution:
+                if _kind_of(z, reading_filter) != RETURN or abs(s - z) > 2.0 * resolution:
                     continue
                 px, py = z * beams[k, 0], z * beams[k, 1]
                 eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
@@ -227,7 +227,7 @@ def touches_of_cones(ranges: Float32Array, sensors: Float64Array, beams: Float64
             continue
         for k in range(n_beams):
             z = float(ranges[t, k])
-            kind = _kind_of(z, sight)
+            kind = _kind_of(z, reading_filter)
             edges = _edges_of(fields, k, turn_u, turn_v)
             if kind == NOTHING or not _lies_in(d_u, d_v, edges):
                 continue

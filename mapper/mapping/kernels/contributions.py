@@ -19,7 +19,7 @@ from mapper.mapping.kernels import amanatides_woo as crossings
 from mapper.mapping.kernels import bresenham as lines
 from mapper.mapping.kernels.amanatides_woo import _crosses
 from mapper.mapping.kernels.bresenham import _step_at
-from mapper.mapping.kernels.types import Frame, Sight
+from mapper.mapping.kernels.types import Frame, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -28,14 +28,23 @@ MISS, HIT = 0, 1
 
 
 @jit
-def sift(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, row: int,
-         col: int, sifted: Float32Array, near: BoolArray) -> None:  # fmt: skip
+def filter_readings_near_cell(
+    ranges: Float32Array,
+    sensors: Float64Array,
+    beams: Float64Array,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    row: int,
+    col: int,
+    sifted: Float32Array,
+    near: BoolArray,
+) -> None:
     """Write the readings whose beams may touch a cell, NaN for all others, and which scans have such a beam.
 
     ``sifted`` (n_scans, n_beams) float32 and ``near`` (n_scans,) bool are written; the other arguments are those of
     :func:`mapper.mapping.kernels.bresenham.plan_lines`.
     """
-    _, range_max, window, growth, _ = sight
+    _, range_max, window, growth, _ = reading_filter
     resolution, spare = frame[4], 3.0 * frame[4]  # no traversal strays so far from its beam
     d_u, d_v = (col + 0.5) * resolution, (row + 0.5) * resolution
     cell_x, cell_y = frame[0] + frame[2] * d_u - frame[3] * d_v, frame[1] + frame[3] * d_u + frame[2] * d_v
@@ -55,7 +64,7 @@ def sift(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, frame
 
 
 @jit
-def touches_of_lines(planned: Int32Array, row: int, col: int, out: Int64Array) -> int:
+def contributions_of_lines(planned: Int32Array, row: int, col: int, out: Int64Array) -> int:
     """Test a cell against planned lines (9, n); ``out`` (≥ n, 2) int64 is written."""
     count = 0
     for j in range(planned.shape[1]):
@@ -75,7 +84,7 @@ def touches_of_lines(planned: Int32Array, row: int, col: int, out: Int64Array) -
 
 
 @jit
-def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
+def contributions_of_rays(planned: Float64Array, resolution: float, row: int, col: int, out: Int64Array) -> int:
     """Test a cell against planned rays (n, 8); ``out`` (≥ n, 2) int64 is written; ``resolution`` is metres a cell."""
     count = 0
     for j in range(planned.shape[0]):
@@ -102,15 +111,15 @@ def touches_of_rays(planned: Float64Array, resolution: float, row: int, col: int
 
 
 @jit
-def touches_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
-                      headings: Float64Array, frame: Frame, sight: Sight, row: int, col: int,
+def contributions_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
+                      headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, row: int, col: int,
                       out: Int64Array) -> int:  # fmt: skip
     """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
 
     A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
     other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
     """
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     resolution = frame[4]
     n_beams = ranges.shape[1]
     count = 0

@@ -22,7 +22,7 @@ from mapper.mapping.kernels.cones import (
     _lies_in,
     _rows_of,
 )
-from mapper.mapping.kernels.types import Frame, Sight
+from mapper.mapping.kernels.types import Frame, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 
@@ -72,17 +72,17 @@ def _cone(
 @jit
 def add_certainties(occupied: Float32Array, empty: Float32Array, observed: BoolArray, cols: int, ranges: Float32Array,
                     sensors: Float64Array, beams: Float64Array, fields: Float64Array, headings: Float64Array,
-                    frame: Frame, sight: Sight, opening: float, box: Int64Array, watched: int, touches: Int64Array,
-                    certainties: Float32Array) -> tuple[int, int]:  # fmt: skip
+                    frame: Frame, reading_filter: ReadingFilter, opening: float, box: Int64Array, watched: int,
+                    contributions: Int64Array, certainties: Float32Array) -> tuple[int, int]:  # fmt: skip
     """Add scans one after another; return the number of cell updates and of touches of the cell ``watched``.
 
     ``occupied``, ``empty`` float32 and ``observed`` bool are the grid's cells row after row; the scans are given as
     :func:`mapper.mapping.kernels.cones.draw_cones` takes them. Each update of cell number ``watched`` (−1: none) is
     written to
-    ``touches`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and to ``certainties`` (≥ n, 2),
-    what the cell held after it: occupied, empty.
+    ``contributions`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and to ``certainties`` (≥
+    n, 2), what the cell held after it: occupied, empty.
     """
-    _, range_max, window, _, _ = sight
+    _, range_max, window, _, _ = reading_filter
     half, resolution, n_beams = 0.5 * window, frame[4], ranges.shape[1]
     count, noted = 0, 0
     for t in range(ranges.shape[0]):
@@ -91,7 +91,7 @@ def add_certainties(occupied: Float32Array, empty: Float32Array, observed: BoolA
         for what in (_EMPTY, _OCCUPIED):  # all that is empty comes first, as in 1985
             for k in range(n_beams):
                 z = float(ranges[t, k])
-                kind = _kind_of(z, sight)
+                kind = _kind_of(z, reading_filter)
                 if kind == NOTHING or (what == _OCCUPIED and kind == NO_RETURN):
                     continue
                 edges = _edges_of(fields, k, turn_u, turn_v)
@@ -112,7 +112,7 @@ def add_certainties(occupied: Float32Array, empty: Float32Array, observed: BoolA
                                    axis_v, edges, resolution, share, box)  # fmt: skip
                 count += changed
                 if watched >= 0 and (old_occupied != occupied[watched] or old_empty != empty[watched]):
-                    touches[noted, 0], touches[noted, 1] = t * n_beams + k, what == _OCCUPIED
+                    contributions[noted, 0], contributions[noted, 1] = t * n_beams + k, what == _OCCUPIED
                     certainties[noted, 0], certainties[noted, 1] = occupied[watched], empty[watched]
                     noted += 1
     return count, noted

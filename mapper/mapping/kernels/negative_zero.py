@@ -12,13 +12,13 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.mapping.kernels.types import Rule
+from mapper.mapping.kernels.types import LogOddsUpdate
 
 _VEILED = np.int32(-(1 << 31))  # the bits of −0
 
 
 @jit
-def veil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> bool:
+def encode_unobserved(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> bool:
     """Turn the cells of ``box`` (row0, row1, col0, col1) that were never observed to −0; return whether all could be.
 
     ``log_odds`` (rows, cols) float32; ``observed`` (rows, cols) bool. Where one of them holds another value than 0,
@@ -39,7 +39,7 @@ def veil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> bool:
 
 
 @jit
-def unveil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None:
+def decode_observed(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None:
     """Turn the veiled cells of ``box`` back to +0 and note all others as observed."""
     for r in range(box[0], box[1]):
         bits, noted = log_odds[r, box[2] : box[3]].view(np.int32), observed[r, box[2] : box[3]]
@@ -50,9 +50,9 @@ def unveil(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None
 
 
 @jit
-def _without_minus_zero(rule: Rule) -> Rule:
+def _without_minus_zero(log_odds_update: LogOddsUpdate) -> LogOddsUpdate:
     """Return the rule with +0 for each −0 in it: evidence of −0 would leave a veiled cell veiled."""
-    miss, hit, low, high = rule
+    miss, hit, low, high = log_odds_update
     return _unsigned_zero(miss), _unsigned_zero(hit), _unsigned_zero(low), _unsigned_zero(high)
 
 

@@ -50,7 +50,7 @@ from mapper.mapping.kernels.field_boundary import (
     _walk_edges,
 )
 from mapper.mapping.kernels.sectors import _ring, _sector
-from mapper.mapping.kernels.types import Frame, Rule, Sight
+from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -68,11 +68,11 @@ _Room = tuple[Pieces, Pieces, Crossings]
 @jit
 def plan_fields(
     ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array, headings: Float64Array,
-    frame: Frame, sight: Sight, cols: int, plan: Plan, work: Float64Array,
+    frame: Frame, reading_filter: ReadingFilter, cols: int, plan: Plan, work: Float64Array,
 ) -> UInt32Array:  # fmt: skip
     """Plan what scans will draw; return their toggles (n,), see :func:`mapper.mapping.kernels.bitmask_fill._packed`.
 
-    ``ranges``, ``sensors``, ``beams``, ``frame`` and ``sight`` are as
+    ``ranges``, ``sensors``, ``beams``, ``frame`` and ``reading_filter`` are as
     :func:`mapper.mapping.kernels.bresenham.plan_lines` takes them. ``fields`` (n_beams, 4) float64 is each beam's right
     and left edge (cosine, sine, cosine, sine), ``headings`` (n_scans, 2) the cosine and sine of the sensor's heading
     along the lattice. ``plan`` is written; to ``work`` (rows + 1,) float64, a difference along the rows, is added what
@@ -81,7 +81,9 @@ def plan_fields(
     starts, sure, views = plan
     n = ranges.shape[1]
     rows, resolution = len(work) - 1, frame[4]
-    regions = 2 if sight[2] > 0.0 or sight[3] > 0.0 else 1  # with a hit window also the one that reaches to its end
+    regions = (
+        2 if reading_filter[2] > 0.0 or reading_filter[3] > 0.0 else 1
+    )  # with a hit window also the one that reaches to its end
     ring = _ring_of(fields)
     across = np.ascontiguousarray(fields.T)
     edges, sides, corners = np.empty((4, n)), np.empty(n), np.empty((2, n), dtype=np.int64)
@@ -91,7 +93,7 @@ def plan_fields(
     done = 0
     for t in range(ranges.shape[0]):
         u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
-        farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, sight, rows, cols, radii, ends)
+        farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, reading_filter, rows, cols, radii, ends)
         starts[t, :] = done
         _see(views[t], u, v, farthest / resolution, rows, cols)
         low, high, left, right = views[t, 0], views[t, 1], WORD * views[t, 2], WORD * views[t, 3]
@@ -149,15 +151,15 @@ def _with_room(toggles: UInt32Array, done: int, room: int) -> UInt32Array:
 
 @jit
 def _read(
-    ranges: Float32Array, sensor: Float64Array, beams: Float64Array, frame: Frame, sight: Sight, rows: int, cols: int,
-    radii: Float64Array, ends: Int64Array,
+    ranges: Float32Array, sensor: Float64Array, beams: Float64Array, frame: Frame, reading_filter: ReadingFilter, rows:
+    int, cols: int, radii: Float64Array, ends: Int64Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Read a scan: the radii (2, n_beams) up to which it frees and up to which its hit windows reach, cells.
 
     ``ends`` gets the cells of the grid in which beams end, row << 32 | column. Return how far the scan sees, in metres,
     −1 for not at all, and how many ends there are.
     """
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     x, y, cos, sin = sensor[0], sensor[1], sensor[2], sensor[3]
     resolution = frame[4]
     farthest, n_ends = -1.0, 0
@@ -198,8 +200,8 @@ def _see(view: Int64Array, u: float, v: float, reach: float, rows: int, cols: in
 @jit
 def draw_fields(
     log_odds: Float32Array, seen: Int64Array, seen_place: Place, ranges: Float32Array, sensors: Float64Array,
-    fields: Float64Array, headings: Float64Array, frame: Frame, sight: Sight, plan: Plan, toggles: UInt32Array,
-    planes: Int64Array, used: Int64Array, rule: Rule, row_low: int, row_high: int,
+    fields: Float64Array, headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, plan: Plan, toggles:
+    UInt32Array, planes: Int64Array, used: Int64Array, log_odds_update: LogOddsUpdate, row_low: int, row_high: int,
 ) -> int:  # fmt: skip
     """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
 
@@ -210,7 +212,7 @@ def draw_fields(
     """
     starts, sure, views = plan
     cells, cols = log_odds.reshape(-1), log_odds.shape[1]
-    windows = sight[2] > 0.0 or sight[3] > 0.0
+    windows = reading_filter[2] > 0.0 or reading_filter[3] > 0.0
     shift = 0
     while planes.shape[2] > USED_BITS << shift:
         shift += 1
@@ -228,9 +230,9 @@ def draw_fields(
         if not sure[t]:
             u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
             turn_u, turn_v = headings[t, 0], headings[t, 1]
-            _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, sight, frame[4])
+            _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, reading_filter, frame[4])
         bordered = windows and sure[t]
-        full = (cells, cols, seen, seen_place, planes, own, place, bordered, rule)
+        full = (cells, cols, seen, seen_place, planes, own, place, bordered, log_odds_update)
         count += _settle(*full) if cols >= WORD else _settle_narrow(*full)
     return count
 
@@ -238,10 +240,10 @@ def draw_fields(
 @jit
 def _note_exactly(
     planes: Int64Array, used: Int64Array, place: Place, u: float, v: float, turn_u: float, turn_v: float,
-    ranges: Float32Array, fields: Float64Array, sight: Sight, resolution: float,
+    ranges: Float32Array, fields: Float64Array, reading_filter: ReadingFilter, resolution: float,
 ) -> None:  # fmt: skip
     """Note what one scan says, with the exact test wherever rounding may decide."""
-    range_min, range_max, window, growth, no_return_free = sight
+    range_min, range_max, window, growth, no_return_free = reading_filter
     for k in range(len(ranges)):
         z = float(ranges[k])
         right_u, right_v = _turned(fields[k, 0], fields[k, 1], turn_u, turn_v)

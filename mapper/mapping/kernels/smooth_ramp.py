@@ -27,7 +27,7 @@ from mapper.mapping.kernels.bresenham import (
     _crossing,
 )
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Evidence, Frame, Rule, Sight
+from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 
@@ -47,16 +47,16 @@ def _ramp(s: float, z: float, half: float, miss: float, hit: float) -> float:
 
 @jit
 def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, ranges: Float32Array,
-               sensors: Float64Array, frame: Frame, sight: Sight, evidence: Evidence, rule: Rule, row_low: int,
-               row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+               sensors: Float64Array, frame: Frame, reading_filter: ReadingFilter, evidence: Evidence, log_odds_update:
+               LogOddsUpdate, row_low: int, row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
     """Add what ``lines`` (9, n_scans · n_beams) say to the rows [row_low, row_high); return the number of updates.
 
     ``ranges`` (n_scans, n_beams) and ``sensors`` (n_scans, 4) are those the lines were planned from; ``evidence`` is
     what the ramp leads from and to; the other arguments are those of
     :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
-    miss, hit, low, high = _without_minus_zero(rule)
-    _, _, window, growth, _ = sight
+    miss, hit, low, high = _without_minus_zero(log_odds_update)
+    _, _, window, growth, _ = reading_filter
     resolution, n_beams = frame[4], ranges.shape[1]
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0

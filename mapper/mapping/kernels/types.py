@@ -8,9 +8,9 @@ import numpy as np
 Frame = tuple[float, float, float, float, float]
 #: Which readings count and how: range_min, range_max, width of the hit window at no distance (m), how much wider it is
 #: for each metre of range (m/m), whether no return says "free".
-Sight = tuple[float, float, float, float, bool]
+ReadingFilter = tuple[float, float, float, float, bool]
 #: What they say, log-odds: miss, hit, lower and upper clamp.
-Rule = tuple[np.float32, np.float32, np.float32, np.float32]
+LogOddsUpdate = tuple[np.float32, np.float32, np.float32, np.float32]
 #: The same unrounded, for models whose evidence differs from cell to cell: miss, hit.
 Evidence = tuple[float, float]
 #: A cone: its profile (see :mod:`mapper.mapping.kernels.cones`) and its opening angle (rad).

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
-from mapper.core.parallel import alone
+from mapper.core.parallel import single_threaded
 from mapper.io.export import tum_lines, write_mcap
 from server.downloads import Content, Download, Downloads, file_name
 from server.http.routes.maps import asker_of, stem_of
@@ -43,7 +43,7 @@ async def run_mcap(request: Request, session_id: str) -> Response:
                 growing_map, trajectory = await session.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
-                    with alone():  # the map is made again: on one core, the other ones are the sessions'
+                    with single_threaded():  # the map is made again: on one core, the other ones are the sessions'
                         write_mcap(file, session.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)

@@ -23,7 +23,7 @@ from server.downloads import (
     file_stem,
 )
 from server.downloads.places import Asker, asker
-from server.sessions import Session, WorldSession
+from server.sessions import Session, SimulationSession
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -39,7 +39,7 @@ At = Annotated[
 
 def stem_of(session: Session) -> str:
     """Return what the files of a session are called: after its log, or its world."""
-    return file_stem(session.world.name if isinstance(session, WorldSession) else session.title)
+    return file_stem(session.world.name if isinstance(session, SimulationSession) else session.title)
 
 
 def asker_of(request: Request, session: Session) -> Asker:

@@ -14,7 +14,7 @@ from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS
 from server.http.routes.clients import client_address, while_connected
-from server.sessions import LogView, Session, WorldSession
+from server.sessions import LogView, Session, SimulationSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -140,7 +140,7 @@ async def end(request: Request, session_id: str) -> None:
 async def story(request: Request, session_id: str) -> dict[str, Any]:
     """Return the history of a live world, from which another session can begin."""
     session = request.app.state.sessions.get(session_id)
-    if not isinstance(session, WorldSession):
+    if not isinstance(session, SimulationSession):
         raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
     return await session.story()
 

@@ -168,9 +168,9 @@ def test_two_readings_of_moravec_and_elfes_worked_by_hand() -> None:
     readings, poses = np.array([[2.5], [1.5]], np.float32), np.tile((0.25, 0.25, 0.0), (2, 1))
     log = ScanLog(readings, 0.0, 0.01, 0.0, 80.0, np.zeros(2, np.int64), {"still": Trajectory(poses)})
     integrate_log(grid, log, config)  # in which the grid stays as large as it is, one row
-    assert grid.tallies is not None
-    np.testing.assert_allclose(grid.tallies[0, 0], [0, 0, 0.16, 0.48, 0.552, 0.4, 0.3, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(grid.tallies[1, 0], [0, 8 / 9, 5 / 9, 0, 0, 0, 0, 0, 0], atol=1e-6)
+    assert grid.cell_statistics is not None
+    np.testing.assert_allclose(grid.cell_statistics[0, 0], [0, 0, 0.16, 0.48, 0.552, 0.4, 0.3, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(grid.cell_statistics[1, 0], [0, 8 / 9, 5 / 9, 0, 0, 0, 0, 0, 0], atol=1e-6)
     # Shown is the greater of both, "empty" below zero.
     shown = np.array([0, -8 / 9, -5 / 9, 0.48, 0.552, 0.4, 0.3, 0, 0])
     np.testing.assert_allclose(grid.p_occ[0], (1 + shown) / 2, atol=1e-6)

@@ -136,8 +136,8 @@ def test_counting_says_half_of_a_cell_that_reflects_half_of_all_beams() -> None:
         integrate_scan(believed, scan, (0.5, 0.5, 0.0), MappingConfig(resolution=1.0))
     assert counted.p_occ[0, 6] == pytest.approx(0.5)
     assert believed.p_occ[0, 6] > 0.9
-    assert counted.tallies is not None
-    assert counted.tallies[:, 0, 6].tolist() == [50.0, 50.0]
+    assert counted.cell_statistics is not None
+    assert counted.cell_statistics[:, 0, 6].tolist() == [50.0, 50.0]
 
 
 @pytest.mark.parametrize("model", ["hit_counting", "moravec_elfes"])

@@ -147,8 +147,8 @@ def test_points_that_share_a_search_get_the_bits_that_each_gets_alone(name):
     world = WORLDS[name]
     lattice = clearance_lattice(world)
     cells = np.argwhere(np.isfinite(lattice.clearance))
-    alone = clearances_one_by_one(world.segments, lattice.geometry.cell_to_world(cells))
-    np.testing.assert_array_equal(lattice.clearance[tuple(cells.T)], alone)
+    single_threaded = clearances_one_by_one(world.segments, lattice.geometry.cell_to_world(cells))
+    np.testing.assert_array_equal(lattice.clearance[tuple(cells.T)], single_threaded)
     # Vertices and edges' middles, where several edges are equally near; scattered places; places that are none.
     a, b = world.segments[:, :2], world.segments[:, 2:]
     far = [(np.inf, 0.0), (np.nan, 1.0), (1e300, -1e300), (1e9, 2.0), (3.0, -np.inf)]
@@ -178,8 +178,8 @@ def test_a_lattice_costs_less_than_half_of_its_points_one_by_one():
         return min(times)
 
     out = np.empty(len(points))
-    alone = cpu(lambda: one_by_one(world.segments, points, out))
-    assert cpu(lambda: clearance_lattice.__wrapped__(world)) < 0.5 * alone
+    single_threaded = cpu(lambda: one_by_one(world.segments, points, out))
+    assert cpu(lambda: clearance_lattice.__wrapped__(world)) < 0.5 * single_threaded
 
 
 @given(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(-2.5, 2.5))

@@ -8,7 +8,7 @@ import pytest
 from mapper.grid import FREE, OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import suited_parameters
+from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.simulation import WORLDS, Recording, SensorConfig, Simulation, World
 from mapper.simulation.lidar import measure, true_ranges
 
@@ -61,7 +61,7 @@ def test_a_walk_with_sonars_frees_the_room_that_the_robot_walked_through() -> No
         poses.append(pose[:2])
     log = recording.as_log()
     assert log.beam_width == pytest.approx(0.35)
-    config = MappingConfig().with_values(suited_parameters(log.beam_width, {"resolution": 0.1, "range_max": 5.0}))
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"resolution": 0.1, "range_max": 5.0}))
     assert config.model == "sonar_cone"
     assert config.opening == pytest.approx(0.35)
     grid = OccupancyGrid(geometry_for(log, config))

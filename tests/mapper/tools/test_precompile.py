@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mapper.tools import precompile as warm
+from mapper.tools import precompile
 
 
 def test_every_kernel_is_compiled_by_it():
@@ -22,18 +22,18 @@ def test_every_kernel_is_compiled_by_it():
 
 
 def test_a_kernel_that_it_leaves_out_is_named(monkeypatch, capsys):
-    monkeypatch.setattr(warm, "warm", lambda: None)
+    monkeypatch.setattr(precompile, "warm", lambda: None)
     monkeypatch.setattr(
-        warm, "kernels", lambda: {"mapper.grid.kernels.a.used": True, "mapper.grid.kernels.a.forgotten": False}
+        precompile, "kernels", lambda: {"mapper.grid.kernels.a.used": True, "mapper.grid.kernels.a.forgotten": False}
     )
-    assert warm.main() == 1
+    assert precompile.main() == 1
     assert "mapper.grid.kernels.a.forgotten was not compiled" in capsys.readouterr().err
 
 
 def test_all_modules_of_kernels_are_looked_at():
     modules = {".".join(path.with_suffix("").parts) for path in Path("mapper").glob("*/kernels/*.py")}
-    compiled = {name.rsplit(".", 1)[0] for name in warm.kernels()}
+    compiled = {name.rsplit(".", 1)[0] for name in precompile.kernels()}
     assert {"mapper.simulation.kernels.raycast", "mapper.mapping.kernels.bresenham"} <= compiled <= modules
     assert {"mapper.simulation.kernels.raycast.cast_rays", "mapper.grid.kernels.quantise.quantise"} <= set(
-        warm.kernels()
+        precompile.kernels()
     )

@@ -43,16 +43,18 @@ def mapped(model: str, settings: dict[str, Any]) -> tuple[list[list[float]], lis
         scan = SonarScan(np.array(ranges, np.float32), np.array(BEARINGS), settings["opening"], 0.05, 2.5)
         textbook.occupancy_grid_mapping(grid, scan, pose, config)
     flat, seen = grid.log_odds.ravel(), np.flatnonzero(grid.observed.ravel())
-    tallies = [] if grid.tallies is None else grid.tallies.reshape(2, -1)[:, seen].T.astype(float).tolist()
-    return [[int(i), float(flat[i])] for i in seen], tallies
+    cell_statistics = (
+        [] if grid.cell_statistics is None else grid.cell_statistics.reshape(2, -1)[:, seen].T.astype(float).tolist()
+    )
+    return [[int(i), float(flat[i])] for i in seen], cell_statistics
 
 
 def vectors() -> dict[str, Any]:
     """Return the scans, and the map that each model makes of them."""
     maps = []
     for model, settings in SETTINGS:
-        cells, tallies = mapped(model, settings)
-        maps.append({"model": model, "settings": settings, "cells": cells, "tallies": tallies})
+        cells, cell_statistics = mapped(model, settings)
+        maps.append({"model": model, "settings": settings, "cells": cells, "cell_statistics": cell_statistics})
     scans = [[value if np.isfinite(value) else str(value) for value in ranges] for ranges in RANGES]
     return {"geometry": GEOMETRY, "poses": POSES, "bearings": BEARINGS, "scans": scans, "maps": maps}
 
@@ -70,7 +72,7 @@ def test_the_vectors_of_the_sonar_maps_are_those_of_the_textbook():
     for old, new in zip(stored["maps"], fresh["maps"], strict=True):
         assert (old["model"], old["settings"]) == (new["model"], new["settings"]), hint
         np.testing.assert_allclose(old["cells"], new["cells"], atol=1e-5, err_msg=hint)
-        np.testing.assert_allclose(old["tallies"], new["tallies"], atol=1e-6, err_msg=hint)
+        np.testing.assert_allclose(old["cell_statistics"], new["cell_statistics"], atol=1e-6, err_msg=hint)
 
 
 if __name__ == "__main__" and "--write" in sys.argv:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from server.library import Library, LogNotFoundError, LogReadOnlyError
-from server.work.fair_lock import Turns
+from server.work.fair_lock import FairLock
 from tests.server.library import bad_readers
 from tests.server.library.kept import settled
 from tests.server.library.small_logs import carmen, in_pieces
@@ -98,7 +98,7 @@ async def test_only_ones_own_uploads_are_stopped_or_read_again(library: Library)
 
 
 async def test_owners_take_turns() -> None:
-    turns = Turns()
+    turns = FairLock()
     order: list[str] = []
 
     async def job(owner: str, name: str) -> None:
@@ -112,7 +112,7 @@ async def test_owners_take_turns() -> None:
 
 
 async def test_who_leaves_the_queue_keeps_nobody_waiting() -> None:
-    turns = Turns()
+    turns = FairLock()
     gate = asyncio.Event()
     done: list[str] = []
 

@@ -14,7 +14,7 @@ from sqlalchemy import text
 from server.library import Library, StorageError, check_stores
 from server.library.blobs import Blobs
 from server.library.database import Database
-from server.library.store_identity import check_belonging
+from server.library.store_identity import check_store_identity
 from server.settings import Settings
 from tests.server.library.small_logs import carmen, in_pieces
 
@@ -51,10 +51,10 @@ def test_a_second_data_folder_on_the_same_database_is_refused(url: str, tmp_path
 def test_a_bucket_belongs_to_its_records_too(tmp_path: Path) -> None:
     bucket, other = Blobs(MemoryStore(), None, tmp_path), Blobs(MemoryStore(), None, tmp_path)
     database = Database.open(None, tmp_path)
-    check_belonging(database, bucket)
-    check_belonging(database, bucket)
+    check_store_identity(database, bucket)
+    check_store_identity(database, bucket)
     with pytest.raises(StorageError, match="another data folder or bucket"):
-        check_belonging(database, other)
+        check_store_identity(database, other)
     database.close()
 
 
@@ -65,7 +65,7 @@ def test_a_store_that_is_away_is_let_pass(tmp_path: Path, monkeypatch: pytest.Mo
     for name in ("AWS_ALLOW_HTTP", "AWS_SKIP_SIGNATURE"):
         monkeypatch.setenv(name, "true")
     database = Database.open(None, tmp_path)
-    check_belonging(database, Blobs.at("s3://a-bucket/logs", tmp_path))
+    check_store_identity(database, Blobs.at("s3://a-bucket/logs", tmp_path))
     database.close()
 
 
@@ -106,7 +106,7 @@ def test_of_two_that_claim_a_database_at_once_one_is_refused(url: str, tmp_path:
     def claim(at: int) -> bool:
         together.wait()
         try:
-            check_belonging(databases[at], stores[at])
+            check_store_identity(databases[at], stores[at])
         except StorageError:
             return False
         return True

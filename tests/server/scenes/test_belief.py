@@ -57,9 +57,9 @@ def test_the_floor_shows_what_was_observed() -> None:
     floor = picture(grid.geometry, grid.log_odds, grid.observed).floor
     np.testing.assert_array_equal(floor[..., 3] == 255, grid.observed)
     free, occupied = grid.log_odds < -1.5, grid.log_odds > 3.0
-    blue, warm = floor[grid.observed & free], floor[grid.observed & occupied]
+    blue, precompile = floor[grid.observed & free], floor[grid.observed & occupied]
     assert (blue[:, 2] > blue[:, 0]).all()
-    assert (warm[:, 0] > warm[:, 2]).all()
+    assert (precompile[:, 0] > precompile[:, 2]).all()
 
 
 def test_only_changed_tiles_are_sent_again() -> None:

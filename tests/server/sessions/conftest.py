@@ -43,7 +43,7 @@ def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
 async def obeyed(session: Session, **command: Any) -> None:
     """Give a command and wait until it was carried out."""
     session.enqueue(command)
-    await eventually(lambda: not session.has_orders)
+    await eventually(lambda: not session.has_queued_commands)
     await session.snapshot()  # the tick that took it is over
 
 

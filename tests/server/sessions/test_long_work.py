@@ -16,7 +16,7 @@ from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions import SessionRegistry, WorldSession
+from server.sessions import SessionRegistry, SimulationSession
 from server.sessions import session as session_module
 from tests.server.service import PATIENCE_S, eventually
 
@@ -26,14 +26,14 @@ async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
 ) -> None:
     monkeypatch.setattr(session_module, "SHOWN_AFTER_S", 0.01)
     monkeypatch.setattr(session_module, "SHOWN_EVERY_S", 0.01)
-    released, remake = threading.Event(), WorldSession.remake
+    released, remake = threading.Event(), SimulationSession.remake
 
-    def slow(self: WorldSession, *arguments: Any) -> None:
+    def slow(self: SimulationSession, *arguments: Any) -> None:
         self._mapper.fraction = 0.5
         assert released.wait(PATIENCE_S)
         remake(self, *arguments)
 
-    monkeypatch.setattr(WorldSession, "remake", slow)
+    monkeypatch.setattr(SimulationSession, "remake", slow)
     session = await registry.create_world("me", "room", seed=1, playing=False)
     client = session.join()
     session.enqueue({"type": "parameters", "values": {"window": 0.5}})

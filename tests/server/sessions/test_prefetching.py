@@ -13,12 +13,12 @@ import pytest
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.replay import checkpoints
-from mapper.replay.incremental import Scout
+from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions import prefetching as preparing
 from server.sessions.log_session import LogSession
-from server.sessions.prefetching import Preparing
+from server.sessions.prefetching import CheckpointPrefetching
 from tests.server.service import eventually
 
 
@@ -31,7 +31,7 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def reached(session: LogSession) -> int:
-    return session.replay._course.checkpoints.reached
+    return session.replay._replay.checkpoints.reached
 
 
 async def test_a_log_that_stands_still_is_prepared_to_its_end(
@@ -66,7 +66,7 @@ async def test_nothing_is_prepared_that_nobody_watches(
     assert reached(session) == 5
 
 
-class Steps(Scout):
+class Steps(CheckpointPrefetcher):
     """A scout who never comes to an end, or falls over."""
 
     def __init__(self, fault: Exception | None = None) -> None:
@@ -81,7 +81,7 @@ class Steps(Scout):
 
 @dataclass(eq=False)
 class Watched:
-    """A session as :class:`Preparing` sees it."""
+    """A session as :class:`CheckpointPrefetching` sees it."""
 
     steps: Steps
     closed: bool = False
@@ -91,7 +91,7 @@ class Watched:
     cells: int = 1
     scouts: int = 0
 
-    def scout(self) -> Scout:
+    def prefetcher(self) -> CheckpointPrefetcher:
         self.scouts += 1
         return self.steps
 
@@ -99,7 +99,7 @@ class Watched:
 async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() -> None:
     now = 10.0
     one, other = Watched(Steps()), Watched(Steps())
-    task = asyncio.create_task(Preparing(lambda: [one, other], lambda _: True, lambda: now).run())
+    task = asyncio.create_task(CheckpointPrefetching(lambda: [one, other], lambda _: True, lambda: now).run())
     await eventually(lambda: one.steps.taken > 3)
     assert other.steps.taken == 0  # one at a time
     other.is_busy = True
@@ -121,7 +121,9 @@ async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() 
 
 async def test_a_defect_or_a_lack_of_room_keeps_nobody_else_from_it() -> None:
     broken, large, good = Watched(Steps(MemoryError())), Watched(Steps(), cells=100), Watched(Steps())
-    task = asyncio.create_task(Preparing(lambda: [broken, large, good], lambda one: one.cells < 50, lambda: 10.0).run())
+    task = asyncio.create_task(
+        CheckpointPrefetching(lambda: [broken, large, good], lambda one: one.cells < 50, lambda: 10.0).run()
+    )
     await eventually(lambda: good.steps.taken > 3)
     assert (broken.steps.taken, large.steps.taken) == (1, 0)
     task.cancel()

@@ -90,7 +90,7 @@ async def test_all_grids_together_are_bounded(make_registry: Make, office_log: S
     third.join()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
     third.enqueue({"type": "parameters", "values": {"resolution": 0.05}})
-    await eventually(lambda: not third.has_orders)
+    await eventually(lambda: not third.has_queued_commands)
     await third.snapshot()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
 

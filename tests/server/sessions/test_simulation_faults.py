@@ -14,11 +14,11 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
-from server.sessions import SessionRegistry, WorldMapper
+from server.sessions import LiveMap, SessionRegistry
 from server.sessions.simulation_commands import retold, story_of
 
 
-def by_hand(mapper: WorldMapper, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
+def by_hand(mapper: LiveMap, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
     """Make a map of the recordings on the lattice of ``grid``."""
     made = OccupancyGrid(grid.geometry, config.log_odds_prior)
     for recording in mapper.recordings:
@@ -28,7 +28,7 @@ def by_hand(mapper: WorldMapper, grid: OccupancyGrid, config: MappingConfig, fau
 
 @pytest.mark.parametrize("values", [{"drift": True}, {"specular": True}, {"drift": True, "specular": True}])
 def test_the_map_that_grows_with_faults_is_the_one_made_anew(values: dict[str, bool]) -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     honest = mapper.grid.log_odds.copy()
     mapper.set_up(mapper.config, Faults(**values))
     assert (mapper.grid.log_odds.shape != honest.shape) or np.any(mapper.grid.log_odds != honest)
@@ -45,7 +45,7 @@ def test_the_map_that_grows_with_faults_is_the_one_made_anew(values: dict[str, b
 
 
 def test_sonars_beside_polished_walls_hear_farther_and_map_what_they_hear() -> None:
-    mapper = WorldMapper(WORLDS["office"], seed=1, sensor=SensorConfig(kind="sonar_ring"))
+    mapper = LiveMap(WORLDS["office"], seed=1, sensor=SensorConfig(kind="sonar_ring"))
     mapper.set_up(mapper.config, Faults(specular=True))
     mapper.advance(8.0)
     recording = mapper.recordings[-1]
@@ -58,7 +58,7 @@ def test_sonars_beside_polished_walls_hear_farther_and_map_what_they_hear() -> N
 
 
 def test_drift_makes_more_walls_than_there_are() -> None:
-    mapper = WorldMapper(WORLDS["loop"], seed=1)
+    mapper = LiveMap(WORLDS["loop"], seed=1)
     mapper.advance(60.0)
     right = int(np.count_nonzero(mapper.grid.log_odds > 0.0))
     mapper.set_up(mapper.config, Faults(drift=True))
@@ -72,7 +72,7 @@ def test_drift_makes_more_walls_than_there_are() -> None:
 
 
 def test_the_second_map_follows_the_first_ones_parameters() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     mapper.compare({"clamp": False})
     mapper.remake(mapper.config.with_values({"log_odds_hit": 1.5, "resolution": 0.1}))
     assert mapper.second is not None
@@ -88,13 +88,13 @@ def test_the_second_map_follows_the_first_ones_parameters() -> None:
 
 
 def test_a_second_map_that_makes_no_sense_is_refused() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     with pytest.raises(ConfigError):
         mapper.compare({"clamp": "perhaps"})
     assert mapper.second is None
 
 
-def table(mapper: WorldMapper) -> Edits:
+def table(mapper: LiveMap) -> Edits:
     """A table 1.2 m before a robot that stands."""
     mapper.simulation.auto = False
     mapper.teleport(4.0, 5.0, 0.0)
@@ -105,7 +105,7 @@ def table(mapper: WorldMapper) -> Edits:
 
 
 def test_a_table_is_forgotten_sooner_with_the_clamp() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=3)
+    mapper = LiveMap(WORLDS["room"], seed=3)
     table(mapper)
     mapper.edit(Edits(), watch=True)
     assert mapper.vanishing is not None
@@ -127,7 +127,7 @@ def test_a_table_is_forgotten_sooner_with_the_clamp() -> None:
 
 
 def test_a_change_of_parameters_ends_the_count() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=3)
+    mapper = LiveMap(WORLDS["room"], seed=3)
     table(mapper)
     mapper.edit(Edits(), watch=True)
     mapper.step(2)
@@ -136,7 +136,7 @@ def test_a_change_of_parameters_ends_the_count() -> None:
 
 
 def test_what_was_never_seen_is_not_watched_and_stays() -> None:
-    mapper = WorldMapper(WORLDS["office"], seed=3)
+    mapper = LiveMap(WORLDS["office"], seed=3)
     edits = Edits((Drawn("box", 1700, 1250, 1720, 1270),))
     mapper.edit(edits)
     with pytest.raises(ConfigError, match="nothing to forget"):
@@ -176,7 +176,7 @@ async def test_a_story_told_again_is_the_same_map(registry: SessionRegistry, obe
 
 
 def test_a_story_that_is_too_long_begins_where_it_stands() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=3)
+    mapper = LiveMap(WORLDS["room"], seed=3)
     for i in range(1001):
         mapper.journal.append((i, {"type": "auto", "value": True}))
     mapper.edit(Edits((Drawn("box", 520, 470, 580, 530),)))

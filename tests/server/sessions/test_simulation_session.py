@@ -18,13 +18,13 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
-from server.sessions import SessionRegistry, WorldMapper
+from server.sessions import LiveMap, SessionRegistry
 from tests.server.service import PATIENCE_S, eventually
 
 
 @pytest.mark.parametrize("values", [{}, {"resolution": 0.1}, {"update": "per_scan", "window": 0.4}, {"range_max": 3.0}])
 def test_a_remade_map_is_the_replay_of_what_was_seen(values: dict[str, Any]) -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     mapper.advance(6.0)
     mapper.remake(mapper.config.with_values(values))
     (log,) = mapper.logs()
@@ -40,7 +40,7 @@ def test_a_remade_map_is_the_replay_of_what_was_seen(values: dict[str, Any]) -> 
 
 
 def test_the_map_that_grew_scan_by_scan_is_the_remade_one() -> None:
-    mapper = WorldMapper(WORLDS["loop"], seed=2)
+    mapper = LiveMap(WORLDS["loop"], seed=2)
     mapper.advance(8.0)
     grown = np.where(mapper.grid.observed, mapper.grid.log_odds, np.nan)
     geometry = mapper.grid.geometry
@@ -50,7 +50,7 @@ def test_the_map_that_grew_scan_by_scan_is_the_remade_one() -> None:
 
 
 def test_a_new_sensor_adds_to_the_same_map() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     mapper.advance(2.0)
     before = mapper.grid.observed.copy()
     mapper.set_sensor(SensorConfig(n_beams=90, range_max=4.0))
@@ -62,7 +62,7 @@ def test_a_new_sensor_adds_to_the_same_map() -> None:
 
 
 def test_many_sensors_do_not_pile_up() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1)
+    mapper = LiveMap(WORLDS["room"], seed=1)
     for n_beams in list(range(30, 600, 30)) * 3:
         mapper.set_sensor(SensorConfig(n_beams=n_beams))
         mapper.look()
@@ -71,7 +71,7 @@ def test_many_sensors_do_not_pile_up() -> None:
 
 
 def test_a_map_that_would_be_too_large_is_refused_and_the_old_one_stays() -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=1, limits=lambda: Limits(max_cells=1 << 20))
+    mapper = LiveMap(WORLDS["room"], seed=1, limits=lambda: Limits(max_cells=1 << 20))
     before = mapper.grid
     with pytest.raises(LimitError, match="coarser"):
         mapper.remake(mapper.config.with_values({"resolution": 0.01}))
@@ -159,7 +159,7 @@ async def test_step_takes_that_many_scans(registry: SessionRegistry, obey: Calla
 
 @pytest.mark.parametrize("values", [{}, {"drift": True, "specular": True}])
 def test_steps_back_and_on_are_the_map_of_so_many_scans(values: dict[str, bool]) -> None:
-    mapper = WorldMapper(WORLDS["room"], seed=4)
+    mapper = LiveMap(WORLDS["room"], seed=4)
     mapper.set_up(mapper.config, Faults(**values))
     mapper.compare({"clamp": False})
     second = mapper.second
@@ -222,13 +222,13 @@ async def test_of_many_parameters_only_the_newest_is_made(
 ) -> None:
     session = await registry.create_world("me", "room", seed=4)
     made: list[float] = []
-    remake = WorldMapper.remake
+    remake = LiveMap.remake
 
-    def counted(mapper: WorldMapper, config: Any) -> None:
+    def counted(mapper: LiveMap, config: Any) -> None:
         made.append(config.window)
         remake(mapper, config)
 
-    monkeypatch.setattr(WorldMapper, "remake", counted)
+    monkeypatch.setattr(LiveMap, "remake", counted)
     for i in range(100):
         session.enqueue({"type": "parameters", "values": {"window": 0.01 * i}})
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
@@ -301,7 +301,7 @@ async def test_a_defect_stops_the_session_and_says_so(
         raise ZeroDivisionError
 
     with monkeypatch.context() as patched:
-        patched.setattr(WorldMapper, "advance", broken)
+        patched.setattr(LiveMap, "advance", broken)
         await eventually(lambda: not session.playing)
         await obey(session, type="pause")
     assert '"playing":false' in session.hub.frame_text()

@@ -14,14 +14,14 @@ import httpx
 import numpy as np
 import pytest
 
-from mapper.core.errors import LimitError, UnwantedError
+from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
-from mapper.simulation.live_map import WorldMapper
+from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions import simulation_commands as world_commands
 from server.sessions.simulation_commands import act, retold, story_of
 from server.sessions.story_cost import check_story, story_seconds
-from server.sessions.tick import Outcome
+from server.sessions.tick import TickResult
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 
 BOX = ["box", 300, 300, 340, 340]
@@ -39,18 +39,18 @@ def edits(count: int, every: int = 2) -> dict[str, Any]:
 def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     """Between two questions whether it is wanted there is one edit, one step, or one part of the map."""
     done: list[str] = []
-    advance = WorldMapper.advance
+    advance = LiveMap.advance
 
     def edit(*arguments: Any) -> None:
         done.append("edit")
         act(*arguments)
 
-    def step(self: WorldMapper, dt: float) -> Any:
+    def step(self: LiveMap, dt: float) -> Any:
         done.append("step")
         return advance(self, dt)
 
     monkeypatch.setattr(world_commands, "act", edit)
-    monkeypatch.setattr(WorldMapper, "advance", step)
+    monkeypatch.setattr(LiveMap, "advance", step)
     asked = []
 
     def wanted() -> bool:
@@ -72,13 +72,13 @@ def test_a_story_that_is_not_wanted_any_more_ends(at: int) -> None:
         asked += 1
         return asked <= at
 
-    with pytest.raises(UnwantedError):
+    with pytest.raises(WorkCancelledError):
         retold(edits(30), wanted=wanted)
     assert asked <= at + 30  # those of the world's beginning, whose time passes in any case
 
 
 def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> None:
-    live = WorldMapper(WORLDS["room"], 5)
+    live = LiveMap(WORLDS["room"], 5)
     acts = (
         {"type": "teleport", "x": 6.0, "y": 6.2},
         {"type": "sensor", "values": {"n_beams": 90}},
@@ -87,7 +87,7 @@ def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> 
         {"type": "auto", "value": True},
     )
     for command in acts:
-        act(live, command, Outcome())
+        act(live, command, TickResult())
         live.advance(1.3)
     told = retold(json.loads(json.dumps(story_of(live))))
     assert told.config == live.config
@@ -132,7 +132,7 @@ async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
 
 def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> None:
     """What the service tells, the service takes: where the whole story is too costly, it tells where things stand."""
-    mapper = WorldMapper(WORLDS["room"], 3)
+    mapper = LiveMap(WORLDS["room"], 3)
     for i in range(20):
         mapper.journal.append((i, {"type": "edit", "added": [BOX], "erased": []}))
     cost = story_seconds(story_of(mapper))
@@ -160,13 +160,13 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
 ) -> None:
     went_on, ended = threading.Event(), threading.Event()
 
-    def slow(_: Any, *, wanted: Callable[[], bool], report: Callable[[float], None], **__: Any) -> WorldMapper:
+    def slow(_: Any, *, wanted: Callable[[], bool], report: Callable[[float], None], **__: Any) -> LiveMap:
         report(0.25)
         went_on.set()
         while wanted():
             threading.Event().wait(0.005)
         ended.set()
-        raise UnwantedError("story.unwanted", "It is not wanted.")
+        raise WorkCancelledError("story.unwanted", "It is not wanted.")
 
     with running(settings_for(tmp_path)) as service:
         monkeypatch.setattr("server.sessions.registry.retold", slow)

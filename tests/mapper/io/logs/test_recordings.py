@@ -274,10 +274,10 @@ def test_a_db3_whose_recorder_was_not_closed_says_what_may_be_missing(tmp_path):
         recorder.execute("INSERT INTO messages SELECT id + 1000, topic_id, timestamp, data FROM messages")
         recorder.commit()
         assert path.with_name(f"{path.name}-wal").stat().st_size > 0
-        alone = tmp_path / "alone.db3"
+        single_threaded = tmp_path / "alone.db3"
         for pack in (bytes, gzip.compress):
-            alone.write_bytes(pack(path.read_bytes()))
-            log = open_log(alone)
+            single_threaded.write_bytes(pack(path.read_bytes()))
+            log = open_log(single_threaded)
             assert log.n_scans == 10
             assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
 
@@ -287,13 +287,13 @@ def test_a_db3_that_has_all_in_its_journal_says_how_to_get_it(tmp_path):
         recorder.execute("PRAGMA journal_mode=WAL")
         recorder.execute("CREATE TABLE topics (id, name, type, serialization_format)")
         recorder.commit()
-        alone = tmp_path / "alone.db3"
-        alone.write_bytes((tmp_path / "run.db3").read_bytes())
+        single_threaded = tmp_path / "alone.db3"
+        single_threaded.write_bytes((tmp_path / "run.db3").read_bytes())
         with pytest.raises(ReadError, match=r"no table 'topics'\. .* ends in -wal; .* wal_checkpoint"):
-            open_log(alone)
-        alone.write_bytes((tmp_path / "run.db3-wal").read_bytes())
+            open_log(single_threaded)
+        single_threaded.write_bytes((tmp_path / "run.db3-wal").read_bytes())
         with pytest.raises(ReadError, match=r"write-ahead log of an SQLite file, of no use without the \.db3"):
-            open_log(alone)
+            open_log(single_threaded)
 
 
 @pytest.mark.parametrize("packing", ["zip", "gztar"])

@@ -12,7 +12,7 @@ from mapper.core.errors import MapperError
 from mapper.io.logs import is_log, open_log
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import suited_parameters
+from mapper.mapping.sensor_defaults import sensor_defaults
 
 READINGS = "1000 5110 1000 2500 9999\n1200 500 600 700 800\n"
 POSES = "1000 0 0 0\n1200 1000 -500 900\n"
@@ -49,7 +49,7 @@ def test_the_real_ring(data_file: Callable[[str], Path]) -> None:
 def test_the_bearings_assumed_fit_the_real_ring_best(data_file: Callable[[str], Path]) -> None:
     """Where the sonars point is not stated; among other rings, this one contradicts itself least."""
     log = open_log(data_file("sonar/measurement.txt"))
-    config = MappingConfig().with_values(suited_parameters(log.beam_width) | {"clamp": False, "range_max": 5.0})
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width) | {"clamp": False, "range_max": 5.0})
 
     def contradiction(bearings: np.ndarray) -> float:
         from dataclasses import replace
@@ -69,10 +69,10 @@ def test_the_bearings_assumed_fit_the_real_ring_best(data_file: Callable[[str], 
 
 def test_a_sonar_log_calls_for_cones(tmp_path: Path) -> None:
     log = open_log(folder(tmp_path))
-    suited = suited_parameters(log.beam_width)
+    suited = sensor_defaults(log.beam_width)
     assert suited["model"] == "sonar_cone"
     assert suited["opening"] == pytest.approx(log.beam_width)
-    assert "window" not in suited_parameters(log.beam_width, {"model": "fixed_increments"})
+    assert "window" not in sensor_defaults(log.beam_width, {"model": "fixed_increments"})
 
 
 @pytest.mark.parametrize(
