@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.parallel import bands, cores, in_parallel, shares
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping import cell_statistics as cell_statistics
+from mapper.mapping import cell_statistics
 from mapper.mapping.cone_update import contributions_in_cones, drawer_of_cones, evidence_of, ramp_increments
 from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, MAX_STEPS, draw_lines, plan_lines, reach

@@ -15,7 +15,7 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.grid import TILE, OccupancyGrid
-from mapper.mapping import cell_statistics as cell_statistics
+from mapper.mapping import cell_statistics
 from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 
