@@ -18,7 +18,7 @@ STATIC = Path(__file__).parent
 DIST = STATIC / "dist"
 SKIPPED = {"node_modules", "dist", "__pycache__"}
 #: what the pages take from outside static/: the program text of the lecture
-ALSO_READ = (STATIC.parent / "mapper" / "textbook.py",)
+ALSO_READ = (STATIC.parent / "mapper" / "mapping" / "textbook.py",)
 
 
 def digest_of_sources(root: Path = STATIC) -> str:

@@ -1,4 +1,4 @@
-"""The wire: what the stream's frames look like, encoded and decoded once (its twin: ``static/src/protocol.ts``).
+"""The wire: what the stream's frames look like, encoded and decoded once (its twin: ``static/src/wire/protocol.ts``).
 
 One WebSocket, ``/api/sessions/{id}/stream``, subprotocol ``gridbloom.v1``, permessage-deflate off. With ``?map=second``
 it carries the picture of the second map that ``compare`` asks for, in its own epochs; commands are taken on either.

@@ -184,7 +184,7 @@ def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
 
 def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
     section = open_section(page, server, "algorithm")
-    file = (Path(__file__).parents[2] / "mapper" / "textbook.py").read_text().splitlines()
+    file = (Path(__file__).parents[2] / "mapper" / "mapping" / "textbook.py").read_text().splitlines()
     shown = [line for line in section.locator(".program-text").inner_text().splitlines() if line.strip()]
     assert len(shown) > 40
     assert set(shown) <= set(file)

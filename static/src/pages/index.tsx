@@ -1,18 +1,18 @@
 import "../style/index.css";
-import "../style/home.css";
+import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
-import { type Connection, connect } from "../connect";
-import { Belief } from "../figures/belief";
-import { Cell } from "../figures/cell/Cell";
-import { stillness } from "../figures/picture/pulse";
-import { beamModel, INITIAL } from "../figures/profile/model";
-import { Profile } from "../figures/profile/Profile";
-import { tellingReading } from "../figures/profile/reading";
-import type { Store } from "../state";
+import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
+import { Cell } from "../lessons/cell/Cell";
+import { type Connection, connect } from "../store/connect";
+import type { Store } from "../store/store";
+import { BeliefView } from "../tools/picture/BeliefView";
+import { Profile } from "../tools/profile/Profile";
+import { tellingReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
+import { reducedMotion } from "../ui/reducedMotion";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Contents } from "./lecture/Contents";
@@ -55,7 +55,7 @@ function Hero() {
   return (
     <section class="hero" aria-label="A live map">
       <div class="hero-map">
-        {store && <Belief store={store} onTap={(point) => store.teleport(point)} />}
+        {store && <BeliefView store={store} onTap={(point) => store.teleport(point)} />}
         <p class={`hero-hint${store?.teleported.value ? " used" : ""}`}>
           <Icon name="target" /> Click to move the robot
         </p>
@@ -76,7 +76,7 @@ function Hero() {
           </Button>
         </div>
         <Facts />
-        {stillness.value && store && <Steps store={store} />}
+        {reducedMotion.value && store && <Steps store={store} />}
       </div>
     </section>
   );
@@ -113,7 +113,7 @@ function Facts() {
 }
 
 /** Until the session has said its parameters the figures show the table's first ones, and can be played with. */
-const own = signal<Record<string, unknown>>({ ...INITIAL });
+const own = signal<Record<string, unknown>>({ ...INITIAL_PARAMETERS });
 const parameters = computed(() => {
   const store = connection.value?.store;
   const values = store?.mapping.values.value ?? {};
@@ -133,7 +133,7 @@ const reading = computed(() => {
 
 /** What the clamp is for, with the increments of the moment. */
 function Stubborn() {
-  const { hit, miss } = beamModel({ ...INITIAL, ...parameters.value });
+  const { hit, miss } = beamModel({ ...INITIAL_PARAMETERS, ...parameters.value });
   const needed = miss < 0 ? Math.ceil((1000 * hit) / -miss).toLocaleString("en") : null;
   return (
     <>

@@ -1,32 +1,32 @@
 import "../style/index.css";
-import "./lab.css";
+import "./lab/lab.css";
 import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import { connect } from "../connect";
-import { exposeHook } from "../debug";
-import type { Picture } from "../figures/picture/Picture";
-import { Profile } from "../figures/profile/Profile";
-import { StepNote } from "../figures/steps/Steps";
-import type { Store } from "../state";
+import type { Picture } from "../render/picture/Picture";
+import { connect } from "../store/connect";
+import type { Store } from "../store/store";
+import { ParameterPanel } from "../tools/parameters/ParameterPanel";
+import { Profile } from "../tools/profile/Profile";
+import { StepNote } from "../tools/steps/Steps";
 import { Button } from "../ui/Button";
-import { later } from "../ui/later";
+import { lazy } from "../ui/lazy";
 import { Disclosure } from "../ui/Panel";
-import { ParameterPanel } from "../ui/ParameterPanel";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
+import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
-import { seen } from "./lab/link";
+import { Downloads, share } from "./lab/Downloads";
+import { visibleState } from "./lab/link";
 import { type Live, Pictures } from "./lab/Pictures";
 import { useReading } from "./lab/reading";
 import { keepAddress, openSession, restore } from "./lab/session";
-import { share, Takeaway } from "./lab/Takeaway";
 import { replay } from "./worldSession";
 
-const Faults = later(async () => (await import("../figures/faults/Faults")).Faults);
-const MovingTable = later(async () => (await import("../figures/table/MovingTable")).MovingTable);
-const Why = later(async () => (await import("../figures/why/Why")).Why);
+const Faults = lazy(async () => (await import("../tools/faults/Faults")).Faults);
+const MovingTable = lazy(async () => (await import("../tools/table/MovingTable")).MovingTable);
+const Why = lazy(async () => (await import("../tools/why/Why")).Why);
 
 /** The session on show; null until the server has given one. */
 const live = signal<Live | null>(null);
@@ -49,7 +49,7 @@ async function begin(): Promise<void> {
     exposeHook(connection, () => picture);
     connection.start();
     // The page knows more of a world that had ended than its address: also what was set while nobody listened.
-    if (shown) restore(connection.store, before ? seen(before.store) : shown);
+    if (shown) restore(connection.store, before ? visibleState(before.store) : shown);
     if (shown && before) connection.store.takeOver(before.store);
     unfollow = keepAddress(id, connection.store);
     trouble.value = null;
@@ -183,7 +183,7 @@ function Lab() {
           <aside class="lab-settings" aria-label="Parameters">
             {below && <Model store={below} />}
           </aside>
-          <div class="lab-takeaway">{session && <Takeaway id={session.id} />}</div>
+          <div class="lab-takeaway">{session && <Downloads id={session.id} />}</div>
         </div>
       </div>
     </main>

@@ -1,5 +1,5 @@
 import "../style/index.css";
-import "../style/logs.css";
+import "./logs/logs.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
 import { Button } from "../ui/Button";

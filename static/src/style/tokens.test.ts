@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { toLab } from "../gl/palette";
 import type { Rgb } from "./colour";
+import { toLab } from "./oklab";
 import css from "./tokens.css?raw";
 
 type Matrix = readonly (readonly [number, number, number])[];

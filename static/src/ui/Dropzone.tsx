@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
-import { droppedFiles, type Folder } from "./dropped";
+import { droppedFiles, type Folder } from "./droppedFiles";
 import { Icon } from "./Icon";
 
 interface DropzoneProps {

@@ -17,7 +17,7 @@ from mapper.mapping import textbook, traversal
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.sensors.scan import LaserScan
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "lesson" / "lesson.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "grid" / "textbook.vectors.json"
 
 NAMES = (
     "range_max", "window", "log_odds_hit", "log_odds_miss", "update", "traversal", "no_return", "clamp",

@@ -19,7 +19,7 @@ from mapper.mapping.parameters import BY_NAME, CONES, MappingConfig
 from mapper.mapping.sensor_model import MoravecElfes, NoReturn, beam_profile
 from mapper.sensors.scan import LaserScan
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "profile" / "profile.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "grid" / "sensorModel.vectors.json"
 
 NAMES = (
     "model", "range_max", "window", "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "log_odds_prior", "no_return",

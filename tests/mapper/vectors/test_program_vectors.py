@@ -18,7 +18,7 @@ from mapper.mapping import textbook
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "program" / "program.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "program" / "program.vectors.json"
 TRACED = (3, 11)  #: the Python whose line events are kept
 SHOWN = ("update_per_beam", "evidence_of_beam", "evidence_along_beam", "update", "bayes_filter")
 GEOMETRY: dict[str, Any] = {"resolution": 0.25, "rows": 8, "cols": 10, "origin": (0.0, 0.0, 0.0)}

@@ -17,7 +17,7 @@ from mapper.mapping import textbook
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import SonarScan
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "sonar" / "sonar.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "sonar" / "sonar.vectors.json"
 GEOMETRY: dict[str, Any] = {"resolution": 0.2, "rows": 13, "cols": 15, "origin": (-0.5, -0.6, 0.0)}
 POSES = ((0.513, 0.671, 0.413), (0.877, 0.589, -1.101), (1.013, 0.823, 2.031))
 BEARINGS = [-1.57, -0.61, 0.0, 0.43, 1.1, 2.7]

@@ -18,7 +18,7 @@ from mapper.io.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
 from mapper.io.maps.reading import load_map
 from mapper.io.maps.writing import pgm_bytes, yaml_text
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "figures" / "thresholds" / "thresholds.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "thresholds" / "thresholds.vectors.json"
 GEOMETRY = GridGeometry(0.05, 3, 7, (-2.0, 1.25, 0.0))
 LOG_ODDS = np.linspace(-2.0, 3.5, 21, dtype=np.float32).reshape(3, 7)
 PAIRS = ((0.65, 0.25), (0.65, 0.196), (0.6, 0.5), (0.9, 0.2), (0.97, 0.13))

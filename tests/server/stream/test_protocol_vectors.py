@@ -29,7 +29,7 @@ from server.stream.protocol import (
 )
 from server.stream.tiles import STATE_BOUNDS
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "protocol.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "wire" / "protocol.vectors.json"
 TILE = 64
 
 COMMANDS: tuple[dict[str, Any], ...] = (

@@ -1,8 +1,8 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { Steps } from "../../figures/steps/Steps";
-import type { Store } from "../../state";
-import type { Status } from "../../stream";
+import type { Store } from "../../store/store";
+import type { Status } from "../../store/stream";
+import { Steps } from "../../tools/steps/Steps";
 import { Button } from "../../ui/Button";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];

@@ -1,18 +1,18 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import type { Connection } from "../../connect";
-import { Toolbar, ToolHint } from "../../editing/Toolbar";
-import { Belief } from "../../figures/belief";
-import type { Picture } from "../../figures/picture/Picture";
-import { Readout } from "../../figures/readout";
-import { TrueWorld } from "../../figures/world";
-import type { Parameter, Values } from "../../protocol";
+import type { Picture } from "../../render/picture/Picture";
+import type { Connection } from "../../store/connect";
+import { Toolbar, ToolHint } from "../../tools/editing/Toolbar";
+import { readable } from "../../tools/parameters/parameters";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { WorldView } from "../../tools/picture/WorldView";
+import { Readout } from "../../tools/readout/Readout";
 import { Button } from "../../ui/Button";
-import { later } from "../../ui/later";
-import { readable } from "../../ui/parameters";
+import { lazy } from "../../ui/lazy";
 import { isDark, printing } from "../../ui/theme";
+import type { Parameter, Values } from "../../wire/protocol";
 
-const Beside = later(async () => (await import("../../figures/beside")).Beside);
+const Beside = lazy(async () => (await import("../../tools/picture/SecondMapView")).SecondMapView);
 
 /** A session on show. */
 export interface Live extends Connection {
@@ -90,7 +90,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
         }
         caption={store && <ToolHint store={store} />}
       >
-        {store && <TrueWorld store={store} />}
+        {store && <WorldView store={store} />}
       </Plate>
       <Plate
         title="The belief"
@@ -111,7 +111,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
         }
         caption={store ? <Readout store={store} /> : null}
       >
-        {store && <Belief store={store} onPicture={(picture) => onPicture(picture)} />}
+        {store && <BeliefView store={store} onPicture={(picture) => onPicture(picture)} />}
       </Plate>
       {compared && session && store && (
         <Plate

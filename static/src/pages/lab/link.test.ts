@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { carried, fragmentOf, packed, type Shown, unpacked } from "./link";
+import { fragmentOf, type LinkState, linkFromAddress, packLink, unpackLink } from "./link";
 
-const SHOWN: Shown = {
+const SHOWN: LinkState = {
   story: { world: "büro", seed: 123, steps: 700, journal: [[12, { type: "teleport", x: 1.25, y: -3 }]] },
   wrong: { on: ["no_clamp"], before: { clamp: true } },
   view: { x: 1.5, y: 2, scale: 0.01 },
@@ -11,30 +11,35 @@ const SHOWN: Shown = {
 };
 
 test("what is packed comes out again, in letters that an address may hold", async () => {
-  const letters = await packed(SHOWN);
+  const letters = await packLink(SHOWN);
   expect(letters).toMatch(/^[A-Za-z0-9_-]+$/);
-  expect(await unpacked(letters)).toEqual(SHOWN);
-  expect(await carried(await fragmentOf(SHOWN))).toEqual(SHOWN);
-  expect(await carried("")).toBeNull();
+  expect(await unpackLink(letters)).toEqual(SHOWN);
+  expect(await linkFromAddress(await fragmentOf(SHOWN))).toEqual(SHOWN);
+  expect(await linkFromAddress("")).toBeNull();
 });
 
 test("a link from before cells and second maps were told opens as it did", async () => {
   const { pinned, why, right, ...before } = SHOWN;
-  expect(await unpacked(await packed(before as Shown))).toEqual({ ...before, pinned: null, why: null, right: null });
+  expect(await unpackLink(await packLink(before as LinkState))).toEqual({
+    ...before,
+    pinned: null,
+    why: null,
+    right: null,
+  });
 });
 
 test("a long story stays short", async () => {
   const journal = Array.from({ length: 300 }, (_, i) => [i * 4, { type: "teleport", x: 3 + 0.01 * i, y: 4 }]);
-  expect((await packed({ ...SHOWN, story: { ...SHOWN.story, journal } })).length).toBeLessThan(6000);
+  expect((await packLink({ ...SHOWN, story: { ...SHOWN.story, journal } })).length).toBeLessThan(6000);
 });
 
 test("a link that lost a piece opens nothing, and one with a strange view shows everything", async () => {
-  const letters = await packed(SHOWN);
-  expect(await unpacked(letters.slice(0, letters.length / 2))).toBeNull();
-  expect(await unpacked("%%%")).toBeNull();
-  expect(await unpacked(await packed({ ...SHOWN, story: { world: "x" } } as unknown as Shown))).toBeNull();
-  const odd = await unpacked(await packed({ ...SHOWN, view: { x: 1, y: 2, scale: -1 } }));
+  const letters = await packLink(SHOWN);
+  expect(await unpackLink(letters.slice(0, letters.length / 2))).toBeNull();
+  expect(await unpackLink("%%%")).toBeNull();
+  expect(await unpackLink(await packLink({ ...SHOWN, story: { world: "x" } } as unknown as LinkState))).toBeNull();
+  const odd = await unpackLink(await packLink({ ...SHOWN, view: { x: 1, y: 2, scale: -1 } }));
   expect(odd?.view).toBeNull();
-  const strange = { ...SHOWN, pinned: [1, "2"], why: { at: [1, 2, 3] }, right: { clamp: {} } } as unknown as Shown;
-  expect(await unpacked(await packed(strange))).toMatchObject({ pinned: null, why: null, right: null });
+  const strange = { ...SHOWN, pinned: [1, "2"], why: { at: [1, 2, 3] }, right: { clamp: {} } } as unknown as LinkState;
+  expect(await unpackLink(await packLink(strange))).toMatchObject({ pinned: null, why: null, right: null });
 });

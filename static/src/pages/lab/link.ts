@@ -3,17 +3,17 @@
  * that is looked at and why it is asked about, and the map made right beside the wrong one.
  */
 
-import { NOTHING_WRONG, type Wrong } from "../../figures/faults/wrong";
-import type { Point, Value, Values } from "../../protocol";
-import type { Store } from "../../state";
-import type { View } from "../../view";
+import type { View } from "../../render/view";
+import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
+import type { Store } from "../../store/store";
+import type { Point, Value, Values } from "../../wire/protocol";
 
 /** What happened in a live world, as `/api/sessions/{id}/story` tells it. The server reads it; the page only carries it. */
 export type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
 
 /** What a page shows of a world. */
-export interface Seen {
-  readonly wrong: Wrong;
+export interface VisibleState {
+  readonly wrong: ActiveFaults;
   /** Where a person has moved the view; null while it shows everything. */
   readonly view: View | null;
   /** The place whose cell a person has pinned. */
@@ -24,7 +24,7 @@ export interface Seen {
   readonly right: Values | null;
 }
 
-export interface Shown extends Seen {
+export interface LinkState extends VisibleState {
   readonly story: Story;
 }
 
@@ -34,7 +34,7 @@ async function through(bytes: Uint8Array, transform: GenericTransformStream): Pr
 }
 
 /** Pack into letters that an address may hold. */
-export async function packed(shown: Shown): Promise<string> {
+export async function packLink(shown: LinkState): Promise<string> {
   const bytes = await through(new TextEncoder().encode(JSON.stringify(shown)), new CompressionStream("deflate-raw"));
   let letters = "";
   for (const byte of bytes) letters += String.fromCharCode(byte);
@@ -52,16 +52,16 @@ const isValues = (values: unknown): values is Values =>
   typeof values === "object" && values !== null && Object.values(values).every(isValue);
 
 /** Unpack; null for what was never packed, or lost a piece on its way. */
-export async function unpacked(letters: string): Promise<Shown | null> {
+export async function unpackLink(letters: string): Promise<LinkState | null> {
   try {
     const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
     const text = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
-    const { story, wrong, view, pinned, why, right } = JSON.parse(text) as Partial<Shown>;
+    const { story, wrong, view, pinned, why, right } = JSON.parse(text) as Partial<LinkState>;
     if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
     const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
     return {
       story,
-      wrong: Array.isArray(wrong?.on) ? wrong : NOTHING_WRONG,
+      wrong: Array.isArray(wrong?.on) ? wrong : NO_ACTIVE_FAULTS,
       view: seen,
       pinned: isPoint(pinned) ? pinned : null,
       why: isPoint(why?.at) ? { at: why.at, touch: isNumber(why.touch) ? why.touch : null } : null,
@@ -73,11 +73,11 @@ export async function unpacked(letters: string): Promise<Shown | null> {
 }
 
 /** What the page shows of the world now. */
-export function seen(store: Store): Seen {
+export function visibleState(store: Store): VisibleState {
   const at = store.asked.peek();
   const compared = store.compared.peek();
   return {
-    wrong: store.wrong.peek(),
+    wrong: store.activeFaults.peek(),
     view: store.viewHeld.peek() ? store.view.peek() : null,
     pinned: store.pinned.peek(),
     why: at && { at, touch: store.touched.peek() },
@@ -87,17 +87,17 @@ export function seen(store: Store): Seen {
 }
 
 /** What there is now, the world's story and what the page shows of it. Throws where the server does not answer. */
-export async function shownNow(id: string, store: Store): Promise<Shown> {
+export async function currentLinkState(id: string, store: Store): Promise<LinkState> {
   const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
   if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
-  return { story: (await answer.json()) as Story, ...seen(store) };
+  return { story: (await answer.json()) as Story, ...visibleState(store) };
 }
 
 /** The part after `#` of an address. */
-export const fragmentOf = async (shown: Shown): Promise<string> => `#s=${await packed(shown)}`;
+export const fragmentOf = async (shown: LinkState): Promise<string> => `#s=${await packLink(shown)}`;
 
 /** What the address of this page carries; null for nothing. */
-export async function carried(fragment: string = location.hash): Promise<Shown | null> {
+export async function linkFromAddress(fragment: string = location.hash): Promise<LinkState | null> {
   const letters = new URLSearchParams(fragment.replace(/^#/, "")).get("s");
-  return letters ? unpacked(letters) : null;
+  return letters ? unpackLink(letters) : null;
 }

@@ -1,9 +1,9 @@
 import { effect, type ReadonlySignal, signal, untracked } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { tellingReading } from "../../figures/profile/reading";
-import type { Store } from "../../state";
-import { watchSight } from "../../ui/sight";
+import type { Store } from "../../store/store";
+import { tellingReading } from "../../tools/profile/reading";
+import { watchVisibility } from "../../ui/visibility";
 
 export type Reading = number | null | undefined;
 
@@ -24,7 +24,7 @@ export function useReading(store: Store, place: RefObject<HTMLElement | null>): 
     const look = ({ intersectionRatio }: IntersectionObserverEntry): void => {
       seen.value = intersectionRatio >= LEAST_SHARE;
     };
-    const unwatch = place.current && watchSight(place.current, look, { threshold: [0, LEAST_SHARE] });
+    const unwatch = place.current && watchVisibility(place.current, look, { threshold: [0, LEAST_SHARE] });
     let timer: ReturnType<typeof setTimeout> | undefined;
     let readAt = Number.NEGATIVE_INFINITY;
     const read = (): void => {

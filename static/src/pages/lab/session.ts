@@ -1,14 +1,14 @@
 import { effect } from "@preact/signals";
-import type { Store } from "../../state";
+import type { Store } from "../../store/store";
 import { CancelledError, createWorld } from "../worldSession";
-import { carried, fragmentOf, type Seen, type Shown, shownNow } from "./link";
+import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
 /** Which session the lab shows, and what a person should know of how it came about. */
 export interface Opened {
   readonly id: string;
   readonly notice: string | null;
   /** What the address carried, where the session was made of it. */
-  readonly shown: Shown | null;
+  readonly shown: LinkState | null;
 }
 
 /** How long after a change the address follows. */
@@ -22,7 +22,7 @@ const address = (id: string): string => `/lab.html?session=${encodeURIComponent(
  */
 export async function openSession(): Promise<Opened> {
   const wanted = new URLSearchParams(location.search).get("session");
-  const shown = await carried();
+  const shown = await linkFromAddress();
   let notice: string | null = null;
   if (wanted) {
     const answer = await fetch(`/api/sessions/${encodeURIComponent(wanted)}`);
@@ -55,8 +55,8 @@ export async function openSession(): Promise<Opened> {
 }
 
 /** Show what the link showed; what the server has to be asked for, when it is there. */
-export function restore(store: Store, shown: Seen): void {
-  store.wrong.value = shown.wrong;
+export function restore(store: Store, shown: VisibleState): void {
+  store.activeFaults.value = shown.wrong;
   if (shown.view) store.look(shown.view);
   store.pinned.value = shown.pinned;
   if (shown.why) {
@@ -78,7 +78,7 @@ export function keepAddress(id: string, store: Store): () => void {
   let stopped = false;
   const write = async (): Promise<void> => {
     try {
-      const fragment = await fragmentOf(await shownNow(id, store));
+      const fragment = await fragmentOf(await currentLinkState(id, store));
       if (!stopped) history.replaceState(null, "", address(id) + fragment);
     } catch {
       // The server is away: the page says so elsewhere, and the address follows with the next change.
@@ -104,6 +104,6 @@ export function keepAddress(id: string, store: Store): () => void {
 export const liveAddress = (id: string): string => new URL(address(id), location.href).href;
 
 /** The address that opens what is on show now in a session of its own, whenever. */
-export async function momentAddress(id: string, store: Store): Promise<string> {
-  return new URL(`/lab.html${await fragmentOf(await shownNow(id, store))}`, location.href).href;
+export async function snapshotAddress(id: string, store: Store): Promise<string> {
+  return new URL(`/lab.html${await fragmentOf(await currentLinkState(id, store))}`, location.href).href;
 }

@@ -1,4 +1,4 @@
-import { Program } from "../../figures/program/Program";
+import { Program } from "../../lessons/program/Program";
 import { Section } from "./Section";
 
 export function AlgorithmSection({ id, number, title }: { id: string; number: number; title: string }) {

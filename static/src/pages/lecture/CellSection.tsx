@@ -1,15 +1,15 @@
 import { computed, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { Cell, START } from "../../figures/cell/Cell";
-import { type Event, history } from "../../figures/cell/model";
-import { probability } from "../../figures/profile/model";
+import { type CellEvent, logOddsHistory } from "../../grid/cellUpdate";
+import { probability } from "../../grid/logOdds";
+import { Cell, START } from "../../lessons/cell/Cell";
 import { signed, written } from "../../ui/numbers";
 import { Scrub } from "../../ui/Scrub";
 import { cellParameters, numbersOf, setParameter } from "./parameters";
 import { Section } from "./Section";
 
-const events = signal<readonly Event[]>(START);
-const path = computed(() => history(events.value, cellParameters.value));
+const events = signal<readonly CellEvent[]>(START);
+const path = computed(() => logOddsHistory(events.value, cellParameters.value));
 
 /** z with its index: all readings up to one of them (1:t), or that one alone. */
 const Readings = ({ z }: { z: string }) => (

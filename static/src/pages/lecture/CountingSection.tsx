@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import { Counting } from "../../figures/counting/Counting";
+import { Counting } from "../../lessons/counting/Counting";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
-import { Digits } from "../../figures/digits/Digits";
-import type { Readings } from "../../figures/digits/model";
+import { Digits } from "../../lessons/digits/Digits";
+import type { Readings } from "../../lessons/digits/model";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 

@@ -1,4 +1,4 @@
-import { Thresholds } from "../../figures/thresholds/Thresholds";
+import { Thresholds } from "../../lessons/thresholds/Thresholds";
 import { Section } from "./Section";
 
 export function FileSection({ id, number, title }: { id: string; number: number; title: string }) {

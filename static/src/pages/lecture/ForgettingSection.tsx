@@ -1,13 +1,13 @@
 import { signal } from "@preact/signals";
-import { Forgetting } from "../../figures/forgetting/Forgetting";
-import type { Clamp } from "../../figures/forgetting/model";
-import { CONFIG } from "../../figures/lesson/grid";
+import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
+import { Forgetting } from "../../lessons/forgetting/Forgetting";
+import type { Clamp } from "../../lessons/forgetting/model";
 import { signed } from "../../ui/numbers";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 
 const seen = signal(40);
-const clamp = signal<Clamp>({ on: true, low: CONFIG.log_odds_min, high: CONFIG.log_odds_max });
+const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });
 
 export function ForgettingSection({ id, number, title }: { id: string; number: number; title: string }) {
   const { low, high } = clamp.value;
@@ -76,8 +76,8 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           after="."
         />{" "}
         Forgotten means: none of the table’s cells counts as occupied any more, p ≤ 0.65. Updated per scan, as the next
-        section has it, a cell is told one thing a scan: a hit, {signed(CONFIG.log_odds_hit)}, or a miss,{" "}
-        {signed(CONFIG.log_odds_miss)}. Say a number first, then take the table away.
+        section has it, a cell is told one thing a scan: a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss,{" "}
+        {signed(INITIAL_CONFIG.log_odds_miss)}. Say a number first, then take the table away.
       </p>
     </Section>
   );

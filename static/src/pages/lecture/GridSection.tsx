@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
-import { Independence } from "../../figures/independence/Independence";
-import type { Senses } from "../../figures/independence/model";
+import { Independence } from "../../lessons/independence/Independence";
+import type { Senses } from "../../lessons/independence/model";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 

@@ -1,10 +1,10 @@
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
-import type { Folder } from "../../ui/dropped";
+import type { Folder } from "../../ui/droppedFiles";
 import { bytes } from "../../ui/numbers";
+import { groupIntoLogs } from "../logs/groupFiles";
 import { upload, uploads } from "../logs/library";
-import { logsIn } from "../logs/together";
 import { Section } from "./Section";
 
 /** Sends files to the server and, when all are up, goes to the page that lists them. */
@@ -14,7 +14,7 @@ function YourLog() {
   const begun = useRef(false);
   const take = (folders: readonly Folder[]): void => {
     begun.current = true;
-    for (const log of folders.flatMap(logsIn)) upload(log);
+    for (const log of folders.flatMap(groupIntoLogs)) upload(log);
   };
   useEffect(() => {
     if (begun.current && sending.length === 0) location.assign("/logs.html");

@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import { Profile } from "../../figures/profile/Profile";
+import { Profile } from "../../tools/profile/Profile";
 import { Choice } from "../../ui/Choice";
 import { Scrub } from "../../ui/Scrub";
 import { cellParameters, parameters, setParameter } from "./parameters";

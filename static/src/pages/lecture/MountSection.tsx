@@ -1,4 +1,4 @@
-import { Mount } from "../../figures/mount/Mount";
+import { Mount } from "../../lessons/mount/Mount";
 import { Section } from "./Section";
 
 /** T with its two frames as indices. */

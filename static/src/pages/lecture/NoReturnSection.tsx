@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import { NoReturn } from "../../figures/noreturn/NoReturn";
+import { NoReturn } from "../../lessons/noreturn/NoReturn";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 

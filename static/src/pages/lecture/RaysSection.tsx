@@ -1,4 +1,4 @@
-import { Rays } from "../../figures/rays/Rays";
+import { Rays } from "../../lessons/rays/Rays";
 import { Section } from "./Section";
 
 export function RaysSection({ id, number, title }: { id: string; number: number; title: string }) {

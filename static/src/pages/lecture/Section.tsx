@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { LazyFigure } from "./LazyFigure";
 import { LESSONS } from "./lessons";
-import { Near } from "./Near";
 import { presenting, slide } from "./present";
 import { SOURCES, type SourceName } from "./sources";
 
@@ -75,9 +75,9 @@ export function Section({ id, number, title, figure, children, after, sources }:
       <div class="prose">{children}</div>
       <div class="lesson-room">
         <div class="lesson-figure" ref={frame}>
-          <Near now={onSlide} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0]}>
+          <LazyFigure now={onSlide} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0]}>
             {figure}
-          </Near>
+          </LazyFigure>
         </div>
       </div>
       {after && <div class="prose">{after}</div>}

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
-import type { SonarSettings } from "../../figures/sonar/model";
-import { Sonar } from "../../figures/sonar/Sonar";
+import type { SonarSettings } from "../../lessons/sonar/model";
+import { Sonar } from "../../lessons/sonar/Sonar";
 import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 

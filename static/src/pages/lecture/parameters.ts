@@ -1,14 +1,14 @@
 /** The parameters that sections 2 and 4 share: what one turns in the profile, the cell's increments follow. */
 
 import { computed, signal } from "@preact/signals";
-import type { CellParameters } from "../../figures/cell/model";
-import { CONFIG } from "../../figures/lesson/grid";
-import { beamModel, INITIAL } from "../../figures/profile/model";
+import type { CellParameters } from "../../grid/cellUpdate";
+import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
+import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
 
-const { clamp, log_odds_min, log_odds_max } = CONFIG;
+const { clamp, log_odds_min, log_odds_max } = INITIAL_CONFIG;
 
 export const parameters = signal<Readonly<Record<string, unknown>>>({
-  ...INITIAL,
+  ...INITIAL_PARAMETERS,
   range_max: 8,
   window: 0.2,
   clamp,

@@ -1,11 +1,11 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
-import type { Store } from "../../state";
+import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { whenLeftAlone } from "../../ui/leftAlone";
 import { Panel } from "../../ui/Panel";
-import { type Examination, examine, type Finding, surety, verdict } from "./doctor";
+import { whenIdle } from "../../ui/whenIdle";
+import { confidenceLabel, type Examination, examine, type Finding, verdict } from "./doctor";
 import "./doctor.css";
-import { witness } from "./words";
+import { trajectoryLabel } from "./describeLog";
 
 type State =
   | { readonly kind: "idle" }
@@ -44,7 +44,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   });
   useSignalEffect(() => {
     const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
-    return isToDo ? whenLeftAlone(LEFT_ALONE_MS, () => void look(false)) : undefined;
+    return isToDo ? whenIdle(LEFT_ALONE_MS, () => void look(false)) : undefined;
   });
   const look = async (isShown: boolean): Promise<void> => {
     state.value = { kind: "busy" };
@@ -77,7 +77,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {isTold && now.examination.findings.length === 0 && (
           <p>
-            No problems found. Poses: {witness(now.examination.trajectory)}. Checked: {CHECKED}.
+            No problems found. Poses: {trajectoryLabel(now.examination.trajectory)}. Checked: {CHECKED}.
           </p>
         )}
         {isTold && now.examination.findings.length > 0 && (
@@ -120,7 +120,7 @@ function Told({ finding, store }: { readonly finding: Finding; readonly store: S
   return (
     <li class="finding" data-check={finding.check}>
       <p>
-        <span class="finding-sure">{surety(finding)}</span> {finding.sentence}
+        <span class="finding-sure">{confidenceLabel(finding)}</span> {finding.sentence}
       </p>
       <p class="quiet">{finding.advice}</p>
       <div class="finding-actions">

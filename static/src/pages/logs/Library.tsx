@@ -3,9 +3,9 @@ import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
 import { bytes } from "../../ui/numbers";
+import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
 import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
-import { logsIn } from "./together";
 
 /** Every log there is, and the place to drop one's own. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
@@ -23,7 +23,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           reading of the log.
         </p>
       </div>
-      <Dropzone button="Choose a log" onFolders={(folders) => folders.flatMap(logsIn).forEach(upload)}>
+      <Dropzone button="Choose a log" onFolders={(folders) => folders.flatMap(groupIntoLogs).forEach(upload)}>
         <p>
           <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
         </p>

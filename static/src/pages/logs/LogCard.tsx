@@ -2,8 +2,8 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import { file, inside, remedy, run, topic, trajectoryLabel } from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
-import { file, inside, remedy, run, topic, witness } from "./words";
 
 /** Failures that are no fault of the log, or may be none. */
 const AGAIN = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
@@ -73,7 +73,7 @@ function Facts({ log, onOpen }: LogCardProps) {
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
         <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
-          Poses from: {log.trajectories.map((one) => witness(one.name)).join(" or ")}
+          Poses from: {log.trajectories.map((one) => trajectoryLabel(one.name)).join(" or ")}
         </p>
       )}
       {known.length > 0 && <Inside log={log} onOpen={onOpen} />}

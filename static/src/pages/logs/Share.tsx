@@ -1,8 +1,8 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import type { Look } from "../../render/view";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
-import type { Look } from "../../view";
 import { described, type Link, linksTo, makeLink, revokeLink } from "./links";
 import "./share.css";
 

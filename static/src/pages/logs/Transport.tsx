@@ -1,9 +1,9 @@
 import { useEffect } from "preact/hooks";
-import type { Trajectory } from "../../protocol";
-import type { Store } from "../../state";
+import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { clock } from "../../ui/numbers";
 import { Timeline } from "../../ui/Timeline";
+import type { Trajectory } from "../../wire/protocol";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 

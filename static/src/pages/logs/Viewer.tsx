@@ -1,33 +1,33 @@
 import { computed, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { type Connection, connect } from "../../connect";
-import { exposeHook } from "../../debug";
-import { Belief } from "../../figures/belief";
-import { CompareReadout } from "../../figures/compare/Readout";
-import type { Picture } from "../../figures/picture/Picture";
-import { stillness } from "../../figures/picture/pulse";
-import { Profile } from "../../figures/profile/Profile";
-import { tellingReading } from "../../figures/profile/reading";
-import { Readout } from "../../figures/readout";
-import { Why } from "../../figures/why/Why";
-import type { Store } from "../../state";
+import type { Picture } from "../../render/picture/Picture";
+import { framed, type Look } from "../../render/view";
+import { type Connection, connect } from "../../store/connect";
+import type { Store } from "../../store/store";
+import { CompareReadout } from "../../tools/compare/Readout";
+import { ParameterPanel } from "../../tools/parameters/ParameterPanel";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { Profile } from "../../tools/profile/Profile";
+import { tellingReading } from "../../tools/profile/reading";
+import { Readout } from "../../tools/readout/Readout";
+import { Why } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
 import { MapFiles } from "../../ui/MapFiles";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
-import { ParameterPanel } from "../../ui/ParameterPanel";
+import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
 import { Working } from "../../ui/Working";
-import { framed, type Look } from "../../view";
-import { BothMaps, useComparison } from "./compare/both";
+import { exposeHook } from "../debugHook";
 import { Compare } from "./compare/Compare";
+import { BothMaps, useComparison } from "./compare/useComparison";
 import { Doctor } from "./Doctor";
+import { sentence, trajectoryLabel } from "./describeLog";
 import { Share } from "./Share";
 import { Transport } from "./Transport";
-import { sentence, witness } from "./words";
 
 interface ViewerProps {
   readonly session: string;
@@ -63,7 +63,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
     if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
   });
   // Who wants less motion sees the whole map at once, and goes through it by the timeline and by steps.
-  const isWhole = useRef(!stillness.peek());
+  const isWhole = useRef(!reducedMotion.peek());
   useSignalEffect(() => {
     const frame = store.frame.value;
     if (isWhole.current || !frame) return;
@@ -99,7 +99,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
     <div class={comparison.isOn.value ? "viewer comparing" : "viewer"}>
       <Head connection={connection} session={session} onClose={onClose} picture={picture} />
       <div class="viewer-map">
-        <Belief
+        <BeliefView
           store={store}
           comparison={comparison}
           onPicture={(made) => {
@@ -224,7 +224,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
         <Panel title="Trajectory">
           <Choice
             label="Poses from"
-            options={trajectories.map((one) => ({ value: one.name, label: witness(one.name) }))}
+            options={trajectories.map((one) => ({ value: one.name, label: trajectoryLabel(one.name) }))}
             value={trajectory}
             onChange={(name) => {
               picked.value = name;

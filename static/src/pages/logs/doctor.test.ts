@@ -1,5 +1,5 @@
 import { afterEach, expect, test, vi } from "vitest";
-import { examine, surety } from "./doctor";
+import { confidenceLabel, examine } from "./doctor";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -22,7 +22,7 @@ test("a refusal is the server's sentence", async () => {
 });
 
 test("surety in words", () => {
-  const words = [1, 0.8, 0.7].map((sure) => surety({ sure, possible: false }));
+  const words = [1, 0.8, 0.7].map((sure) => confidenceLabel({ sure, possible: false }));
   expect(words).toEqual(["certain", "very likely", "likely"]);
-  expect(surety({ sure: 0.69, possible: true })).toBe("possible");
+  expect(confidenceLabel({ sure: 0.69, possible: true })).toBe("possible");
 });

@@ -1,6 +1,6 @@
 /** What the server's examination of a log found. */
 
-import type { Value } from "../../protocol";
+import type { Value } from "../../wire/protocol";
 
 export interface Finding {
   readonly check: string;
@@ -30,7 +30,7 @@ export async function examine(session: string): Promise<Examination> {
 }
 
 /** How sure a finding is, in a word. */
-export function surety({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
+export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
   if (possible) return "possible";
   if (sure >= 0.95) return "certain";
   return sure >= 0.8 ? "very likely" : "likely";

@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import { stillness } from "../../figures/picture/pulse";
+import { reducedMotion } from "../../ui/reducedMotion";
 
 /** One stream of messages in a log's file. */
 export interface Topic {
@@ -247,7 +247,7 @@ export async function openSession(log: string, topic: string | null): Promise<st
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "log", log, topic, playing: !stillness.peek() }),
+    body: JSON.stringify({ kind: "log", log, topic, playing: !reducedMotion.peek() }),
   });
   if (!answer.ok) throw new Error(await sentence(answer));
   return ((await answer.json()) as { id: string }).id;

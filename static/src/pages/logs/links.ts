@@ -1,8 +1,8 @@
 /** Links that open a view of a log, read-only, until they are revoked. */
 
-import type { Look } from "../../view";
+import type { Look } from "../../render/view";
+import { trajectoryLabel } from "./describeLog";
 import { AWAY, sentence } from "./library";
-import { witness } from "./words";
 
 /** A link as the one who made it sees it. */
 export interface Link {
@@ -69,7 +69,7 @@ export function described(link: Link): string {
   const { index, count, changed, topic, trajectory, watching } = link;
   return [
     index === count ? "the whole log" : `${index} of ${count} scans`,
-    witness(trajectory),
+    trajectoryLabel(trajectory),
     ...(topic === null ? [] : [topic]),
     ...(changed.length === 0 ? [] : [counted(changed.length, "changed parameter", "changed parameters")]),
     ...(watching === 0 ? [] : [`${counted(watching, "viewer", "viewers")} now`]),

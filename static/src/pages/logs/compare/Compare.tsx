@@ -3,17 +3,17 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
 import { useEffect } from "preact/hooks";
-import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../figures/compare/comparison";
-import { Legend } from "../../../figures/compare/Legend";
-import { Numbers } from "../../../figures/compare/Numbers";
-import type { Compared, LogInfo } from "../../../protocol";
-import type { Store } from "../../../state";
+import type { Store } from "../../../store/store";
+import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../tools/compare/comparison";
+import { Legend } from "../../../tools/compare/Legend";
+import { Numbers } from "../../../tools/compare/Numbers";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { Toggle } from "../../../ui/Toggle";
+import type { Compared, LogInfo } from "../../../wire/protocol";
+import { trajectoryLabel } from "../describeLog";
 import { logs, watch } from "../library";
-import { witness } from "../words";
 import { compareNoMore, compareWith, differing, type Kind, kindOf, type Other } from "./sides";
 
 interface CompareProps {
@@ -154,7 +154,7 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
             disabled={disabled}
             onClick={() => onChoose({ trajectory: one.name })}
           >
-            {witness(one.name)}
+            {trajectoryLabel(one.name)}
           </Button>
         ))}
       </div>

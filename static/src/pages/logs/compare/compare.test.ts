@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import type { Compared, Parameter } from "../../../protocol";
-import { carried, changed, fragmentOf, type Linked, whole } from "./link";
+import type { Compared, Parameter } from "../../../wire/protocol";
+import { changed, fragmentOf, type Linked, linkFromAddress, whole } from "./link";
 import { differing, kindOf, names } from "./sides";
 
 const row = (name: string, initial: number | boolean | string, unit = ""): Parameter =>
@@ -46,13 +46,13 @@ describe("the link", () => {
   };
 
   test("what was packed is unpacked", () => {
-    expect(carried(fragmentOf(linked))).toEqual(linked);
+    expect(linkFromAddress(fragmentOf(linked))).toEqual(linked);
   });
 
   test("what was never packed is nothing", () => {
     for (const broken of ["", "#s=abc", "#compare=", "#compare=%", "#compare=3", '#compare={"look":"stare"}'])
-      expect(carried(broken)).toBeNull();
-    expect(carried('#compare={"look":"swipe","a":{},"b":{}}')).toBeNull();
+      expect(linkFromAddress(broken)).toBeNull();
+    expect(linkFromAddress('#compare={"look":"swipe","a":{},"b":{}}')).toBeNull();
   });
 
   test("values that are as at first are left out, and come back", () => {

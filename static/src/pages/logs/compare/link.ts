@@ -1,10 +1,10 @@
 /** The comparison in the address: who opens it sees both maps as they were, in this session or in a new one. */
 
 import { computed, effect } from "@preact/signals";
-import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../figures/compare/comparison";
-import type { Marked } from "../../../gl/difference";
-import type { Parameter, Value, Values } from "../../../protocol";
-import type { Store } from "../../../state";
+import type { Marked } from "../../../render/map/difference";
+import type { Store } from "../../../store/store";
+import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../tools/compare/comparison";
+import type { Parameter, Value, Values } from "../../../wire/protocol";
 import { compareWith, type Other } from "./sides";
 
 /** What the address carries after `#compare=`, as JSON. */
@@ -23,7 +23,7 @@ export interface Linked {
 const MARK = "#compare=";
 
 /** What the address says; null for nothing, or what cannot be read. */
-export function carried(fragment: string): Linked | null {
+export function linkFromAddress(fragment: string): Linked | null {
   if (!fragment.startsWith(MARK)) return null;
   try {
     const linked = JSON.parse(decodeURIComponent(fragment.slice(MARK.length))) as Partial<Linked>;

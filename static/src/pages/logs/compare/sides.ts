@@ -1,9 +1,9 @@
 /** What a log's map is compared with: in words, and as the server is told. */
 
-import type { Compared, Parameter, Value, Values } from "../../../protocol";
+import { readable } from "../../../tools/parameters/parameters";
 import { written } from "../../../ui/numbers";
-import { readable } from "../../../ui/parameters";
-import { witness } from "../words";
+import type { Compared, Parameter, Value, Values } from "../../../wire/protocol";
+import { trajectoryLabel } from "../describeLog";
 
 /** What the other side has otherwise: parameters that are kept, other poses, or another log. */
 export type Kind = "settings" | "poses" | "log";
@@ -23,12 +23,12 @@ export function kindOf(compared: Compared): Kind {
 
 /** What A and B are, in a few words for a corner of the picture. */
 export function names(compared: Compared, trajectory: string, title: string): { a: string; b: string } {
-  const poses = witness(compared.trajectory ?? "");
+  const poses = trajectoryLabel(compared.trajectory ?? "");
   switch (kindOf(compared)) {
     case "log":
       return { a: compared.title ?? "", b: title };
     case "poses":
-      return { a: poses, b: witness(trajectory) };
+      return { a: poses, b: trajectoryLabel(trajectory) };
     case "settings":
       return { a: "as kept", b: "as set now" };
   }

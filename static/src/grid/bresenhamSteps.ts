@@ -1,0 +1,53 @@
+/**
+ * Bresenham's line step by step, with the error term ∇ in sight, and without one or both of the fixes that carry it
+ * from the first octant, for which it was printed, to all eight. With both it is the line of `bresenham.ts`.
+ */
+
+import type { Cell } from "./lattice";
+
+export interface Fixes {
+  /** Step with the signs of the differences. */
+  readonly direction: boolean;
+  /** Swap the axes of a line that rises more than it runs. */
+  readonly steep: boolean;
+}
+
+interface LineStep {
+  readonly cell: Cell;
+  /** ∇ when the algorithm stands in this cell and decides where to go next; null in the last cell. */
+  readonly nabla: number | null;
+}
+
+export interface Line {
+  readonly steps: readonly LineStep[];
+  /** The longer and the shorter difference, as the algorithm took them. */
+  readonly a: number;
+  readonly b: number;
+  readonly steep: boolean;
+}
+
+export function bresenhamSteps(start: Cell, end: Cell, fixes: Fixes): Line {
+  const size = (difference: number): number => (fixes.direction ? Math.abs(difference) : difference);
+  const sign = (difference: number): number => (fixes.direction && difference < 0 ? -1 : 1);
+  const [dRow, dCol] = [end.row - start.row, end.col - start.col];
+  const steep = fixes.steep && size(dRow) > size(dCol);
+  const [a, b] = steep ? [size(dRow), size(dCol)] : [size(dCol), size(dRow)];
+  let { row, col } = start;
+  let nabla = 2 * b - a;
+  const steps: LineStep[] = [];
+  for (let i = 0; i < a; i++) {
+    steps.push({ cell: { row, col }, nabla });
+    const diagonal = nabla >= 0;
+    if (steep || diagonal) row += sign(dRow);
+    if (!steep || diagonal) col += sign(dCol);
+    nabla += diagonal ? 2 * b - 2 * a : 2 * b;
+  }
+  steps.push({ cell: { row, col }, nabla: null });
+  return { steps, a, b, steep };
+}
+
+/** Which eighth of the plane a line runs into, 1 … 8 counter-clockwise from east. */
+export function octant(start: Cell, end: Cell): number {
+  const angle = Math.atan2(end.row - start.row, end.col - start.col);
+  return (Math.floor((angle + 2 * Math.PI) / (Math.PI / 4)) % 8) + 1;
+}

@@ -1,0 +1,36 @@
+/** What a cell's byte means: log-odds, probability and state, for the geometry that the bytes came with. */
+
+import type { CellState, Geometry } from "../wire/protocol";
+import { logOdds } from "./logOdds";
+
+type Range = Pick<Geometry, "log_odds_min" | "log_odds_max">;
+
+/** p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py (map_server's). */
+export const OCCUPIED_THRESHOLD = 0.65;
+export const FREE_THRESHOLD = 0.25;
+
+/** The log-odds of a byte 1 … 255 (0 is "never observed" and has none). */
+export function logOddsAt(byte: number, range: Range): number {
+  return range.log_odds_min + ((byte - 1) / 254) * (range.log_odds_max - range.log_odds_min);
+}
+
+/** The byte of a log-odds value, not rounded and not limited. */
+export function byteAt(logOdds: number, range: Range): number {
+  return 1 + (254 * (logOdds - range.log_odds_min)) / (range.log_odds_max - range.log_odds_min);
+}
+
+/** The same, limited to what a byte can say: its ends stand for all that lies beyond them. */
+export const shownByteAt = (logOdds: number, range: Range): number =>
+  Math.min(255, Math.max(1, byteAt(logOdds, range)));
+
+export function stateAt(byte: number, range: Range): CellState {
+  if (byte === 0) return "unknown";
+  const value = logOddsAt(byte, range);
+  if (value > logOdds(OCCUPIED_THRESHOLD)) return "occupied";
+  return value < logOdds(FREE_THRESHOLD) ? "free" : "unknown";
+}
+
+/** The bytes below which a cell is free and above which it is occupied. */
+export function thresholds(range: Range): { below: number; above: number } {
+  return { below: byteAt(logOdds(FREE_THRESHOLD), range), above: byteAt(logOdds(OCCUPIED_THRESHOLD), range) };
+}

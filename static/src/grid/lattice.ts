@@ -1,0 +1,64 @@
+/** Where the cells lie in the world, as `GridGeometry` of mapper/grid/occupancy_grid.py has it; checked against vectors from there. */
+
+import type { Geometry, Point, Pose } from "../wire/protocol";
+import type { Bounds } from "./bounds";
+
+export interface Cell {
+  readonly row: number;
+  readonly col: number;
+}
+
+type Lattice = Pick<Geometry, "origin" | "resolution">;
+
+/** Lattice coordinates (column, row) of a world point, in cells, not floored. */
+export function toLattice({ origin, resolution }: Lattice, x: number, y: number): Point {
+  const dx = x - origin[0];
+  const dy = y - origin[1];
+  const yaw = origin[2];
+  if (yaw === 0) return [dx / resolution, dy / resolution];
+  const c = Math.cos(yaw);
+  const s = Math.sin(yaw);
+  return [(c * dx + s * dy) / resolution, (c * dy - s * dx) / resolution];
+}
+
+/** The world point at lattice coordinates (column, row). */
+export function fromLattice({ origin, resolution }: Lattice, u: number, v: number): Point {
+  const c = Math.cos(origin[2]);
+  const s = Math.sin(origin[2]);
+  return [origin[0] + (c * u - s * v) * resolution, origin[1] + (s * u + c * v) * resolution];
+}
+
+/** The cell that holds a world point; it may lie outside the grid. */
+export function cellAt(lattice: Lattice, x: number, y: number): Cell {
+  const [u, v] = toLattice(lattice, x, y);
+  return { row: Math.floor(v), col: Math.floor(u) };
+}
+
+/** The centre of a cell in the world. */
+export function centreOf(lattice: Lattice, cell: Cell): Point {
+  return fromLattice(lattice, cell.col + 0.5, cell.row + 0.5);
+}
+
+export function contains(geometry: Geometry, { row, col }: Cell): boolean {
+  return row >= 0 && col >= 0 && row < geometry.rows && col < geometry.cols;
+}
+
+/** The box around the whole grid. */
+export function extent(geometry: Geometry): Bounds {
+  const corners = [
+    fromLattice(geometry, 0, 0),
+    fromLattice(geometry, geometry.cols, 0),
+    fromLattice(geometry, 0, geometry.rows),
+    fromLattice(geometry, geometry.cols, geometry.rows),
+  ];
+  const xs = corners.map((corner) => corner[0]);
+  const ys = corners.map((corner) => corner[1]);
+  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+}
+
+/** `T_a_b ∘ T_b_c`: the pose of c in a. */
+export function compose(a: Pose, b: Pose): Pose {
+  const c = Math.cos(a[2]);
+  const s = Math.sin(a[2]);
+  return [a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]];
+}

@@ -1,0 +1,213 @@
+/**
+ * The inverse sensor model along one beam, as `mapper/mapping/sensor_model.py` and the per-beam update compute it.
+ *
+ * Pure functions of the parameters, checked against vectors that the mapper writes (sensorModel.vectors.json). Distances are
+ * metres from the sensor, evidence is log-odds. Source: Thrun, Burgard & Fox, Probabilistic Robotics, table 9.2; of the
+ * other models the sources that the mapper names.
+ */
+
+import { logOdds, probability } from "./logOdds";
+
+/** Which part of the beam a place belongs to. */
+export type Zone = "free" | "hit" | "beyond";
+
+/** The parameters that shape the profile; names as in the mapper's parameter table. */
+export interface SensorModelParameters {
+  readonly model: string;
+  readonly range_max: number;
+  readonly window: number;
+  readonly log_odds_hit: number;
+  readonly log_odds_miss: number;
+  readonly p_free: number;
+  readonly p_occ: number;
+  readonly log_odds_prior: number;
+  readonly no_return: string;
+  readonly resolution: number;
+  readonly sigma: number;
+  readonly sigma_growth: number;
+  readonly opening: number;
+  readonly cone_profile: string;
+  readonly prior_weight: number;
+}
+
+/** Evidence of a beam in three zones: `inverse_sensor_model − ℓ₀` before the window and in it, 0 beyond. */
+interface BeamModel {
+  readonly miss: number;
+  readonly hit: number;
+}
+
+/** Whether the beam is wide: its picture has two dimensions. */
+export const isCone = ({ model }: SensorModelParameters): boolean =>
+  model === "sonar_cone" || model === "moravec_elfes";
+
+/** Whether the evidence is the same all over a zone; it is not on a ramp, and not under a Gaussian. */
+export const isStepped = (values: SensorModelParameters): boolean =>
+  values.model !== "smooth_ramp" &&
+  values.model !== "moravec_elfes" &&
+  !(values.model === "sonar_cone" && values.cone_profile === "gaussian");
+
+/** The most that the model says for free and for occupied; of counting what the first visit changes. */
+export function beamModel(values: SensorModelParameters): BeamModel {
+  switch (values.model) {
+    case "step_window": {
+      const prior = logOdds(probability(values.log_odds_prior));
+      return { miss: logOdds(values.p_free) - prior, hit: logOdds(values.p_occ) - prior };
+    }
+    case "hit_counting": {
+      const p = probability(values.log_odds_prior);
+      const w = values.prior_weight;
+      return { miss: -Math.log1p(1 / (w * (1 - p))), hit: Math.log1p(1 / (w * p)) };
+    }
+    case "moravec_elfes":
+      return { miss: -1, hit: 1 }; // certainties, no log-odds
+    default:
+      return { miss: values.log_odds_miss, hit: values.log_odds_hit };
+  }
+}
+
+/** Half the width of the zone around a reading `z` that argues for occupied, metres; a cone's is at least a cell wide. */
+export function halfWindow(z: number, values: SensorModelParameters): number {
+  if (isCone(values)) return Math.max(values.window, values.resolution) / 2;
+  return values.model === "smooth_ramp" ? 2 * (values.sigma + values.sigma_growth * z) : values.window / 2;
+}
+
+/** Whether a reading counts as no return. A reading of NaN or at most 0 is none at all and leaves no evidence. */
+export function isNoReturn(z: number, values: SensorModelParameters): boolean {
+  return z > values.range_max && values.no_return !== "hit";
+}
+
+/** The reading as the map takes it: where no return is read as a hit, what is too far comes from the max range. */
+export function effectiveReading(z: number, values: SensorModelParameters): number {
+  return values.no_return === "hit" ? Math.min(z, values.range_max) : z;
+}
+
+/** The zone of a place at distance `s` along the beam of a reading. */
+function zoneAt(s: number, reading: number, values: SensorModelParameters): Zone {
+  const z = effectiveReading(reading, values);
+  if (Number.isNaN(z) || z <= 0 || s < 0) return "beyond";
+  if (isNoReturn(z, values)) return values.no_return === "free" && s <= values.range_max ? "free" : "beyond";
+  const half = halfWindow(z, values);
+  if (s < z - half) return "free";
+  return s <= z + half ? "hit" : "beyond";
+}
+
+/** The evidence that a zone gets, at most. */
+export function evidence(zone: Zone, model: BeamModel): number {
+  return zone === "free" ? model.miss : zone === "hit" ? model.hit : 0;
+}
+
+const smoothStep = (t: number): number => {
+  const u = Math.min(1, Math.max(0, t));
+  return u * u * (3 - 2 * u);
+};
+
+/** Moravec & Elfes' quadratic in range: 1 at the sensor falling to 0 at the window, and 1 at z in it. */
+function rangeWeight(s: number, z: number, half: number): number {
+  if (s < z - half) return 1 - (s / (z - half)) ** 2;
+  return half > 0 ? 1 - ((s - z) / half) ** 2 : 1;
+}
+
+/** The profile: what a reading adds, in log-odds, at distance `s` and, in a cone, `theta` radians off its axis. */
+export function increment(s: number, reading: number, values: SensorModelParameters, theta = 0): number {
+  const z = effectiveReading(reading, values);
+  const zone = zoneAt(s, z, values);
+  const model = beamModel(values);
+  if (isCone(values) && Math.abs(theta) > values.opening / 2) return 0;
+  const flat = evidence(zone, model);
+  const half = halfWindow(z, values);
+  if (isNoReturn(z, values)) {
+    if (values.model !== "moravec_elfes") return flat;
+    return flat * (1 - (s / values.range_max) ** 2) * (1 - (theta / (values.opening / 2)) ** 2);
+  }
+  switch (values.model) {
+    case "smooth_ramp": {
+      const t = (s - z) / half;
+      if (zone !== "hit") return flat;
+      return t <= 0 ? model.miss + (model.hit - model.miss) * smoothStep(t + 1) : model.hit * smoothStep(1 - t);
+    }
+    case "sonar_cone":
+      if (values.cone_profile !== "gaussian" || zone === "beyond") return flat;
+      return flat * rangeWeight(s, z, half) * Math.exp(-8 * (theta / values.opening) ** 2);
+    case "moravec_elfes": {
+      if (zone === "beyond") return 0;
+      const off = theta / (values.opening / 2);
+      return flat * rangeWeight(s, z, half) * (1 - off * off);
+    }
+    default:
+      return flat;
+  }
+}
+
+/** Index of the cell that holds distance `s`, for a sensor on the near border of cell 0. */
+export function cellIndexAt(s: number, resolution: number): number {
+  return Math.floor(s / resolution);
+}
+
+/**
+ * The zone of cell `index` on a beam along a row of cells. A cell is in the window when its centre is; the cell
+ * that holds the endpoint of a thin beam always is; a beam without return frees every cell up to the one that holds
+ * the max range, a wide one those whose centre lies before it.
+ */
+export function cellZone(index: number, reading: number, values: SensorModelParameters): Zone {
+  const { resolution } = values;
+  const z = effectiveReading(reading, values);
+  if (Number.isNaN(z) || z <= 0 || index < 0) return "beyond";
+  const centre = (index + 0.5) * resolution;
+  if (isCone(values)) {
+    if (isNoReturn(z, values)) return values.no_return === "free" && centre < values.range_max ? "free" : "beyond";
+    return centre <= values.range_max ? zoneAt(centre, z, values) : "beyond";
+  }
+  if (isNoReturn(z, values)) {
+    return values.no_return === "free" && index <= cellIndexAt(values.range_max, resolution) ? "free" : "beyond";
+  }
+  const endpoint = cellIndexAt(z, resolution);
+  if (index === endpoint) return "hit";
+  if (halfWindow(z, values) === 0) return index < endpoint ? "free" : "beyond";
+  return zoneAt(centre, z, values);
+}
+
+/** What cell `index` on a beam along a row of cells gets. */
+export function cellIncrement(index: number, reading: number, values: SensorModelParameters): number {
+  const z = effectiveReading(reading, values);
+  const zone = cellZone(index, z, values);
+  if (zone === "beyond") return 0;
+  const isEndpoint = !isCone(values) && index === cellIndexAt(z, values.resolution) && !isNoReturn(z, values);
+  const isFlat = isNoReturn(z, values) && values.model !== "moravec_elfes";
+  if (isStepped(values) || isEndpoint || isFlat) return evidence(zone, beamModel(values));
+  return increment((index + 0.5) * values.resolution, z, values);
+}
+
+/** The cells [first, last] that count as hit, or null for a beam without return. */
+export function hitCells(
+  reading: number,
+  values: SensorModelParameters,
+): readonly [first: number, last: number] | null {
+  const z = effectiveReading(reading, values);
+  if (!(z > 0) || isNoReturn(z, values)) return null;
+  const endpoint = cellIndexAt(z, values.resolution);
+  if (cellZone(endpoint, z, values) !== "hit") return null;
+  let first = endpoint;
+  let last = endpoint;
+  while (first > 0 && cellZone(first - 1, z, values) === "hit") first--;
+  while (cellZone(last + 1, z, values) === "hit") last++;
+  return [first, last];
+}
+
+/** The table's first values: what the figure shows before a session has said its own. */
+export const INITIAL_PARAMETERS: SensorModelParameters = {
+  model: "fixed_increments",
+  range_max: 30,
+  window: 0,
+  log_odds_hit: 0.85,
+  log_odds_miss: -0.4,
+  p_free: 0.4,
+  p_occ: 0.7,
+  log_odds_prior: 0,
+  no_return: "ignore",
+  resolution: 0.05,
+  sigma: 0.03,
+  sigma_growth: 0.01,
+  opening: 0.52,
+  cone_profile: "flat",
+  prior_weight: 2,
+};

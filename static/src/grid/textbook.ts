@@ -1,0 +1,203 @@
+/**
+ * Occupancy grid mapping, the twin of `mapper/mapping/textbook.py`, function by function under the same names; held to it by
+ * vectors that the mapper writes (textbook.vectors.json). Source: Probabilistic Robotics, tables 4.2, 9.1 and 9.2.
+ */
+
+import type { Point, Pose } from "../wire/protocol";
+import { amanatidesWoo } from "./amanatidesWoo";
+import { bresenham } from "./bresenham";
+import { type Cell, toLattice } from "./lattice";
+import { type GridGeometry, indexOf, type LaserScan, type MappingConfig, type OccupancyGrid } from "./occupancyGrid";
+
+/** What one beam says of a cell, in log-odds. */
+export interface Evidence {
+  readonly cell: Cell;
+  readonly evidence: number;
+}
+
+const f32 = Math.fround;
+
+export function bayesFilter(logOdds: number, evidence: number, config: MappingConfig): number {
+  const sum = f32(logOdds + f32(evidence));
+  if (!config.clamp) return sum;
+  return Math.min(Math.max(sum, f32(config.log_odds_min)), f32(config.log_odds_max));
+}
+
+/** Put one piece of evidence into one cell; outside the grid there is nothing to update. Return how many were. */
+export function update(grid: OccupancyGrid, cell: Cell, evidence: number, config: MappingConfig): number {
+  const index = indexOf(grid.geometry, cell);
+  if (index < 0) return 0;
+  grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, evidence, config);
+  grid.observed[index] = 1;
+  return 1;
+}
+
+/** Update `grid` with one scan; return the number of cell updates. */
+export function occupancyGridMapping(grid: OccupancyGrid, scan: LaserScan, pose: Pose, config: MappingConfig): number {
+  return config.update === "per_scan"
+    ? updatePerScan(grid, scan, pose, config)
+    : updatePerBeam(grid, scan, pose, config);
+}
+
+export const bearingOf = (scan: LaserScan, beam: number): number => scan.angle_min + scan.angle_increment * beam;
+
+export function updatePerBeam(grid: OccupancyGrid, scan: LaserScan, pose: Pose, config: MappingConfig): number {
+  let updates = 0;
+  scan.ranges.forEach((_, beam) => {
+    for (const { cell, evidence } of evidenceOfBeam(grid.geometry, scan, beam, pose, config))
+      updates += update(grid, cell, evidence, config);
+  });
+  return updates;
+}
+
+/** A beam's range; where "no return" is taken for a hit, a mistake, as if it had come from z_max. */
+export function readingOf(scan: LaserScan, beam: number, config: MappingConfig): number {
+  const z = scan.ranges[beam] ?? Number.NaN;
+  const zMax = Math.min(scan.range_max, config.range_max);
+  if (config.no_return !== "hit" || !(z > zMax)) return z;
+  const nearest = Float32Array.of(zMax);
+  // Ranges are kept as float32, and no reading may lie beyond z_max.
+  if ((nearest[0] ?? 0) > zMax) new Uint32Array(nearest.buffer)[0] = (new Uint32Array(nearest.buffer)[0] ?? 1) - 1;
+  return nearest[0] ?? zMax;
+}
+
+/** What one beam says of each cell: a reading, no return, or (too near, NaN, −Infinity) nothing at all. */
+export function evidenceOfBeam(
+  geometry: GridGeometry,
+  scan: LaserScan,
+  beam: number,
+  pose: Pose,
+  config: MappingConfig,
+): readonly Evidence[] {
+  const z = readingOf(scan, beam, config);
+  const bearing = bearingOf(scan, beam);
+  const zMax = Math.min(scan.range_max, config.range_max);
+  if (scan.range_min <= z && z <= zMax) return evidenceAlongBeam(geometry, pose, bearing, z, config);
+  if (z > zMax && config.no_return === "free")
+    return cellsAlong(geometry, pose, bearing, zMax, config).map((cell) => ({ cell, evidence: config.log_odds_miss }));
+  return [];
+}
+
+/** What a reading `z` says of each cell on its beam: free before the window, occupied in it and at the endpoint. */
+export function evidenceAlongBeam(
+  geometry: GridGeometry,
+  pose: Pose,
+  bearing: number,
+  z: number,
+  config: MappingConfig,
+): readonly Evidence[] {
+  const r = config.window;
+  const end = cellOfBeam(geometry, pose, bearing, z);
+  const found: Evidence[] = [];
+  let endFound = false;
+  for (const cell of cellsAlong(geometry, pose, bearing, z + r / 2, config)) {
+    const isEnd = cell.row === end.row && cell.col === end.col;
+    const s = r === 0 ? 0 : distance(geometry, pose, cell);
+    if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
+    else if (r === 0 || s < z - r / 2) found.push({ cell, evidence: config.log_odds_miss });
+    else if (s <= z + r / 2) found.push({ cell, evidence: config.log_odds_hit });
+    endFound ||= isEnd;
+  }
+  if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });
+  return found;
+}
+
+/** The cells that a beam crosses up to the distance `z`, in order. */
+export function cellsAlong(
+  geometry: GridGeometry,
+  pose: Pose,
+  bearing: number,
+  z: number,
+  config: Pick<MappingConfig, "traversal">,
+): readonly Cell[] {
+  const [from, to] = [pointAt(geometry, pose, bearing, 0), pointAt(geometry, pose, bearing, z)];
+  if (config.traversal === "amanatides_woo") return amanatidesWoo(from, to);
+  const cells: Cell[] = [];
+  bresenham(floored(from), floored(to), (row, col) => {
+    cells.push({ row, col });
+    return true;
+  });
+  return cells;
+}
+
+/** Update every cell in the scan's perceptual field once: table 9.1. */
+export function updatePerScan(grid: OccupancyGrid, scan: LaserScan, pose: Pose, config: MappingConfig): number {
+  return putIntoCells(grid, inverseRangeSensorModel(grid.geometry, scan, pose, config), config);
+}
+
+/** Put into each cell what a scan says of it; NaN is nothing. Return the number of updates. */
+export function putIntoCells(grid: OccupancyGrid, evidence: Float64Array, config: MappingConfig): number {
+  let updates = 0;
+  evidence.forEach((value, index) => {
+    if (Number.isNaN(value)) return;
+    grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, value, config);
+    grid.observed[index] = 1;
+    updates++;
+  });
+  return updates;
+}
+
+/** What a scan says of each cell, NaN outside the perceptual field: table 9.2. */
+export function inverseRangeSensorModel(
+  geometry: GridGeometry,
+  scan: LaserScan,
+  pose: Pose,
+  config: MappingConfig,
+): Float64Array {
+  const { rows, cols, resolution } = geometry;
+  const r = config.window;
+  const zMax = Math.min(scan.range_max, config.range_max);
+  const found = new Float64Array(rows * cols).fill(Number.NaN);
+  const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
+  const heading = pose[2] - geometry.origin[2];
+  scan.ranges.forEach((_, beam) => {
+    const z = readingOf(scan, beam, config);
+    const reading = scan.range_min <= z && z <= zMax;
+    const free = z > zMax && config.no_return === "free";
+    if (!reading && !free) return;
+    const half = Math.min(Math.abs(scan.angle_increment) / 2, Math.PI / 4);
+    const right = heading + bearingOf(scan, beam) - half;
+    const [cr, sr, cl, sl] = [Math.cos(right), Math.sin(right), Math.cos(right + 2 * half), Math.sin(right + 2 * half)];
+    for (let row = 0; row < rows; row++) {
+      const dRow = row + 0.5 - row0;
+      for (let col = 0; col < cols; col++) {
+        const dCol = col + 0.5 - col0;
+        if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
+        const s = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;
+        const index = row * cols + col;
+        if (free) {
+          if (s < zMax) found[index] = config.log_odds_miss;
+        } else if (s < z - r / 2) found[index] = config.log_odds_miss;
+        else if (r > 0 && s <= Math.min(zMax, z + r / 2)) found[index] = config.log_odds_hit;
+      }
+    }
+  });
+  scan.ranges.forEach((_, beam) => {
+    const z = readingOf(scan, beam, config);
+    if (!(scan.range_min <= z && z <= zMax)) return;
+    const index = indexOf(geometry, cellOfBeam(geometry, pose, bearingOf(scan, beam), z));
+    if (index >= 0) found[index] = config.log_odds_hit;
+  });
+  return found;
+}
+
+/** Lattice coordinates (column, row) of the point at distance `z` along a bearing. */
+export function pointAt(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Point {
+  const [px, py] = [z * Math.cos(bearing), z * Math.sin(bearing)];
+  const [cos, sin] = [Math.cos(pose[2]), Math.sin(pose[2])];
+  return toLattice(geometry, pose[0] + cos * px - sin * py, pose[1] + sin * px + cos * py);
+}
+
+const floored = ([u, v]: Point): Cell => ({ row: Math.floor(v), col: Math.floor(u) });
+
+/** The cell that holds the point at distance `z` along a bearing. */
+export function cellOfBeam(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Cell {
+  return floored(pointAt(geometry, pose, bearing, z));
+}
+
+/** The distance in metres from the sensor to a cell's centre. */
+export function distance(geometry: GridGeometry, pose: Pose, cell: Cell): number {
+  const [u, v] = toLattice(geometry, pose[0], pose[1]);
+  const [du, dv] = [cell.col + 0.5 - u, cell.row + 0.5 - v];
+  return Math.sqrt(du * du + dv * dv) * geometry.resolution;
+}

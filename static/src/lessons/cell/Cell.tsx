@@ -1,0 +1,113 @@
+import { computed, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { probability } from "../../grid/logOdds";
+import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
+import { toPixel } from "../../render/chart/scale";
+import { Button } from "../../ui/Button";
+import { signed, written } from "../../ui/numbers";
+import "./cell.css";
+import { type CellEvent, type CellParameters, logOddsHistory, readingsUntil } from "../../grid/cellUpdate";
+import { evidenceScale, FREE, LogOddsBackground, OCCUPIED, readingScale } from "../../render/chart/LogOddsBackground";
+
+export const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
+const SHOWN = 26;
+
+const WIDTH = 360;
+const HEIGHT = 200;
+
+interface CellProps {
+  readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
+  /** The readings so far, where something else shows them as well. */
+  readonly events?: Signal<readonly CellEvent[]>;
+}
+
+const stateOf = (value: number): "free" | "unknown" | "occupied" =>
+  value > OCCUPIED ? "occupied" : value < FREE ? "free" : "unknown";
+
+/** A cell that the reader feeds with hits and misses: its log-odds as a staircase between the clamp's limits. */
+export function Cell({ parameters, events: given }: CellProps) {
+  const values = useMemo(
+    () =>
+      computed<CellParameters>(() => ({
+        ...INITIAL_PARAMETERS,
+        clamp: true,
+        log_odds_min: -2,
+        log_odds_max: 3.5,
+        ...(parameters.value as Partial<CellParameters>),
+      })),
+    [parameters],
+  );
+  const own = useSignal<readonly CellEvent[]>(START);
+  const events = given ?? own;
+  const now = values.value;
+  const model = beamModel(now);
+  const path = logOddsHistory(events.value, now);
+  const value = path[path.length - 1] ?? 0;
+  const state = stateOf(value);
+  const feed = (event: CellEvent): void => {
+    events.value = [...events.value, event];
+  };
+
+  const limits = now.clamp ? [now.log_odds_min, now.log_odds_max] : [];
+  const first = Math.max(0, path.length - SHOWN);
+  const across = readingScale(WIDTH, first, first + SHOWN);
+  const up = evidenceScale(HEIGHT, limits, path.slice(-SHOWN));
+  const x = (i: number): number => toPixel(i, across);
+  const y = (evidence: number): number => toPixel(evidence, up);
+  const stairs = path
+    .slice(first)
+    .map((evidence, i) => `${i === 0 ? "M" : "V"}${i === 0 ? `${x(first)} ` : ""}${y(evidence)}H${x(first + i + 1)}`);
+  const until =
+    state === "occupied" ? readingsUntil("miss", value, FREE, now) : readingsUntil("hit", value, OCCUPIED, now);
+
+  return (
+    <figure
+      class="cell"
+      aria-label="One cell, fed with hits and misses"
+      aria-keyshortcuts="H M"
+      onKeyDown={(event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey) return;
+        const key = event.key.toLowerCase();
+        if (key === "h") feed("hit");
+        if (key === "m") feed("miss");
+      }}
+    >
+      <div class="cell-square" data-state={state} style={{ "--p": `${probability(value) * 100}%` }}>
+        <output>
+          <b>p {written(probability(value), 2)}</b>
+          <span>{state}</span>
+        </output>
+      </div>
+      <div class="cell-buttons">
+        <Button onClick={() => feed("hit")}>
+          <span class="noun-hit">hit {signed(model.hit)}</span>
+        </Button>
+        <Button onClick={() => feed("miss")}>
+          <span class="noun-miss">miss {signed(model.miss)}</span>
+        </Button>
+        <Button
+          kind="quiet"
+          icon="restart"
+          label="Begin again"
+          onClick={() => {
+            events.value = [];
+          }}
+        />
+      </div>
+      <svg class="cell-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="presentation">
+        <LogOddsBackground width={WIDTH} evidence={up} limits={limits} />
+        <path class="profile-line" d={stairs.join("")} />
+        {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
+          const at = path.length - shown.length + i;
+          return <circle key={at} class={`dot-${event}`} cx={x(at)} cy={y(path[at] ?? 0)} r={4} />;
+        })}
+      </svg>
+      <figcaption class="quiet">
+        ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
+        {until !== null &&
+          until > 0 &&
+          ` · ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"} and it counts as ${state === "occupied" ? "free" : "occupied"}`}
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,117 @@
+import { effect, type ReadonlySignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
+import { shownByteAt } from "../../grid/cellValues";
+import { fromLattice, toLattice } from "../../grid/lattice";
+import type { GridGeometry, OccupancyGrid } from "../../grid/occupancyGrid";
+import { mapColours, palette } from "../../render/map/palette";
+import { isDark } from "../../ui/theme";
+import type { Point } from "../../wire/protocol";
+import "./lesson.css";
+import { useWidth } from "../../ui/useWidth";
+
+/** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
+export interface Place {
+  readonly width: number;
+  readonly height: number;
+  /** Pixels of a metre, and of a cell. */
+  readonly metre: number;
+  readonly cell: number;
+  x(metres: number): number;
+  y(metres: number): number;
+  world(px: number, py: number): Point;
+}
+
+const placeOf = (geometry: GridGeometry, width: number): Place => {
+  const cell = width / geometry.cols;
+  const height = cell * geometry.rows;
+  return {
+    width,
+    height,
+    cell,
+    metre: cell / geometry.resolution,
+    x: (metres) => toLattice(geometry, metres, 0)[0] * cell,
+    y: (metres) => height - toLattice(geometry, 0, metres)[1] * cell,
+    world: (px, py) => fromLattice(geometry, px / cell, (height - py) / cell),
+  };
+};
+
+/** Where the colours of the log-odds end. */
+const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
+
+function paint(canvas: HTMLCanvasElement, grid: OccupancyGrid): void {
+  const { rows, cols } = grid.geometry;
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const colours = palette(RANGE, mapColours());
+  const image = context.createImageData(cols, rows);
+  for (let row = 0; row < rows; row++)
+    for (let col = 0; col < cols; col++) {
+      const index = row * cols + col;
+      const byte = Math.round(shownByteAt(grid.logOdds[index] ?? 0, RANGE));
+      const from = 4 * (grid.observed[index] === 1 ? byte : 0);
+      image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
+    }
+  context.putImageData(image, 0, 0);
+}
+
+function paintGreys(canvas: HTMLCanvasElement, greys: Uint8Array): void {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const image = context.createImageData(canvas.width, canvas.height);
+  greys.forEach((grey, i) => {
+    image.data.set([grey, grey, grey, 255], 4 * i);
+  });
+  context.putImageData(image, 0, 0);
+}
+
+interface StageProps {
+  readonly geometry: GridGeometry;
+  /** What it shows, for who cannot see it. */
+  readonly label: string;
+  /** The belief on the floor; without it the floor is plain. */
+  readonly grid?: ReadonlySignal<OccupancyGrid>;
+  /** Instead of a belief, an image: greys, top row first. */
+  readonly greys?: ReadonlySignal<Uint8Array>;
+  /** Draw the borders of the cells. */
+  readonly lines?: boolean;
+  readonly children?: (place: Place) => ComponentChildren;
+}
+
+/** A piece of the world: its cells as a canvas, and over them a drawing in pixels. It keeps its place while it loads. */
+export function Stage({ geometry, label, grid, greys, lines, children }: StageProps) {
+  const box = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const width = useWidth(box, 480);
+  // Before it is shown, and before it is printed.
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        void isDark.value;
+        if (canvas.current && grid) paint(canvas.current, grid.value);
+        if (canvas.current && greys) paintGreys(canvas.current, greys.value);
+      }),
+    [grid, greys],
+  );
+  const now = placeOf(geometry, width.value);
+  return (
+    <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
+      {(grid || greys) && (
+        <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />
+      )}
+      {!(grid || greys) && <p class="visually-hidden">{label}</p>}
+      <svg width={now.width} height={now.height} viewBox={`0 0 ${now.width} ${now.height}`} role="presentation">
+        {lines && <Lines geometry={geometry} place={now} />}
+        {children?.(now)}
+      </svg>
+    </div>
+  );
+}
+
+function Lines({ geometry, place }: { geometry: GridGeometry; place: Place }) {
+  const path = [
+    ...Array.from({ length: geometry.cols - 1 }, (_, i) => `M${(i + 1) * place.cell} 0V${place.height}`),
+    ...Array.from({ length: geometry.rows - 1 }, (_, i) => `M0 ${(i + 1) * place.cell}H${place.width}`),
+  ];
+  return <path class="cell-lines" d={path.join("")} />;
+}

@@ -1,0 +1,40 @@
+/** What a map says, counted: the three states, and the occupied cells where no wall is. */
+
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
+import { type Cell, centreOf } from "../../grid/lattice";
+import { logOdds } from "../../grid/logOdds";
+import type { OccupancyGrid } from "../../grid/occupancyGrid";
+import type { Wall } from "./world";
+
+export type State = "free" | "unknown" | "occupied";
+
+const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
+const FREE = logOdds(FREE_THRESHOLD);
+
+/** The three-way state of a cell, as the mapper classifies it. */
+export function stateOf(grid: OccupancyGrid, index: number): State {
+  if (grid.observed[index] !== 1) return "unknown";
+  const value = grid.logOdds[index] ?? 0;
+  return value > OCCUPIED ? "occupied" : value < FREE ? "free" : "unknown";
+}
+
+export function cellsOf(grid: OccupancyGrid, state: State): readonly Cell[] {
+  const { rows, cols } = grid.geometry;
+  return Array.from({ length: rows * cols }, (_, index) => index)
+    .filter((index) => stateOf(grid, index) === state)
+    .map((index) => ({ row: Math.floor(index / cols), col: index % cols }));
+}
+
+function distanceTo([x0, y0, x1, y1]: Wall, x: number, y: number): number {
+  const [wx, wy] = [x1 - x0, y1 - y0];
+  const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy || 1)));
+  return Math.hypot(x - x0 - t * wx, y - y0 - t * wy);
+}
+
+/** Occupied cells whose centre is farther than `reach` metres from every wall. */
+export function phantoms(grid: OccupancyGrid, walls: readonly Wall[], reach: number): readonly Cell[] {
+  return cellsOf(grid, "occupied").filter((cell) => {
+    const [x, y] = centreOf(grid.geometry, cell);
+    return walls.every((wall) => distanceTo(wall, x, y) > reach);
+  });
+}

@@ -1,0 +1,174 @@
+import { computed, type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { cellAt } from "../../grid/lattice";
+import { probability } from "../../grid/logOdds";
+import { INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
+import { written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import type { Point } from "../../wire/protocol";
+import { Knob, RobotShape } from "../common/Knob";
+import { Plot } from "../common/Plot";
+import { Scene } from "../common/Scene";
+import { beamsPerCell, distanceOf, expectedBeams, GEOMETRY, mapWith, SENSOR, WALLS } from "./model";
+import "./counting.css";
+
+const KINDS = [
+  { update: "per_beam", name: "per beam" },
+  { update: "per_scan", name: "per scan" },
+] as const;
+
+const inside = ([x, y]: Point): Point => [Math.min(3.75, Math.max(0.05, x)), Math.min(2.55, Math.max(0.05, y))];
+
+interface CountingProps {
+  readonly beams: Signal<number>;
+  readonly scans: Signal<number>;
+}
+
+/** The same scan taken beam by beam and cell by cell, with one cell under a cross to compare. */
+export function Counting({ beams, scans }: CountingProps) {
+  const probe = useSignal<Point>([1.46, 1.35]);
+  const counts = useMemo(() => computed(() => beamsPerCell(beams.value)), [beams]);
+  const maps = useMemo(
+    () => KINDS.map(({ update }) => computed(() => mapWith(update, beams.value, scans.value))),
+    [beams, scans],
+  );
+  const cell = cellAt(GEOMETRY, probe.value[0], probe.value[1]);
+  const index = indexOf(GEOMETRY, cell);
+  const touched = counts.value[index] ?? 0;
+  return (
+    <figure class="counting" aria-label="One scan taken per beam and per scan">
+      <div class="side-by-side">
+        {KINDS.map(({ update, name }, i) => {
+          const map = maps[i];
+          if (!map) return null;
+          const l = map.value.logOdds[index] ?? 0;
+          const seen = map.value.observed[index] === 1;
+          return (
+            <div key={update}>
+              <h3>{name}</h3>
+              <Scene geometry={GEOMETRY} label={`The map, updated ${name}`} grid={map} walls={WALLS}>
+                {(place) => (
+                  <>
+                    <g transform={`translate(${place.x(SENSOR[0])} ${place.y(SENSOR[1])})`}>
+                      <RobotShape yaw={0} size={7} />
+                    </g>
+                    <rect
+                      class="probe-cell"
+                      x={cell.col * place.cell}
+                      y={place.height - (cell.row + 1) * place.cell}
+                      width={place.cell}
+                      height={place.cell}
+                    />
+                    <Knob
+                      place={place}
+                      at={probe.value}
+                      label={`Cell to look at, map ${name}`}
+                      sentence="Chooses the cell whose numbers stand under both maps."
+                      text={`${written(distanceOf(cell), 2)} metres from the sensor: ${seen ? `log-odds ${written(l, 2)}` : "not observed"}`}
+                      tone="ink"
+                      step={GEOMETRY.resolution}
+                      onMove={(point) => {
+                        probe.value = inside(point);
+                      }}
+                    >
+                      <path class="probe" d="M-13 0H-5M5 0H13M0 -13V-5M0 5V13" />
+                    </Knob>
+                  </>
+                )}
+              </Scene>
+              <p class="quiet number" aria-live="polite">
+                {seen ? (
+                  <>
+                    Under the cross: ℓ = <b>{written(l, 2)}</b>, p = {written(probability(l), 2)}
+                    {(l <= INITIAL_CONFIG.log_odds_min || l >= INITIAL_CONFIG.log_odds_max) && ", at the clamp"}
+                  </>
+                ) : (
+                  "Under the cross: not observed"
+                )}
+              </p>
+            </div>
+          );
+        })}
+      </div>
+      <Plot height={HEIGHT} label="Beams of one scan in a cell, over the cell's distance">
+        {(width) => <Scatter counts={counts.value} beams={beams.value} chosen={index} width={width} />}
+      </Plot>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Beams of a scan"
+          sentence="How many beams the lidar sends all round in one scan."
+          value={beams.value}
+          initial={180}
+          low={36}
+          high={720}
+          step={12}
+          onInput={(value) => {
+            beams.value = value;
+          }}
+        />
+      </div>
+      <figcaption class="quiet number">
+        The cell under the cross, {written(distanceOf(cell), 2)} m away, was told the same thing{" "}
+        <b>
+          {touched} {touched === 1 ? "time" : "times"}
+        </b>{" "}
+        by one scan.
+      </figcaption>
+    </figure>
+  );
+}
+
+const HEIGHT = 150;
+const LEFT = 40;
+
+interface ScatterProps {
+  readonly counts: Uint16Array;
+  readonly beams: number;
+  readonly chosen: number;
+  readonly width: number;
+}
+
+/** How many beams of one scan met each cell, over its distance. */
+function Scatter({ counts, beams, chosen, width }: ScatterProps) {
+  const far = 2.7;
+  const most = Math.max(8, expectedBeams(0.15, beams));
+  const x = (s: number): number => LEFT + ((width - LEFT - 10) * s) / far;
+  const y = (n: number): number => HEIGHT - 24 - ((HEIGHT - 40) * Math.min(n, most)) / most;
+  const curve = Array.from({ length: 90 }, (_, i) => 0.15 + ((far - 0.15) * i) / 89).map(
+    (s, i) => `${i === 0 ? "M" : "L"}${x(s).toFixed(1)} ${y(expectedBeams(s, beams)).toFixed(1)}`,
+  );
+  const dots = [...counts.keys()].filter((i) => (counts[i] ?? 0) > 0 && i !== chosen);
+  const isOver = (i: number): boolean => (counts[i] ?? 0) > most;
+  const point = (i: number): readonly [number, number] => [
+    x(distanceOf({ row: Math.floor(i / GEOMETRY.cols), col: i % GEOMETRY.cols })),
+    y(counts[i] ?? 0),
+  ];
+  const path = dots.map((i) => {
+    const [px, py] = point(i);
+    // An arrow where the axis does not reach.
+    return isOver(i) ? `M${px - 4} ${py + 3}l4 -6l4 6` : `M${px.toFixed(1)} ${py.toFixed(1)}h0`;
+  });
+  const over = [...counts.keys()].filter(isOver).length;
+  const [cx, cy] = point(chosen);
+  return (
+    <>
+      <line class="zero" x1={LEFT} x2={width - 10} y1={y(0)} y2={y(0)} />
+      <path class="counting-dots" d={path.join("")} />
+      <path class="counting-curve" d={curve.join("")} />
+      <circle class="counting-chosen" cx={cx} cy={cy} r={7} />
+      <text x={LEFT - 6} y={y(0) + 4} text-anchor="end">
+        0
+      </text>
+      <text x={LEFT - 6} y={y(most) + 6} text-anchor="end">
+        {Math.round(most)}
+      </text>
+      <text x={width - 10} y={HEIGHT - 6} text-anchor="end">
+        distance of the cell: {far} m
+      </text>
+      <text x={width - 10} y={14} text-anchor="end">
+        beams in a cell
+        {over > 0 && ` (${over} ${over === 1 ? "cell has" : "cells have"} more than ${Math.round(most)})`}
+      </text>
+    </>
+  );
+}

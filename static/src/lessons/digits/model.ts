@@ -1,0 +1,59 @@
+/**
+ * The same evidence kept three ways in single precision (IEEE 754 binary32, as the mapper keeps its cells): as a
+ * probability, as odds, and as log-odds. Every step is rounded to 24 bits by Math.fround. No clamp: this is why.
+ */
+
+import { logOdds } from "../../grid/logOdds";
+
+const f32 = Math.fround;
+
+/** A cell's belief after some readings. */
+export interface Digits {
+  readonly p: number;
+  readonly odds: number;
+  readonly logOdds: number;
+}
+
+export interface Readings {
+  readonly hits: number;
+  readonly misses: number;
+  /** Probability that a reading alone gives an occupied cell: after a hit, and after a miss. */
+  readonly pHit: number;
+  readonly pMiss: number;
+}
+
+/** One Bayes step in probabilities, each operation rounded: p ← p·q / (p·q + (1 − p)·(1 − q)). */
+export function bayesStep(p: number, q: number): number {
+  const occupied = f32(p * q);
+  const free = f32(f32(1 - p) * f32(1 - q));
+  return f32(occupied / f32(occupied + free));
+}
+
+/** The belief before the first reading and after each: first the hits, then the misses. */
+export function run({ hits, misses, pHit, pMiss }: Readings): readonly Digits[] {
+  const [qHit, qMiss] = [f32(pHit), f32(pMiss)];
+  const steps = [...Array.from({ length: hits }, () => qHit), ...Array.from({ length: misses }, () => qMiss)];
+  let now: Digits = { p: 0.5, odds: 1, logOdds: 0 };
+  const found = [now];
+  for (const q of steps) {
+    now = {
+      p: bayesStep(now.p, q),
+      odds: f32(now.odds * f32(q / f32(1 - q))),
+      logOdds: f32(now.logOdds + f32(logOdds(q))),
+    };
+    found.push(now);
+  }
+  return found;
+}
+
+/** After which reading a way has run out of digits: exactly 1, infinite odds, or exactly 0; null while it has not. */
+export function lostAt(path: readonly Digits[], way: "p" | "odds"): number | null {
+  const at = path.findIndex((one) =>
+    way === "p" ? one.p === 1 || one.p === 0 : !(one.odds > 0 && one.odds < Infinity),
+  );
+  return at < 0 ? null : at;
+}
+
+/** A belief in log-odds, so that the three can be drawn on one axis; ±Infinity where the digits have run out. */
+export const asLogOdds = (one: Digits, way: "p" | "odds" | "logOdds"): number =>
+  way === "logOdds" ? one.logOdds : way === "odds" ? Math.log(one.odds) : Math.log(one.p) - Math.log(1 - one.p);

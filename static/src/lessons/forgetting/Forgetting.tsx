@@ -1,0 +1,257 @@
+import { computed, type Signal, useSignal } from "@preact/signals";
+import { useMemo, useRef } from "preact/hooks";
+import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
+import { toPixel } from "../../render/chart/scale";
+import { Button } from "../../ui/Button";
+import { reducedMotion } from "../../ui/reducedMotion";
+import { Slider } from "../../ui/Slider";
+import { RobotShape } from "../common/Knob";
+import { Plot } from "../common/Plot";
+import { Scene, Walls } from "../common/Scene";
+import { useSeen, useSteps } from "../common/useSteps";
+import { type Clamp, GEOMETRY, ROOM, SENSOR, type Story, TABLE, tell } from "./model";
+import "./forgetting.css";
+
+const OFF: Clamp = { on: false, low: -2, high: 3.5 };
+const MS_PER_SCAN = 70;
+
+const scans = (count: number): string => `${count} scan${count === 1 ? "" : "s"}`;
+
+interface ForgettingProps {
+  /** Scans that the table stood for. */
+  readonly seen: Signal<number>;
+  readonly clamp: Signal<Clamp>;
+}
+
+/** The moving table: the reader predicts, the table goes, and both maps show how long they needed. */
+export function Forgetting({ seen, clamp }: ForgettingProps) {
+  const prediction = useSignal(20);
+  /** Scans since the table went; null while it stands. */
+  const since = useSignal<number | null>(null);
+  const playing = useSignal(false);
+  const root = useRef<HTMLElement>(null);
+  const told = useMemo(
+    () =>
+      computed(() => {
+        const limit = Math.ceil(2.6 * seen.value) + 30;
+        return { limit, clamped: tell(seen.value, limit, clamp.value), free: tell(seen.value, limit, OFF) };
+      }),
+    [seen, clamp],
+  );
+  const { limit, clamped, free } = told.value;
+  const end = Math.min(limit, Math.max(clamped.forgottenAfter ?? limit, free.forgottenAfter ?? limit) + 4);
+  const t = since.value === null ? null : Math.min(since.value, end);
+  const step = (by: number): void => {
+    const next = Math.min(end, Math.max(0, (since.peek() ?? 0) + by));
+    since.value = next;
+    if (next >= end) playing.value = false;
+  };
+  useSteps(
+    playing,
+    useSeen(root),
+    () => MS_PER_SCAN,
+    () => step(1),
+  );
+  const done = t !== null && t >= end;
+  return (
+    <figure class="forgetting" ref={root} aria-label="A table that goes away, and two maps that forget it">
+      <div class="side-by-side">
+        <Room name="with the clamp" line="clamped" story={clamped} seen={seen.value} t={t} />
+        <Room name="without a clamp" line="free" story={free} seen={seen.value} t={t} />
+      </div>
+      <Plot height={HEIGHT + 22} label="Log-odds of the table's last cell over the scans, with the clamp and without">
+        {(width) => (
+          <Chart
+            width={width}
+            seen={seen.value}
+            t={t}
+            end={end}
+            clamped={clamped}
+            free={free}
+            prediction={prediction.value}
+            clamp={clamp.value}
+          />
+        )}
+      </Plot>
+      <div class="figure-controls no-print">
+        <Slider
+          label="My guess, with the clamp"
+          sentence="Your prediction: how many scans the map with the clamp needs to forget the table."
+          value={prediction.value}
+          initial={20}
+          low={1}
+          high={120}
+          step={1}
+          unit="scans"
+          disabled={t !== null}
+          onInput={(value) => {
+            prediction.value = value;
+          }}
+        />
+        {t === null ? (
+          <Button
+            kind="primary"
+            onClick={() => {
+              since.value = 0;
+              playing.value = !reducedMotion.peek();
+            }}
+          >
+            Remove the table
+          </Button>
+        ) : (
+          <>
+            {!done && !reducedMotion.value && (
+              <Button
+                icon={playing.value ? "pause" : "play"}
+                label={playing.value ? "Pause" : "Continue"}
+                onClick={() => {
+                  playing.value = !playing.value;
+                }}
+              />
+            )}
+            <Button icon="stepBack" label="Back one scan" onClick={() => step(-1)} />
+            <Button icon="stepForward" label="Forward one scan" onClick={() => step(1)} />
+            {reducedMotion.value && !done && <Button onClick={() => step(end)}>To the end</Button>}
+            <Button
+              icon="restart"
+              onClick={() => {
+                playing.value = false;
+                since.value = null;
+              }}
+            >
+              Put the table back
+            </Button>
+          </>
+        )}
+      </div>
+      <figcaption class="quiet" aria-live={playing.value ? "off" : "polite"}>
+        {t === null ? (
+          <>The table has stood here for {scans(seen.value)}. How many will the map need to forget it?</>
+        ) : (
+          <>
+            {scans(t)} since it was removed. Your guess: <b class="noun-robot">{prediction.value}</b>. With the clamp{" "}
+            <Outcome story={clamped} t={t} />, without it <Outcome story={free} t={t} />.
+            {done && clamped.forgottenAfter !== null && (
+              <Verdict said={prediction.value} was={clamped.forgottenAfter} />
+            )}
+          </>
+        )}
+      </figcaption>
+    </figure>
+  );
+}
+
+function Outcome({ story, t }: { story: Story; t: number }) {
+  const after = story.forgottenAfter;
+  if (after === null || t < after) return <span>it is still there</span>;
+  return (
+    <span>
+      it was forgotten after <b>{after}</b>
+    </span>
+  );
+}
+
+function Verdict({ said, was }: { said: number; was: number }) {
+  const off = said - was;
+  if (off === 0) return <> Exactly right.</>;
+  return (
+    <>
+      {" "}
+      You were {Math.abs(off)} {off > 0 ? "over" : "under"}.
+    </>
+  );
+}
+
+interface RoomProps {
+  readonly name: string;
+  /** Its line in the chart. */
+  readonly line: "clamped" | "free";
+  readonly story: Story;
+  readonly seen: number;
+  readonly t: number | null;
+}
+
+function Room({ name, line, story, seen, t }: RoomProps) {
+  const shown = useSignal(story.mapAfter(0));
+  shown.value = story.mapAfter(seen + (t ?? 0));
+  return (
+    <div>
+      <h3>
+        {name}{" "}
+        <svg class="forgetting-key" viewBox="0 0 36 6" aria-hidden="true">
+          <path class={`forgetting-line ${line}`} d="M0 3H36" />
+        </svg>
+      </h3>
+      <Scene geometry={GEOMETRY} label={`The map ${name}`} grid={shown} walls={ROOM}>
+        {(place) => (
+          <>
+            <Walls place={place} walls={TABLE} tone={t === null ? "wall" : "wall gone"} />
+            <g transform={`translate(${place.x(SENSOR[0])} ${place.y(SENSOR[1])})`}>
+              <RobotShape yaw={0} size={9} />
+            </g>
+          </>
+        )}
+      </Scene>
+    </div>
+  );
+}
+
+const HEIGHT = 200;
+
+interface ChartProps {
+  readonly width: number;
+  readonly seen: number;
+  readonly t: number | null;
+  readonly end: number;
+  readonly clamped: Story;
+  readonly free: Story;
+  readonly prediction: number;
+  readonly clamp: Clamp;
+}
+
+/** ℓ of the cell that is forgotten last, in both maps, over the scans. */
+function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartProps) {
+  const now = seen + (t ?? 0);
+  const across = readingScale(width, 0, seen + Math.max(end, prediction) + 2);
+  const up = evidenceScale(HEIGHT, [clamp.low, clamp.high], free.path.slice(0, seen + 1));
+  const x = (i: number): number => toPixel(i, across);
+  const y = (l: number): number => toPixel(l, up);
+  const line = (story: Story): string =>
+    story.path
+      .slice(0, now + 1)
+      .map((l, i) => `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${y(l).toFixed(1)}`)
+      .join("");
+  const said = x(seen + prediction);
+  return (
+    <>
+      <LogOddsBackground width={width} evidence={up} limits={[clamp.low, clamp.high]} />
+      <line class="forgetting-gone" x1={x(seen)} x2={x(seen)} y1={8} y2={HEIGHT - 8} />
+      <line class="forgetting-said" x1={said} x2={said} y1={8} y2={HEIGHT - 8} />
+      <text class="said" x={said + 5} y={22}>
+        you say
+      </text>
+      <path class="forgetting-line free" d={line(free)} />
+      <path class="forgetting-line clamped" d={line(clamped)} />
+      {[clamped, free].map(
+        (story, i) =>
+          story.forgottenAfter !== null &&
+          t !== null &&
+          t >= story.forgottenAfter && (
+            <circle
+              key={["clamped", "free"][i]}
+              class={`forgetting-dot ${["clamped", "free"][i]}`}
+              cx={x(seen + story.forgottenAfter)}
+              cy={y(story.path[seen + story.forgottenAfter] ?? 0)}
+              r={6}
+            />
+          ),
+      )}
+      <text x={(x(0) + x(seen)) / 2} y={HEIGHT + 14} text-anchor="middle">
+        with the table
+      </text>
+      <text x={x(seen) + 8} y={HEIGHT + 14}>
+        {t === null ? "… and then?" : "without it"}
+      </text>
+    </>
+  );
+}

@@ -1,0 +1,199 @@
+import { computed, type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { probability } from "../../grid/logOdds";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+import "./independence.css";
+import { gridMap, joint, type Look, likeliest, productOf, type Senses } from "./model";
+
+export const START: readonly Look[] = ["passed", "passed", "none", "passed", "none"];
+const NEXT: Record<Look, Look> = { none: "passed", passed: "ended", ended: "none" };
+const WORDS: Record<Look, string> = { none: "not looked at", passed: "beam passed", ended: "beam ended here" };
+
+const percent = (p: number): string => (p < 0.0995 ? `${written(100 * p, 1)} %` : `${written(100 * p, 0)} %`);
+
+interface IndependenceProps {
+  readonly senses: Signal<Senses>;
+}
+
+/** Five cells on a sonar's arc: what a grid map keeps of them, and what all 32 maps together would. */
+export function Independence({ senses }: IndependenceProps) {
+  const looks = useSignal<readonly Look[]>(START);
+  const both = useMemo(
+    () =>
+      computed(() => {
+        const grid = gridMap(looks.value, senses.value);
+        return {
+          grid: grid.map(probability),
+          joint: joint(looks.value, senses.value),
+          nothing: productOf(0, grid),
+          maps: likeliest(looks.value, senses.value, 5),
+        };
+      }),
+    [looks, senses],
+  );
+  const now = both.value;
+  const turn = (cell: number): void => {
+    looks.value = looks.value.map((look, i) => (i === cell ? NEXT[look] : look));
+  };
+  return (
+    <figure class="independence" aria-label="One sonar echo, five cells: independent cells and the joint">
+      <div class="independence-scene">
+        <Cone looks={looks.value} grid={now.grid} joint={now.joint.marginals} onTurn={turn} />
+      </div>
+      <div class="independence-maps">
+        <h3>Whole maps, the likeliest first</h3>
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">map</th>
+              <th scope="col">joint</th>
+              <th scope="col">product of cells</th>
+            </tr>
+          </thead>
+          <tbody>
+            {now.maps.map(({ map, joint: p, grid }) => (
+              <tr key={map} class={map === 0 ? "nothing" : ""}>
+                <th scope="row">
+                  <Strip map={map} cells={looks.value.length} />
+                </th>
+                <Bar p={p} tone="joint" />
+                <Bar p={grid} tone="grid" />
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <figcaption class="quiet" aria-live="polite">
+        <span>
+          That <b>nothing</b> stands on the arc, though it echoed: joint{" "}
+          <b class="joint-number">{percent(now.joint.maps[0] ?? 0)}</b>, grid map{" "}
+          <b class="grid-number">{percent(now.nothing)}</b>.
+        </span>
+        <Button
+          kind="quiet"
+          icon="restart"
+          label="Begin again, with no cell looked at"
+          onClick={() => {
+            looks.value = START.map(() => "none");
+          }}
+        />
+      </figcaption>
+    </figure>
+  );
+}
+
+function Bar({ p, tone }: { p: number; tone: "joint" | "grid" }) {
+  return (
+    <td class={`independence-bar ${tone}`}>
+      <span style={{ width: `${100 * p}%` }} />
+      <output aria-live="off">{percent(p)}</output>
+    </td>
+  );
+}
+
+function Strip({ map, cells }: { map: number; cells: number }) {
+  const occupied = Array.from({ length: cells }, (_, i) => i).filter((i) => (map >> i) & 1);
+  const words =
+    occupied.length === 0
+      ? "nothing"
+      : `occupied: cell${occupied.length > 1 ? "s" : ""} ${occupied.map((i) => i + 1).join(" and ")}`;
+  return (
+    <span class="map-strip" role="img" aria-label={words}>
+      {Array.from({ length: cells }, (_, i) => (
+        <i key={i} class={occupied.includes(i) ? "occupied" : "free"} />
+      ))}
+    </span>
+  );
+}
+
+const WIDTH = 460;
+const HEIGHT = 356;
+const SENSOR = { x: 40, y: HEIGHT / 2 + 13 };
+const RADIUS = 235;
+const SPREAD = 0.66;
+const SIZE = 56;
+
+interface ConeProps {
+  readonly looks: readonly Look[];
+  readonly grid: readonly number[];
+  readonly joint: readonly number[];
+  readonly onTurn: (cell: number) => void;
+}
+
+function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
+  const n = looks.length;
+  const angle = (i: number): number => SPREAD * ((2 * i) / (n - 1) - 1);
+  const at = (i: number, r: number): readonly [number, number] => [
+    SENSOR.x + r * Math.cos(angle(i)),
+    SENSOR.y + r * Math.sin(angle(i)),
+  ];
+  const edge = SPREAD + 0.12;
+  const rim = (a: number): string =>
+    `${SENSOR.x + (RADIUS + 40) * Math.cos(a)} ${SENSOR.y + (RADIUS + 40) * Math.sin(a)}`;
+  return (
+    <div class="cone-box">
+      <svg class="cone" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="presentation">
+        <path
+          class="cone-body"
+          d={`M${SENSOR.x} ${SENSOR.y}L${rim(-edge)}A${RADIUS + 40} ${RADIUS + 40} 0 0 1 ${rim(edge)}Z`}
+        />
+        {[0.35, 0.55, 0.75].map((share) => {
+          const r = RADIUS * share;
+          const point = (a: number): string => `${SENSOR.x + r * Math.cos(a)} ${SENSOR.y + r * Math.sin(a)}`;
+          return (
+            <path key={share} class="cone-wave" d={`M${point(-edge + 0.06)}A${r} ${r} 0 0 1 ${point(edge - 0.06)}`} />
+          );
+        })}
+        {looks.map((look, i) => {
+          const [x, y] = at(i, look === "ended" ? RADIUS - SIZE / 2 : RADIUS + 62);
+          return look === "none" ? null : (
+            <line key={`${i}-${look}`} class={`cone-look ${look}`} x1={SENSOR.x + 12} y1={SENSOR.y} x2={x} y2={y} />
+          );
+        })}
+        <g class="robot-shape" transform={`translate(${SENSOR.x} ${SENSOR.y})`}>
+          <circle r={14} />
+          <path d="M3 -6L10 0L3 6" />
+        </g>
+        <text class="cone-head" x={WIDTH - 104} y={16} text-anchor="middle">
+          grid
+        </text>
+        <text class="cone-head" x={WIDTH - 42} y={16} text-anchor="middle">
+          joint
+        </text>
+        {looks.map((look, i) => {
+          const y = at(i, RADIUS)[1];
+          return (
+            <g key={`${i}-${look}`}>
+              <text class="grid-number" x={WIDTH - 104} y={y + 5} text-anchor="middle">
+                {percent(grid[i] ?? 0)}
+              </text>
+              <text class="joint-number" x={WIDTH - 42} y={y + 5} text-anchor="middle">
+                {percent(marginals[i] ?? 0)}
+              </text>
+            </g>
+          );
+        })}
+      </svg>
+      {looks.map((look, i) => {
+        const [x, y] = at(i, RADIUS);
+        return (
+          <button
+            key={`cell-${i + 1}`}
+            type="button"
+            class="cone-cell printed"
+            aria-label={`Cell ${i + 1}: ${WORDS[look]}. Grid map ${percent(grid[i] ?? 0)}, joint ${percent(marginals[i] ?? 0)}. Press to change what the beam saw`}
+            style={{
+              left: `${(100 * x) / WIDTH}%`,
+              top: `${(100 * y) / HEIGHT}%`,
+              "--p": `${100 * (marginals[i] ?? 0)}%`,
+            }}
+            onClick={() => onTurn(i)}
+          >
+            {i + 1}
+          </button>
+        );
+      })}
+    </div>
+  );
+}

@@ -1,0 +1,173 @@
+import { computed, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { compose } from "../../grid/lattice";
+import type { GridGeometry } from "../../grid/occupancyGrid";
+import { Button } from "../../ui/Button";
+import { signed, written } from "../../ui/numbers";
+import { Toggle } from "../../ui/Toggle";
+import type { Point, Pose } from "../../wire/protocol";
+import { cellsOf, phantoms } from "../common/counts";
+import { Knob, RobotShape } from "../common/Knob";
+import { Scene } from "../common/Scene";
+import { type Place, Stage } from "../common/Stage";
+import { type Correction, GEOMETRY, LIDAR, mapWith, POSES, RIGHT, TRUE_MOUNT, WALLS } from "./model";
+import "./mount.css";
+
+const CLOSE: GridGeometry = { resolution: 0.1, rows: 20, cols: 22, origin: [-0.95, -1, 0] };
+const STICK = 0.55;
+const DEGREE = Math.PI / 180;
+
+const limited = (value: number, most: number): number => Math.min(most, Math.max(-most, value));
+const degrees = (yaw: number): string => `${written(yaw / DEGREE, 0)}°`;
+
+const PRESETS: readonly { readonly name: string; readonly correction: Correction }[] = [
+  { name: "right", correction: RIGHT },
+  { name: "turned 8°", correction: { ...RIGHT, yaw: 8 * DEGREE } },
+  { name: "half a metre off", correction: { ...RIGHT, x: -0.5 } },
+  { name: "turned over", correction: { ...RIGHT, upsideDown: true } },
+];
+
+/** The sensor on the robot, as the map believes it to be, and the map that this belief makes. */
+export function Mount() {
+  const correction = useSignal<Correction>(PRESETS[1]?.correction ?? RIGHT);
+  const grid = useMemo(() => computed(() => mapWith(correction.value)), [correction]);
+  const now = correction.value;
+  const set = (change: Partial<Correction>): void => {
+    correction.value = { ...correction.peek(), ...change };
+  };
+  const wrong = phantoms(grid.value, WALLS, 1.35 * GEOMETRY.resolution).length;
+  const walls = cellsOf(grid.value, "occupied").length;
+  return (
+    <figure class="mount" aria-label="The sensor's mount, and the map that it makes">
+      <div class="mount-robot">
+        <h3>The mount that the map believes</h3>
+        <Stage geometry={CLOSE} label="The robot from above, with its sensor">
+          {(place) => <Robot place={place} correction={now} set={set} />}
+        </Stage>
+      </div>
+      <div class="mount-map">
+        <h3>The map</h3>
+        <Scene geometry={GEOMETRY} label="The map made with this mount" grid={grid} walls={WALLS}>
+          {(place) => (
+            <>
+              <path
+                class="mount-way"
+                d={POSES.map(([x, y], i) => `${i === 0 ? "M" : "L"}${place.x(x)} ${place.y(y)}`).join("")}
+              />
+              {POSES.filter((_, i) => i % 3 === 0).map(([x, y, yaw]) => (
+                <g key={`${x} ${y}`} transform={`translate(${place.x(x)} ${place.y(y)})`}>
+                  <RobotShape yaw={yaw} size={6} />
+                </g>
+              ))}
+            </>
+          )}
+        </Scene>
+      </div>
+      <div class="figure-controls no-print">
+        {PRESETS.map(({ name, correction: preset }) => (
+          <Button
+            key={name}
+            pressed={JSON.stringify(preset) === JSON.stringify(now)}
+            onClick={() => {
+              correction.value = preset;
+            }}
+          >
+            {name}
+          </Button>
+        ))}
+        <Toggle label="hangs upside down" checked={now.upsideDown} onChange={(upsideDown) => set({ upsideDown })} />
+      </div>
+      <figcaption class="quiet number" aria-live="polite">
+        Off by {signed(now.x)} m forward, {signed(now.y)} m to the left, {degrees(now.yaw)}
+        {now.upsideDown && ", turned over"}: of {walls} occupied cells,{" "}
+        <b class={wrong > 0 ? "noun-hit" : ""}>{wrong === 0 ? "all lie on walls" : `${wrong} lie where no wall is`}</b>.
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The fan of beams and the way in which they are swept. */
+function Fan({ place, pose, over, tone }: { place: Place; pose: Pose; over: boolean; tone: string }) {
+  const r = 0.34;
+  const sign = over ? -1 : 1;
+  const at = (bearing: number, far = r): string =>
+    `${place.x(pose[0] + far * Math.cos(pose[2] + sign * bearing))} ${place.y(pose[1] + far * Math.sin(pose[2] + sign * bearing))}`;
+  const { angle_min, angle_increment, beams } = LIDAR;
+  const last = angle_min + angle_increment * (beams - 1);
+  const size = r * place.metre;
+  const head = [0.055, -0.055].map((side) => `M${at(last - 0.02)}L${at(last - 0.18, r + side)}`).join("");
+  return (
+    <g class={`fan ${tone}`}>
+      <path
+        class="fan-body"
+        d={`M${place.x(pose[0])} ${place.y(pose[1])}L${at(angle_min)}A${size} ${size} 0 1 ${over ? 1 : 0} ${at(last)}Z`}
+      />
+      <path class="fan-sweep" d={`M${at(angle_min)}A${size} ${size} 0 1 ${over ? 1 : 0} ${at(last)}${head}`} />
+    </g>
+  );
+}
+
+interface RobotProps {
+  readonly place: Place;
+  readonly correction: Correction;
+  readonly set: (change: Partial<Correction>) => void;
+}
+
+function Robot({ place, correction, set }: RobotProps) {
+  const { x, y, yaw, upsideDown } = correction;
+  const believed = compose(TRUE_MOUNT, [x, y, yaw]);
+  const tip: Point = [believed[0] + STICK * Math.cos(yaw), believed[1] + STICK * Math.sin(yaw)];
+  const [left, right, top, bottom] = [place.x(-0.4), place.x(0.4), place.y(0.3), place.y(-0.3)];
+  return (
+    <>
+      <rect class="mount-body" x={left} y={top} width={right - left} height={bottom - top} rx={14} />
+      <path
+        class="mount-axis"
+        d={`M${place.x(0)} ${place.y(0)}H${place.x(0.78)}M${place.x(0)} ${place.y(0)}V${place.y(0.62)}`}
+      />
+      <text class="mount-name" x={place.x(0.8)} y={place.y(-0.09)}>
+        x
+      </text>
+      <text class="mount-name" x={place.x(-0.07)} y={place.y(0.6)}>
+        y
+      </text>
+      <text class="mount-label" x={place.x(-0.37)} y={place.y(-0.24)}>
+        base_link
+      </text>
+      <Fan place={place} pose={TRUE_MOUNT} over={false} tone="truth" />
+      <Fan place={place} pose={believed} over={upsideDown} tone="belief" />
+      <line
+        class="mount-stick"
+        x1={place.x(believed[0])}
+        y1={place.y(believed[1])}
+        x2={place.x(tip[0])}
+        y2={place.y(tip[1])}
+      />
+      <Knob
+        place={place}
+        at={[believed[0], believed[1]]}
+        label="Sensor: where it is on the robot"
+        sentence="Moves the sensor to where the map believes it to be; the readings stay the same."
+        text={`${signed(x)} metres forward and ${signed(y)} metres left of its true place`}
+        tone="beam"
+        step={0.05}
+        onMove={(point) =>
+          set({ x: limited(point[0] - TRUE_MOUNT[0], 0.7), y: limited(point[1] - TRUE_MOUNT[1], 0.7) })
+        }
+      />
+      <Knob
+        place={place}
+        at={tip}
+        label="Sensor: which way it looks"
+        sentence="Turns the sensor as the map believes it to look; the readings stay the same."
+        text={`turned by ${degrees(yaw)}`}
+        tone="beam"
+        step={0.05}
+        onMove={(point) => set({ yaw: Math.atan2(point[1] - believed[1], point[0] - believed[0]) })}
+        onTurn={(by) => set({ yaw: limited(yaw + 5 * by * DEGREE, Math.PI) })}
+      >
+        <path class="knob-dot" d="M-7 0a7 7 0 1 0 14 0a7 7 0 1 0 -14 0" />
+      </Knob>
+    </>
+  );
+}

@@ -1,0 +1,88 @@
+import { computed, type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import type { Point } from "../../wire/protocol";
+import { cellsOf, phantoms } from "../common/counts";
+import { Knob, RobotShape } from "../common/Knob";
+import { Beams, Scene, Walls } from "../common/Scene";
+import { GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WALLS } from "./model";
+
+const NAMES: Record<Policy, string> = {
+  ignore: "ignored",
+  free: "taken for free",
+  hit: "the mistake: taken for a hit",
+};
+
+const inside = ([x, y]: Point): Point => [Math.min(8.9, Math.max(0.7, x)), Math.min(5.7, Math.max(0.7, y))];
+
+/** The same scans under three policies, side by side; the robot is dragged in any of the three. */
+export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
+  const at = useSignal<Point>([2.4, 2.5]);
+  return (
+    <figure class="noreturn" aria-label="Beams without return, taken in three ways">
+      <div class="side-by-side three">
+        {POLICIES.map((policy) => (
+          <Panel key={policy} policy={policy} at={at} rangeMax={rangeMax} />
+        ))}
+      </div>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Max range of the lidar"
+          sentence="How far the lidar sees: what is farther away gives no return."
+          value={rangeMax.value}
+          initial={3}
+          low={1}
+          high={9}
+          step={0.1}
+          unit="m"
+          onInput={(value) => {
+            rangeMax.value = value;
+          }}
+        />
+      </div>
+      <figcaption class="quiet">
+        The dashed wall is glass: a beam that meets it never comes back. The dotted beams are those without return.
+      </figcaption>
+    </figure>
+  );
+}
+
+function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; rangeMax: Signal<number> }) {
+  const grid = useMemo(() => computed(() => mapAt(at.value, rangeMax.value, policy)), [at, rangeMax, policy]);
+  const scan = scanAt(at.value, rangeMax.value);
+  const [x, y] = at.value;
+  const wrong = phantoms(grid.value, [...WALLS, ...GLASS], 1.25 * GEOMETRY.resolution).length;
+  const where = `${written(x, 1)} m, ${written(y, 1)} m`;
+  return (
+    <div>
+      <h3>{NAMES[policy]}</h3>
+      <Scene geometry={GEOMETRY} label={`The map with no returns ${NAMES[policy]}`} grid={grid} walls={WALLS}>
+        {(place) => (
+          <>
+            <Beams place={place} pose={[x, y, 0]} scan={scan} />
+            <Walls place={place} walls={GLASS} tone="wall glass" />
+            <Knob
+              place={place}
+              at={at.value}
+              label={`Robot, map with no returns ${NAMES[policy]}`}
+              sentence="Moves the robot: its scans are taken anew from there, for all three maps."
+              text={where}
+              step={0.2}
+              onMove={(point) => {
+                at.value = inside(point);
+              }}
+            >
+              <RobotShape yaw={0} size={9} />
+            </Knob>
+          </>
+        )}
+      </Scene>
+      <p class="quiet number" aria-live="polite">
+        <b class="noun-miss">{cellsOf(grid.value, "free").length}</b> cells free,{" "}
+        <b class="noun-hit">{cellsOf(grid.value, "occupied").length}</b> occupied
+        {wrong > 0 && `, ${wrong} of them where nothing stands`}
+      </p>
+    </div>
+  );
+}

@@ -1,0 +1,176 @@
+import { computed, type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { cellAt } from "../../grid/lattice";
+import { probability } from "../../grid/logOdds";
+import { emptyGrid, indexOf, type OccupancyGrid } from "../../grid/occupancyGrid";
+import { Choice } from "../../ui/Choice";
+import { signed, written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import type { Point, Pose } from "../../wire/protocol";
+import { Knob, RobotShape } from "../common/Knob";
+import { Scene } from "../common/Scene";
+import type { Place } from "../common/Stage";
+import {
+  type Certainties,
+  noCertainties,
+  type SonarScan,
+  type SonarSettings,
+  updateCone,
+  updateMoravecElfes,
+} from "./model";
+import "./sonar.css";
+import { GEOMETRY, POSES, SONARS, sonarScan, WALLS } from "./world";
+
+const ALL = POSES.length * SONARS;
+const PROFILES = [
+  { value: "flat", label: "flat" },
+  { value: "gaussian", label: "weaker off the axis" },
+];
+
+interface Taken {
+  readonly pose: Pose;
+  readonly scan: SonarScan;
+}
+
+/** The first `count` readings, scan by scan; the last scan may be a part of one. */
+function takenIn(count: number, opening: number): readonly Taken[] {
+  return POSES.slice(0, Math.ceil(count / SONARS)).map((pose, i) => {
+    const scan = sonarScan(pose, opening);
+    const readings = Math.min(SONARS, count - i * SONARS);
+    return {
+      pose,
+      scan: { ...scan, ranges: scan.ranges.slice(0, readings), bearings: scan.bearings.slice(0, readings) },
+    };
+  });
+}
+
+const inside = ([x, y]: Point): Point => [Math.min(4.95, Math.max(0.05, x)), Math.min(3.35, Math.max(0.05, y))];
+
+/** The same sonar readings as Bayes' filter takes them and as Moravec and Elfes combined them. */
+export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
+  const count = useSignal(ALL);
+  const probe = useSignal<Point>([4.65, 1.68]);
+  const taken = useMemo(() => computed(() => takenIn(count.value, settings.value.opening)), [count, settings]);
+  const bayes = useMemo(
+    () =>
+      computed<OccupancyGrid>(() => {
+        const grid = emptyGrid(GEOMETRY);
+        for (const { pose, scan } of taken.value) updateCone(grid, scan, pose, settings.value);
+        return grid;
+      }),
+    [taken, settings],
+  );
+  const certain = useMemo(
+    () =>
+      computed<Certainties>(() => {
+        const map = noCertainties(GEOMETRY);
+        for (const { pose, scan } of taken.value) updateMoravecElfes(map, scan, pose, settings.value);
+        return map;
+      }),
+    [taken, settings],
+  );
+  const shown = useMemo(() => computed(() => certain.value.grid), [certain]);
+  const last = taken.value.at(-1);
+  const index = indexOf(GEOMETRY, cellAt(GEOMETRY, probe.value[0], probe.value[1]));
+  const l = bayes.value.logOdds[index] ?? 0;
+  const seen = bayes.value.observed[index] === 1;
+  const { occupied, empty } = certain.value;
+  const isLast = (certain.value.grid.observed[index] ?? 0) === 1;
+  const panels = [
+    {
+      name: "Bayes, cell by cell",
+      grid: bayes,
+      text: seen ? `ℓ = ${signed(l)}, p = ${written(probability(l), 2)}` : "not observed",
+    },
+    {
+      name: "Moravec and Elfes, 1985",
+      grid: shown,
+      text: isLast
+        ? `occupied ${written(occupied[index] ?? 0, 2)}, empty ${written(empty[index] ?? 0, 2)}`
+        : "not observed",
+    },
+  ];
+  return (
+    <figure class="sonar" aria-label="Sonar readings, taken in two ways">
+      <div class="side-by-side">
+        {panels.map(({ name, grid, text }) => (
+          <div key={name}>
+            <h3>{name}</h3>
+            <Scene geometry={GEOMETRY} label={`The map by ${name}`} grid={grid} walls={WALLS}>
+              {(place) => (
+                <>
+                  {last && <LastCone place={place} taken={last} opening={settings.value.opening} />}
+                  <Knob
+                    place={place}
+                    at={probe.value}
+                    label={`Cell to look at, ${name}`}
+                    sentence="Chooses the cell whose numbers stand under both maps."
+                    text={text}
+                    tone="ink"
+                    step={GEOMETRY.resolution}
+                    onMove={(point) => {
+                      probe.value = inside(point);
+                    }}
+                  >
+                    <path class="probe" d="M-13 0H-4M4 0H13M0 -13V-4M0 4V13" />
+                  </Knob>
+                </>
+              )}
+            </Scene>
+            <p class="quiet number" aria-live="polite">
+              Under the cross: <b>{text}</b>
+            </p>
+          </div>
+        ))}
+      </div>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Readings taken in"
+          sentence="How many of the robot’s sonar readings both maps are made of, in the order in which they came."
+          value={count.value}
+          initial={ALL}
+          low={1}
+          high={ALL}
+          step={1}
+          onInput={(value) => {
+            count.value = value;
+          }}
+        />
+        <Choice
+          label="Profile of the Bayes cone"
+          options={PROFILES}
+          value={settings.value.profile}
+          onChange={(profile) => {
+            settings.value = { ...settings.peek(), profile: profile === "gaussian" ? "gaussian" : "flat" };
+          }}
+        />
+      </div>
+    </figure>
+  );
+}
+
+/** The robot, and the cone of the newest reading with its arc. */
+function LastCone({ place, taken, opening }: { place: Place; taken: Taken; opening: number }) {
+  const { pose, scan } = taken;
+  const k = scan.ranges.length - 1;
+  const range = scan.ranges[k] ?? 0;
+  const z = Number.isFinite(range) ? range : scan.range_max;
+  const bearing = pose[2] + (scan.bearings[k] ?? 0);
+  const at = (angle: number): string =>
+    `${place.x(pose[0] + z * Math.cos(bearing + angle))} ${place.y(pose[1] + z * Math.sin(bearing + angle))}`;
+  const r = z * place.metre;
+  return (
+    <>
+      <path
+        class="sonar-cone"
+        d={`M${place.x(pose[0])} ${place.y(pose[1])}L${at(-opening / 2)}A${r} ${r} 0 0 0 ${at(opening / 2)}Z`}
+      />
+      {Number.isFinite(range) && (
+        <path class="sonar-arc" d={`M${at(-opening / 2)}A${r} ${r} 0 0 0 ${at(opening / 2)}`} />
+      )}
+      <g transform={`translate(${place.x(pose[0])} ${place.y(pose[1])})`}>
+        <RobotShape yaw={pose[2]} size={8} />
+      </g>
+    </>
+  );
+}

@@ -1,0 +1,52 @@
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { MapFiles } from "../../ui/MapFiles";
+import { Panel } from "../../ui/Panel";
+import { toast } from "../../ui/Toast";
+import { liveAddress, snapshotAddress } from "./session";
+
+async function copy(text: string, done: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    toast(done);
+  } catch {
+    toast("The browser does not allow copying. Copy the address of the page instead.");
+  }
+}
+
+/** Copy a link to this moment. */
+export async function share(id: string, store: Store): Promise<void> {
+  try {
+    const link = await snapshotAddress(id, store);
+    await copy(link, "Link copied. It opens a copy of this world, map and settings.");
+  } catch {
+    toast("The server does not answer, so no link could be made.", "error");
+  }
+}
+
+/** The map as files, and the world as a link to it while it lives. */
+export function Downloads({ id }: { readonly id: string }) {
+  return (
+    <Panel title="Download">
+      <div class="lab-downloads">
+        <MapFiles session={id} />
+        <Button
+          icon="link"
+          onClick={() =>
+            void copy(
+              liveAddress(id),
+              "Link copied. Everyone who opens it sees this world live and can drive the robot.",
+            )
+          }
+        >
+          Live link
+        </Button>
+      </div>
+      <p class="panel-note">
+        pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
+        picture of it. Share makes a link to a copy of this world; with the live link others watch and drive in this
+        one.
+      </p>
+    </Panel>
+  );
+}

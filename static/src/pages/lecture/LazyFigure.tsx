@@ -1,0 +1,65 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { printing } from "../../ui/theme";
+import { watchVisibility } from "../../ui/visibility";
+import { enqueueIdleTask } from "./idleQueue";
+import type { Reserve } from "./lessons";
+
+/** How far from the window a figure is set up, in parts of the window's height. */
+const AHEAD = "100%";
+
+interface LazyFigureProps {
+  /** Set it up now, wherever it is. */
+  readonly now: boolean;
+  /** The height that it will have. */
+  readonly reserve: Reserve;
+  readonly children: ComponentChildren;
+}
+
+/**
+ * A figure that is set up when it comes near the window, or is printed, or when the page has nothing else to do; until
+ * then its place is kept free.
+ */
+export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
+  const box = useRef<HTMLDivElement>(null);
+  const near = useSignal(now);
+  const before = useRef<DOMRect | null>(null);
+  const isHere = near.value || now || printing.value;
+  useEffect(() => {
+    const target = box.current;
+    if (!target || near.peek()) return;
+    const setUp = (at: DOMRect): void => {
+      before.current = at;
+      near.value = true;
+      stop();
+    };
+    const unwatch = watchVisibility(
+      target,
+      ({ isIntersecting, boundingClientRect }) => isIntersecting && setUp(boundingClientRect),
+      { rootMargin: `${AHEAD} 0px` },
+    );
+    // On a slide the others have no place, and no size to be set up for.
+    const callOff = enqueueIdleTask(() => target.offsetWidth > 0 && setUp(target.getBoundingClientRect()));
+    const stop = (): void => {
+      unwatch();
+      callOff();
+    };
+    return stop;
+  }, [near]);
+  useLayoutEffect(() => {
+    if (isHere) near.value = true;
+    // Above the window, what stands in it must not move: most browsers see to that themselves.
+    const rect = before.current;
+    if (isHere && rect && rect.bottom <= 0 && !CSS.supports("overflow-anchor", "auto"))
+      scrollBy({ top: (box.current?.offsetHeight ?? rect.height) - rect.height, behavior: "instant" });
+  }, [isHere, near]);
+  const style = isHere
+    ? {}
+    : { "--wide": `${reserve[0]}px`, "--middle": `${reserve[1]}px`, "--narrow": `${reserve[2]}px` };
+  return (
+    <div class={isHere ? "" : "figure-awaited"} ref={box} style={style}>
+      {isHere && children}
+    </div>
+  );
+}

@@ -1,0 +1,56 @@
+import { effect } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { connectSecond } from "../../../store/secondMap";
+import type { Store } from "../../../store/store";
+import { CompareOverlay } from "../../../tools/compare/CompareOverlay";
+import { Comparison } from "../../../tools/compare/comparison";
+import { toast } from "../../../ui/Toast";
+import { keepAddress, linkFromAddress, restore } from "./link";
+import { names } from "./sides";
+
+/** Both maps of a comparison in the one picture, as the address says while it says so. */
+export function useComparison(session: string, store: Store): Comparison {
+  const comparison = useMemo(() => new Comparison(store, () => connectSecond(session)), [session, store]);
+  useEffect(() => {
+    const stops = [comparison.start()];
+    const linked = linkFromAddress(location.hash);
+    const follow = (): void => void stops.push(keepAddress(store, comparison));
+    if (!linked) follow();
+    else {
+      // Once the session has told what it compares.
+      let isRestored = false;
+      const stop = effect(() => {
+        if (isRestored || !store.isReady.value || !store.trajectory.value) return;
+        isRestored = true;
+        setTimeout(async () => {
+          const failure = await restore(session, store, comparison, linked);
+          if (failure !== null) toast(failure, "error");
+          follow();
+        });
+      });
+      stops.push(stop);
+    }
+    const onKey = (event: KeyboardEvent): void => {
+      if (event.key !== "b" || event.ctrlKey || event.metaKey || event.altKey) return;
+      const writes = event.target instanceof Element && event.target.closest("input[type=number], select") !== null;
+      if (comparison.isOn.peek() && comparison.look.peek() === "blink" && !writes) comparison.turn();
+    };
+    addEventListener("keydown", onKey);
+    stops.push(() => removeEventListener("keydown", onKey));
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [comparison]);
+  return comparison;
+}
+
+export function BothMaps({ store, comparison }: { store: Store; comparison: Comparison }) {
+  const compared = store.compared.value;
+  if (!compared) return null;
+  const { a, b } = names(compared, store.trajectory.value?.name ?? "", store.hello.value?.title ?? "");
+  const pair = comparison.pair.value;
+  const refused = store.comparison.value?.refused ?? (pair && !pair.place ? APART : null);
+  return <CompareOverlay comparison={comparison} names={{ a, b }} refused={refused} />;
+}
+
+const APART = "The cells of the two maps do not coincide.";

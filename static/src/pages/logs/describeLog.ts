@@ -1,0 +1,114 @@
+/** What is known of a log, in the words of people. */
+
+import { bytes, clock, written } from "../../ui/numbers";
+import type { LogRecord, Topic } from "./library";
+
+/** Whose word it is where the robot was: the readers' names of trajectories, and the simulator's. */
+const TRAJECTORY_LABELS: Readonly<Record<string, string>> = {
+  scan: "scan poses",
+  odom: "odometry",
+  wheel: "wheel odometry",
+  odometry: "wheel odometry",
+  truepos: "the truth",
+  true: "the truth",
+};
+
+export const trajectoryLabel = (trajectory: string): string =>
+  TRAJECTORY_LABELS[trajectory] ?? trajectory.replace(/^tf\/(.*)$/, "tf, in $1");
+
+/** A phrase of the readers as a sentence. */
+export const sentence = (phrase: string): string =>
+  `${phrase.charAt(0).toUpperCase()}${phrase.slice(1)}${/[.!?]$/.test(phrase) ? "" : "."}`;
+
+/** Metres, as one says them. */
+const metres = (length: number): string => `${length < 10 ? length.toFixed(1) : Math.round(length)} m`;
+
+/** The run: how long, how far, how many scans. Empty while nothing is known. */
+export function run(log: LogRecord): readonly string[] {
+  if (log.scans === null) return [];
+  const length = log.trajectories[0]?.length_m ?? 0;
+  return [
+    ...(log.duration_s ? [clock(log.duration_s)] : []),
+    ...(length > 0 ? [`${metres(length)} driven`] : []),
+    `${log.scans.toLocaleString("en")} scans`,
+  ];
+}
+
+/** The scanner and the file. */
+export function file(log: LogRecord): readonly string[] {
+  return [
+    ...(log.beams === null ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
+    ...(log.format ? [log.format] : []),
+    ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
+  ];
+}
+
+/** A place on the robot: metres ahead and to the left, degrees counter-clockwise. */
+function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
+  const turned = (yaw * 180) / Math.PI;
+  const parts = [
+    ...(Math.abs(x) >= 0.005 ? [`${Math.abs(x).toFixed(2)} m ${x > 0 ? "ahead" : "behind"}`] : []),
+    ...(Math.abs(y) >= 0.005 ? [`${Math.abs(y).toFixed(2)} m to the ${y > 0 ? "left" : "right"}`] : []),
+    ...(Math.abs(turned) >= 0.5 ? [`turned by ${written(turned, 0)}°`] : []),
+  ];
+  return parts.length > 0 ? parts.join(", ") : "at the robot's centre";
+}
+
+/** When the scans were made, and where the sensor sits: a phrase a line. */
+export function inside(log: LogRecord): readonly string[] {
+  const { time } = log;
+  const sensor = log.topics.find((one) => one.chosen);
+  // A file that names the sensor's frame and not its place: the centre is a guess.
+  const mount = sensor?.frame && !sensor.mount ? null : log.mount;
+  const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
+  return [
+    ...(time?.start_s
+      ? [`Recorded ${new Date(time.start_s * 1000).toISOString().slice(0, 16).replace("T", " ")} UTC`]
+      : []),
+    ...(time?.rate_hz
+      ? [
+          `${written(time.rate_hz, 1)} scans a second${
+            time.gaps > 0
+              ? `; ${gaps(time.gaps)}, the longest of ${written(time.longest_gap_s, 1)} s at ${clock(time.longest_gap_at_s)}`
+              : ", without gaps"
+          }`,
+        ]
+      : []),
+    ...(log.mount && !mount ? ["Sensor mount not stated in the file; the robot's centre is assumed"] : []),
+    ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
+  ];
+}
+
+/** A topic in a line. */
+export function topic(one: Topic): string {
+  return [
+    `${one.count.toLocaleString("en")} × ${one.type.replace(/^.*\//, "")}`,
+    ...(one.beams === null ? [] : [one.beams === 1 ? "1 beam" : `${one.beams} beams`]),
+    ...(one.field_of_view_deg === null ? [] : [`${Math.round(one.field_of_view_deg)}°`]),
+    ...(one.rate_hz === null ? [] : [`${written(one.rate_hz, 1)} Hz`]),
+    ...(one.frame ? [`frame ${one.frame}`] : []),
+  ].join(", ");
+}
+
+const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
+  [
+    /\.(unknown_format|binary|garbage|empty|missing)$/,
+    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read. Convert other formats first.",
+  ],
+  [
+    /\.(truncated|gzip|compression|sqlite|unreadable)$/,
+    "Copy the file again from where it was recorded; this copy is damaged.",
+  ],
+  [/\.poses$/, "A ring of sonars is two files: choose measurement.txt and poses.txt together, or drop their folder."],
+  [/\.archive$/, "Unpack the archive and drop the folder here."],
+  [/\.no_scans$/, "A map needs the range readings. Check whether another file of the same run has them."],
+  [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
+  [/\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/, "Try again; the log itself may be intact."],
+];
+
+/** What one can do about a log that failed. */
+export function remedy(log: LogRecord): string {
+  const found = REMEDIES.find(([codes]) => codes.test(log.error?.code ?? ""));
+  if (found) return found[1];
+  return log.error?.message.startsWith("Line ") ? "Correct or remove that line, and try again." : "";
+}

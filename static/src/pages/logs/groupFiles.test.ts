@@ -1,0 +1,65 @@
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { describe, expect, it } from "vitest";
+import { groupIntoLogs } from "./groupFiles";
+import { tarred } from "./tar";
+
+const file = (name: string, text = name): File => new File([text], name);
+const names = (folder: string, ...files: string[]): string[] =>
+  groupIntoLogs({ name: folder, files: files.map((name) => file(name)) }).map((one) => one.name);
+
+describe("files that are chosen together", () => {
+  it("are logs each by itself, but for what lies beside them", () => {
+    expect(names("", "run_0.db3", "run_0.db3-wal", "run_0.db3-shm", "b.db3", ".DS_Store", "README.md")).toEqual([
+      "run_0.db3",
+      "b.db3",
+    ]);
+    expect(names("", "a.mcap", "b.bag.gz", "notes")).toEqual(["a.mcap", "b.bag.gz", "notes"]);
+    expect(names("run", "metadata.yaml", "run_0.db3")).toEqual(["run_0.db3"]);
+  });
+
+  it("are one log where ROS 2 split a recording", () => {
+    expect(names("run", "metadata.yaml", "run_0.db3", "run_1.db3")).toEqual(["run"]);
+    expect(names("", "metadata.yaml", "my.run_0.mcap.zstd", "my.run_1.mcap.zstd", "a.log")).toEqual([
+      "my.run",
+      "a.log",
+    ]);
+    expect(names("run", "metadata.yaml", "run_0.db3", "run_0.mcap")).toEqual(["run_0.db3", "run_0.mcap"]);
+  });
+
+  it("are one log where they are a ring of sonars", () => {
+    expect(names("sonar", "measurement.txt", "poses.txt", "readme.md")).toEqual(["sonar"]);
+    expect(names("", "measurement.txt", "poses.txt")).toEqual(["sonars"]);
+    expect(names("", "poses.txt", "a.log")).toEqual(["poses.txt", "a.log"]);
+  });
+
+  it("a single one is taken whatever it is called: the server says what it is", () => {
+    expect(names("", "run_0.db3-wal")).toEqual(["run_0.db3-wal"]);
+  });
+});
+
+describe("an archive of them", () => {
+  it("is unpacked by tar", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "tar-"));
+    try {
+      const texts = new Map([
+        ["metadata.yaml", "a: 1\n"],
+        ["empty", ""],
+        ["Übung_10.db3", "x".repeat(1024)],
+        [`${"n".repeat(120)}_2.mcap`, "y".repeat(513)],
+      ]);
+      const archive = tarred(
+        [...texts].map(([name, text]) => file(name, text)),
+        "run",
+      );
+      expect(archive.size % 512).toBe(0);
+      writeFileSync(join(folder, "run.tar"), new Uint8Array(await archive.arrayBuffer()));
+      execFileSync("tar", ["xf", "run.tar"], { cwd: folder });
+      for (const [name, text] of texts) expect(readFileSync(join(folder, name.slice(-100)), "utf8")).toBe(text);
+    } finally {
+      rmSync(folder, { recursive: true });
+    }
+  });
+});

@@ -1,0 +1,81 @@
+/** What log-odds are drawn on: the zones of the three states, the clamp's limits, the axis. */
+
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
+import { logOdds } from "../../grid/logOdds";
+import { signed } from "../../ui/numbers";
+import { type Scale, toPixel } from "./scale";
+import "./chart.css";
+
+export const FREE = logOdds(FREE_THRESHOLD);
+export const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
+const AXIS_PX = 34;
+const EDGE_PX = 8;
+
+/** The vertical axis: room for the limits and for every value. */
+export function evidenceScale(height: number, limits: readonly number[], values: readonly number[]): Scale {
+  const ends = limits.length > 0 ? limits.map((limit) => limit + 0.5 * Math.sign(limit)) : [];
+  return {
+    low: Math.min(-2.6, ...ends, ...values),
+    high: Math.max(4, ...ends, ...values),
+    from: height - EDGE_PX,
+    to: EDGE_PX,
+  };
+}
+
+/** The horizontal axis of `low` … `high` readings. */
+export const readingScale = (width: number, low: number, high: number): Scale => ({
+  low,
+  high,
+  from: AXIS_PX,
+  to: width - EDGE_PX,
+});
+
+interface LogOddsBackgroundProps {
+  readonly width: number;
+  readonly evidence: Scale;
+  readonly limits: readonly number[];
+}
+
+export function LogOddsBackground({ width, evidence, limits }: LogOddsBackgroundProps) {
+  const y = (value: number): number => toPixel(value, evidence);
+  const { low, high } = evidence;
+  const right = width - EDGE_PX;
+  const zones = [
+    ["zone-hit", "occupied", high, OCCUPIED],
+    ["zone-prior", "unknown", OCCUPIED, FREE],
+    ["zone-miss", "free", FREE, low],
+  ] as const;
+  const every = high - low > 14 ? Math.ceil((high - low) / 7) : 1;
+  const ticks: number[] = [];
+  for (let tick = Math.ceil(low / every); tick * every <= high - 0.5; tick++) ticks.push(tick * every);
+  return (
+    <>
+      {zones.map(([name, , top, bottom]) => (
+        <rect key={name} class={name} x={AXIS_PX} y={y(top)} width={right - AXIS_PX} height={y(bottom) - y(top)} />
+      ))}
+      {limits.map((limit) => (
+        <line key={limit} class="clamp-line" x1={AXIS_PX} x2={right} y1={y(limit)} y2={y(limit)} />
+      ))}
+      {zones.map(
+        ([name, state, top, bottom]) =>
+          y(bottom) - y(top) > 15 && (
+            <text
+              key={name}
+              class={`zone-name in-${name}`}
+              x={right - 6}
+              // Where cells are free as can be, at the lower clamp, much is drawn: the word keeps above it.
+              y={name === "zone-miss" ? y(top) + 13 : y(bottom) - 5}
+              text-anchor="end"
+            >
+              {state}
+            </text>
+          ),
+      )}
+      {ticks.map((tick) => (
+        <text key={tick} class="tick" x={AXIS_PX - 6} y={y(tick) + 4} text-anchor="end">
+          {tick === 0 ? "0" : signed(tick, 0)}
+        </text>
+      ))}
+    </>
+  );
+}

@@ -1,0 +1,117 @@
+/** Draws a map into a 2D canvas, where no graphics card would: the same picture as `WebGLRenderer`'s. */
+
+import { fromLattice } from "../../grid/lattice";
+import { tokenRgb } from "../../style/colour";
+import type { Geometry } from "../../wire/protocol";
+import { type Size, toScreen, type View } from "../view";
+import { canvasContext } from "./context";
+import { Glow, strengthOf } from "./glow";
+import { beliefPalette, type Palette } from "./palette";
+import { overlay, rasterise } from "./raster";
+import { type Layer, MAX_PALETTES, type MapRenderer } from "./renderer";
+import { type PaintCanvas, resizeCanvas } from "./surface";
+
+export class CanvasRenderer implements MapRenderer {
+  readonly glow = new Glow();
+  readonly #canvas: HTMLCanvasElement;
+  readonly #context: CanvasRenderingContext2D;
+  /** The cells alone: made anew only where they, the view or the colours changed. */
+  readonly #cells = document.createElement("canvas");
+  #image = new ImageData(1, 1);
+  #made: readonly unknown[] = [];
+  #glowing: unknown = null;
+  readonly #palettes = new Map<string, Uint32Array>();
+  #colours: { readonly background: string; readonly glow: string } | null = null;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.#canvas = canvas;
+    this.#context = canvasContext(canvas);
+  }
+
+  recolour(): void {
+    this.#palettes.clear();
+    this.#colours = null;
+  }
+
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean {
+    const { width, height } = this.#canvas;
+    const context = this.#context;
+    const glowing = layers.find((layer) => layer.glows)?.map ?? null;
+    if (glowing?.cells !== this.#glowing) {
+      this.glow.clear();
+      this.#glowing = glowing?.cells;
+    }
+    this.#colours ??= {
+      background: `rgb(${tokenRgb("--map-unobserved").join(" ")})`,
+      glow: `rgb(${tokenRgb("--beam-fill").join(" ")})`,
+    };
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    if (layers.some((layer) => layer.map)) {
+      this.#refresh(layers, view, size);
+      context.drawImage(this.#cells, 0, 0);
+    } else {
+      context.fillStyle = this.#colours.background;
+      context.fillRect(0, 0, width, height);
+    }
+    const glows = glowing !== null && this.#paintGlow(glowing.geometry, view, size, now, this.#colours.glow);
+    over(this.#canvas);
+    return glows;
+  }
+
+  #refresh(layers: readonly Layer[], view: View, size: Size): void {
+    const { width, height } = this.#canvas;
+    const basis: unknown[] = [view, width, height];
+    for (const { map, palette, part } of layers) {
+      basis.push(map?.cells, map?.cells.revision, map && this.#coloursOf(palette ?? beliefPalette(map.geometry)));
+      basis.push(...(part ?? []));
+    }
+    if (basis.length === this.#made.length && basis.every((value, i) => value === this.#made[i])) return;
+    this.#made = basis;
+    resizeCanvas(this.#cells, width, height);
+    if (this.#image.width !== width || this.#image.height !== height) this.#image = new ImageData(width, height);
+    const pixels = new Uint32Array(this.#image.data.buffer);
+    for (const { map, palette, part = [0, 1] } of layers) {
+      const [from, to] = part.map((at) => Math.round(at * width)) as [number, number];
+      if (!map || from >= to) continue;
+      if (palette) {
+        const stripe = width > 1.5 * size.width ? 3 : 2;
+        overlay(pixels, width, map, this.#coloursOf(palette), view, size, stripe);
+      } else {
+        rasterise(pixels, width, map, this.#coloursOf(beliefPalette(map.geometry)), view, size, from, to);
+      }
+    }
+    canvasContext(this.#cells).putImageData(this.#image, 0, 0);
+  }
+
+  #paintGlow(geometry: Geometry, view: View, size: Size, now: number, colour: string): boolean {
+    const { glow } = this;
+    if (!glow.isAlive(now)) return false;
+    const context = this.#context;
+    const ratio = this.#canvas.width / size.width;
+    const side = Math.max(1, Math.ceil((ratio * geometry.resolution) / view.scale));
+    const seconds = glow.seconds(now);
+    context.fillStyle = colour;
+    const { data } = glow;
+    for (let i = 0; i < 3 * glow.count; i += 3) {
+      const strength = strengthOf(seconds - (data[i + 2] as number));
+      if (strength === 0) continue;
+      const [u, v] = [(data[i] as number) + 0.5, (data[i + 1] as number) + 0.5];
+      const [x, y] = toScreen(view, size, ...fromLattice(geometry, u, v));
+      context.globalAlpha = strength;
+      context.fillRect(Math.round(ratio * x - side / 2), Math.round(ratio * y - side / 2), side, side);
+    }
+    context.globalAlpha = 1;
+    return true;
+  }
+
+  /** The colours of a palette, in four rows of 256: the same object until the page's colours change. */
+  #coloursOf({ key, colours }: Palette): Uint32Array {
+    let known = this.#palettes.get(key);
+    if (!known) {
+      if (this.#palettes.size >= MAX_PALETTES) this.#palettes.clear();
+      known = new Uint32Array(colours().buffer);
+      this.#palettes.set(key, known);
+    }
+    return known;
+  }
+}

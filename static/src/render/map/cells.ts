@@ -1,0 +1,119 @@
+/** The cells of one map in the browser: chunks with their pyramids, made where a tile arrives. */
+
+import { TILE } from "../../wire/protocol";
+import { CHUNK, emptyPyramid, LEVELS, type Pyramid, reduce } from "./pyramid";
+
+const TILES = CHUNK / TILE;
+const ALL_LEVELS = (1 << LEVELS) - 1;
+
+/** A byte that stands for "never observed". */
+export const NEVER = 0;
+
+export class Chunk {
+  readonly pyramid: Pyramid = emptyPyramid();
+  /** For each tile (row by row) a bit for each level that has changed since it was last drawn. */
+  readonly stale = new Uint16Array(TILES * TILES).fill(ALL_LEVELS);
+  /** Chunk indices: cell (0, 0) of the chunk is (row · 512, col · 512) of the grid. */
+  readonly row: number;
+  readonly col: number;
+
+  constructor(row: number, col: number) {
+    this.row = row;
+    this.col = col;
+  }
+}
+
+/** Told of each cell that is observed for the first time or changes its mind: grid row and column. */
+export type OnBloom = (row: number, col: number) => void;
+
+export class Cells {
+  readonly #chunks = new Map<number, Chunk>();
+  /** Hear of each tile that was taken. */
+  readonly listeners = new Set<(tx: number, ty: number) => void>();
+  #revision = 0;
+
+  /** Grows with every tile that is taken. */
+  get revision(): number {
+    return this.#revision;
+  }
+
+  /** The chunk at chunk indices; undefined where nothing was observed. */
+  chunk(row: number, col: number): Chunk | undefined {
+    return this.#chunks.get(keyOf(row, col));
+  }
+
+  chunks(): Iterable<Chunk> {
+    return this.#chunks.values();
+  }
+
+  /** The byte of a cell; 0 where nothing was observed. */
+  at(row: number, col: number): number {
+    const chunk = this.#chunks.get(keyOf(row >> 9, col >> 9));
+    return chunk?.pyramid[0]?.[((row & (CHUNK - 1)) << 9) | (col & (CHUNK - 1))] ?? NEVER;
+  }
+
+  /**
+   * Take a tile of int8 values, row 0 at the smallest y. `bloom` hears of the cells that are new, and of those that
+   * crossed `undecided`, the byte of log-odds 0.
+   */
+  setTile(tx: number, ty: number, values: Uint8Array, undecided = 0, bloom?: OnBloom): void {
+    if (values.length !== TILE * TILE) throw new RangeError(`A tile has ${TILE * TILE} cells, not ${values.length}.`);
+    this.#revision++;
+    const chunk = this.#chunkOf(ty >> 3, tx >> 3);
+    const level0 = chunk.pyramid[0] as Uint8Array;
+    const row0 = (ty & (TILES - 1)) * TILE;
+    const col0 = (tx & (TILES - 1)) * TILE;
+    for (let r = 0, i = 0; r < TILE; r++) {
+      let at = (row0 + r) * CHUNK + col0;
+      for (let c = 0; c < TILE; c++, i++, at++) {
+        const now = (values[i] as number) ^ 0x80; // int8 −128 … 127 → 0 … 255
+        const old = level0[at] as number;
+        if (now === old) continue;
+        level0[at] = now;
+        if (bloom && (old === NEVER || now > undecided !== old > undecided)) bloom(ty * TILE + r, tx * TILE + c);
+      }
+    }
+    reduce(chunk.pyramid, row0, col0, TILE);
+    chunk.stale[(ty & (TILES - 1)) * TILES + (tx & (TILES - 1))] = ALL_LEVELS;
+    for (const hear of this.listeners) hear(tx, ty);
+  }
+
+  /** Copy the bytes of a tile, row by row; false, and nothing copied, where nothing of its chunk was ever observed. */
+  readTile(tx: number, ty: number, out: Uint8Array): boolean {
+    const level0 = this.chunk(ty >> 3, tx >> 3)?.pyramid[0];
+    if (!level0) return false;
+    const first = (ty & (TILES - 1)) * TILE * CHUNK + (tx & (TILES - 1)) * TILE;
+    for (let r = 0; r < TILE; r++) {
+      const at = first + r * CHUNK;
+      out.set(level0.subarray(at, at + TILE), r * TILE);
+    }
+    return true;
+  }
+
+  /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; what was never seen is not counted. */
+  count(below: number, above: number): { free: number; undecided: number; occupied: number } {
+    const counts = { free: 0, undecided: 0, occupied: 0 };
+    for (const chunk of this.#chunks.values()) {
+      for (const byte of chunk.pyramid[0] as Uint8Array) {
+        if (byte === NEVER) continue;
+        if (byte < below) counts.free++;
+        else if (byte > above) counts.occupied++;
+        else counts.undecided++;
+      }
+    }
+    return counts;
+  }
+
+  #chunkOf(row: number, col: number): Chunk {
+    const key = keyOf(row, col);
+    let chunk = this.#chunks.get(key);
+    if (!chunk) {
+      chunk = new Chunk(row, col);
+      this.#chunks.set(key, chunk);
+    }
+    return chunk;
+  }
+}
+
+/** Chunk indices are 16-bit tile indices divided by 8: two of them fit into one key. */
+const keyOf = (row: number, col: number): number => (row + 4096) * 8192 + (col + 4096);

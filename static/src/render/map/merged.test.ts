@@ -1,0 +1,38 @@
+import { expect, test } from "vitest";
+import { logOddsAt } from "../../grid/cellValues";
+import { mergedCodes } from "./merged";
+
+const RANGE = { log_odds_min: -2, log_odds_max: 3.5 };
+const WIDE = { log_odds_min: -4, log_odds_max: 6 };
+const chance = (logOdds: number): number => 1 / (1 + Math.exp(-logOdds));
+
+test("what one map has not observed stays as the other has it", () => {
+  const codes = mergedCodes(RANGE, RANGE, 0.4);
+  expect(codes[0]).toBe(0);
+  for (let i = 1; i < 256; i++) {
+    expect(codes[i << 8]).toBe(i);
+    expect(codes[i]).toBe(i);
+  }
+});
+
+test("two independent pieces of evidence multiply the odds, the prior's counted once", () => {
+  const prior = -0.3;
+  const codes = mergedCodes(WIDE, RANGE, prior);
+  const odds = (p: number): number => p / (1 - p);
+  let inside = 0;
+  for (let i = 1; i < 256; i += 3) {
+    for (let j = 1; j < 256; j += 3) {
+      const told = (odds(chance(logOddsAt(i, WIDE))) * odds(chance(logOddsAt(j, RANGE)))) / odds(chance(prior));
+      const wanted = Math.log(told);
+      const shown = logOddsAt(codes[(i << 8) | j] as number, RANGE);
+      const half = 0.5 * (5.5 / 254) + 1e-9;
+      if (wanted < RANGE.log_odds_min) expect(shown).toBe(RANGE.log_odds_min);
+      else if (wanted > RANGE.log_odds_max) expect(shown).toBe(RANGE.log_odds_max);
+      else {
+        inside++;
+        expect(Math.abs(shown - wanted)).toBeLessThanOrEqual(half);
+      }
+    }
+  }
+  expect(inside).toBeGreaterThan(1000);
+});

@@ -1,0 +1,279 @@
+/** Draws a map into a canvas with a graphics card: crisp cells at every zoom and pixel ratio, and only when asked to. */
+
+import { fromLattice } from "../../grid/lattice";
+import { type Rgb, tokenRgb } from "../../style/colour";
+import type { Size, View } from "../view";
+import { CanvasOverlay, CORNERS, nearestTexture, vertexArray } from "./canvasOverlay";
+import type { Cells } from "./cells";
+import { Glow } from "./glow";
+import type { MapPicture } from "./mapPicture";
+import { beliefPalette, PALETTE_ROWS, type Palette } from "./palette";
+import { CHUNK, levelFor } from "./pyramid";
+import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
+import { type PaintCanvas, resizeCanvas } from "./surface";
+import { ChunkTextures } from "./textures";
+
+/** Lattice (column, row) → clip space, column-major 3 × 3, and how many device pixels a cell is wide. */
+export function clipMatrix(
+  geometry: MapPicture["geometry"],
+  view: View,
+  size: Size,
+): { readonly matrix: Float32Array; readonly cellPx: number } {
+  const sx = 2 / (size.width * view.scale);
+  const sy = 2 / (size.height * view.scale);
+  const [ox, oy] = fromLattice(geometry, 0, 0);
+  const c = Math.cos(geometry.origin[2]) * geometry.resolution;
+  const s = Math.sin(geometry.origin[2]) * geometry.resolution;
+  const matrix = new Float32Array([c * sx, s * sy, 0, -s * sx, c * sy, 0, (ox - view.x) * sx, (oy - view.y) * sy, 1]);
+  return { matrix, cellPx: geometry.resolution / view.scale };
+}
+
+/** A map as a part of a picture; later ones lie over earlier ones. */
+export interface Layer {
+  readonly map: MapPicture | null;
+  /** How its bytes are coloured; without it as a belief. */
+  readonly palette?: Palette;
+  /** The part of the picture that shows it: from … to, of its width. What is not shown now is kept for the next time. */
+  readonly part?: readonly [from: number, to: number];
+  /** Whether the colours' transparency counts. */
+  readonly blends?: boolean;
+  /** Whether the cells that glow are this map's. */
+  readonly glows?: boolean;
+}
+
+/** Palettes kept: the clamp's limits, which a palette is made for, move under the hand. */
+export const MAX_PALETTES = 16;
+
+/** What depends on the context and is made anew when it was lost. */
+interface Resources {
+  readonly cells: WebGLProgram;
+  readonly cellsAt: Record<
+    "u_clip" | "u_box" | "u_cells" | "u_palette" | "u_level" | "u_mip" | "u_stripe",
+    WebGLUniformLocation | null
+  >;
+  readonly glow: WebGLProgram;
+  readonly glowAt: Record<"u_clip" | "u_now" | "u_size" | "u_colour", WebGLUniformLocation | null>;
+  readonly quad: WebGLVertexArrayObject;
+  readonly points: WebGLVertexArrayObject;
+  readonly pointBuffer: WebGLBuffer;
+  readonly palettes: Map<string, WebGLTexture>;
+  readonly overlay: CanvasOverlay;
+  readonly textures: Map<Cells, ChunkTextures>;
+}
+
+/** Draws maps into a canvas. */
+export interface MapRenderer {
+  /** The cells that have just changed. */
+  readonly glow: Glow;
+  /** Colours are read from the page's tokens anew with the next drawing. */
+  recolour(): void;
+  /**
+   * Draw maps and, over them, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Says whether something
+   * still moves.
+   */
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean;
+}
+
+export class WebGLRenderer implements MapRenderer {
+  readonly glow = new Glow();
+  readonly #overlay = document.createElement("canvas");
+  readonly #canvas: HTMLCanvasElement;
+  readonly #gl: WebGL2RenderingContext;
+  #resources: Resources | null = null;
+  #glowing: Cells | null = null;
+  /** Of what was never observed, and of the cells that glow: read from the page's tokens once. */
+  #colours: { readonly background: Rgb; readonly glow: Rgb } | null = null;
+  #draws = 0;
+
+  /** `redraw` is called when the canvas must be drawn again although nothing of the map changed. */
+  constructor(canvas: HTMLCanvasElement, gl: WebGL2RenderingContext, redraw: () => void) {
+    this.#canvas = canvas;
+    this.#gl = gl;
+    canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.#resources = null;
+    });
+    canvas.addEventListener("webglcontextrestored", redraw);
+  }
+
+  /** Colours are read from the page's tokens anew with the next drawing. */
+  recolour(): void {
+    this.#colours = null;
+    if (this.#resources) this.#dropPalettes(this.#resources);
+  }
+
+  #dropPalettes({ palettes }: Resources): void {
+    for (const texture of palettes.values()) this.#gl.deleteTexture(texture);
+    palettes.clear();
+  }
+
+  /** One opaque canvas with maps and overlay in it costs the browser far less than two that it has to blend. */
+  draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean {
+    const gl = this.#gl;
+    if (gl.isContextLost()) return false;
+    this.#resources ??= this.#make();
+    const made = this.#resources;
+    this.#forget(made, layers);
+    const { width, height } = this.#canvas;
+    gl.viewport(0, 0, width, height);
+    this.#colours ??= { background: tokenRgb("--map-unobserved"), glow: tokenRgb("--beam-fill") };
+    const [red, green, blue] = this.#colours.background;
+    gl.clearColor(red / 255, green / 255, blue / 255, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.#draws++;
+    let glows = false;
+    for (const layer of layers) {
+      const { map, part = [0, 1] } = layer;
+      const [from, to] = part.map((at) => Math.round(at * width)) as [number, number];
+      if (!map || from >= to) continue;
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(from, 0, to - from, height);
+      const { matrix, cellPx } = clipMatrix(map.geometry, view, size);
+      const devicePx = (cellPx * width) / size.width;
+      if (layer.blends) {
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      }
+      this.#drawCells(made, layer, map, matrix, levelFor(devicePx), width > 1.5 * size.width ? 3 : 2);
+      gl.disable(gl.BLEND);
+      if (layer.glows) glows = this.#drawGlow(made, matrix, devicePx, now, this.#colours.glow);
+      gl.disable(gl.SCISSOR_TEST);
+    }
+    const overlay = this.#overlay;
+    resizeCanvas(overlay, width, height);
+    const context = overlay.getContext("2d", { willReadFrequently: true });
+    context?.setTransform(1, 0, 0, 1, 0, 0);
+    context?.clearRect(0, 0, overlay.width, overlay.height);
+    over(overlay);
+    made.overlay.draw(overlay);
+    return glows;
+  }
+
+  /** Let go of what no layer shows any more. */
+  #forget(made: Resources, layers: readonly Layer[]): void {
+    const glowing = layers.find((layer) => layer.glows)?.map?.cells ?? null;
+    if (glowing !== this.#glowing) this.glow.clear();
+    this.#glowing = glowing;
+    const kept = new Set(layers.map((layer) => layer.map?.cells));
+    for (const [cells, textures] of made.textures) {
+      if (kept.has(cells)) continue;
+      textures.clear();
+      made.textures.delete(cells);
+    }
+  }
+
+  #drawCells(
+    made: Resources,
+    layer: Layer,
+    { geometry, cells }: MapPicture,
+    matrix: Float32Array,
+    level: number,
+    stripe: number,
+  ): void {
+    const gl = this.#gl;
+    let textures = made.textures.get(cells);
+    if (!textures) {
+      textures = new ChunkTextures(gl);
+      made.textures.set(cells, textures);
+    }
+    gl.useProgram(made.cells);
+    gl.bindVertexArray(made.quad);
+    gl.uniformMatrix3fv(made.cellsAt.u_clip, false, matrix);
+    gl.uniform1i(made.cellsAt.u_level, level);
+    gl.uniform1i(made.cellsAt.u_stripe, stripe);
+    gl.activeTexture(gl.TEXTURE1);
+    this.#bindPalette(made, layer.palette ?? beliefPalette(geometry));
+    gl.activeTexture(gl.TEXTURE0);
+    for (const chunk of cells.chunks()) {
+      const row = chunk.row * CHUNK;
+      const col = chunk.col * CHUNK;
+      const rows = Math.min(CHUNK, geometry.rows - row);
+      const cols = Math.min(CHUNK, geometry.cols - col);
+      if (rows <= 0 || cols <= 0 || isOutside(matrix, col, row, cols, rows)) continue;
+      const { texture, mip } = textures.locate(chunk, level, this.#draws);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.uniform1i(made.cellsAt.u_mip, mip);
+      gl.uniform4f(made.cellsAt.u_box, col, row, cols, rows);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    }
+    textures.trim(this.#draws);
+  }
+
+  #drawGlow(made: Resources, matrix: Float32Array, devicePx: number, now: number, [red, green, blue]: Rgb): boolean {
+    if (!this.glow.isAlive(now)) return false;
+    const gl = this.#gl;
+    gl.useProgram(made.glow);
+    gl.bindVertexArray(made.points);
+    gl.bindBuffer(gl.ARRAY_BUFFER, made.pointBuffer);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.glow.data, 0, 3 * this.glow.count);
+    gl.uniformMatrix3fv(made.glowAt.u_clip, false, matrix);
+    gl.uniform3f(made.glowAt.u_colour, red / 255, green / 255, blue / 255);
+    gl.uniform1f(made.glowAt.u_now, this.glow.seconds(now));
+    gl.uniform1f(made.glowAt.u_size, Math.max(1, Math.ceil(devicePx)));
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.drawArrays(gl.POINTS, 0, this.glow.count);
+    gl.disable(gl.BLEND);
+    return true;
+  }
+
+  #bindPalette(made: Resources, { key, colours }: Palette): void {
+    const gl = this.#gl;
+    const known = made.palettes.get(key);
+    if (known) {
+      gl.bindTexture(gl.TEXTURE_2D, known);
+      return;
+    }
+    if (made.palettes.size >= MAX_PALETTES) this.#dropPalettes(made);
+    const texture = nearestTexture(gl);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, 256, PALETTE_ROWS);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, PALETTE_ROWS, gl.RGBA, gl.UNSIGNED_BYTE, colours());
+    made.palettes.set(key, texture);
+  }
+
+  #make(): Resources {
+    const gl = this.#gl;
+    const cells = program(gl, CELLS_VERTEX, CELLS_FRAGMENT);
+    const glow = program(gl, GLOW_VERTEX, GLOW_FRAGMENT);
+    const cellsAt = uniforms(gl, cells, ["u_clip", "u_box", "u_cells", "u_palette", "u_level", "u_mip", "u_stripe"]);
+    gl.useProgram(cells);
+    gl.uniform1i(cellsAt.u_cells, 0);
+    gl.uniform1i(cellsAt.u_palette, 1);
+    const quad = vertexArray(gl, cells, "a_corner", 2, CORNERS, gl.STATIC_DRAW);
+    const points = vertexArray(gl, glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
+    return {
+      cells,
+      cellsAt,
+      glow,
+      glowAt: uniforms(gl, glow, ["u_clip", "u_now", "u_size", "u_colour"]),
+      quad: quad.array,
+      points: points.array,
+      pointBuffer: points.buffer,
+      palettes: new Map(),
+      overlay: new CanvasOverlay(gl),
+      textures: new Map(),
+    };
+  }
+}
+
+/** Whether a rectangle of the lattice lies outside what is seen. */
+function isOutside(m: Float32Array, col: number, row: number, cols: number, rows: number): boolean {
+  let left = 0;
+  let right = 0;
+  let below = 0;
+  let above = 0;
+  for (const [u, v] of [
+    [col, row],
+    [col + cols, row],
+    [col, row + rows],
+    [col + cols, row + rows],
+  ] as const) {
+    const x = (m[0] as number) * u + (m[3] as number) * v + (m[6] as number);
+    const y = (m[1] as number) * u + (m[4] as number) * v + (m[7] as number);
+    if (x < -1) left++;
+    if (x > 1) right++;
+    if (y < -1) below++;
+    if (y > 1) above++;
+  }
+  return left === 4 || right === 4 || below === 4 || above === 4;
+}

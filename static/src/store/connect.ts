@@ -1,0 +1,36 @@
+/** A store and the stream that feeds it. */
+
+import type { ReadonlySignal } from "@preact/signals";
+import { Store } from "./store";
+import { type Receiver, type Status, Stream } from "./stream";
+
+export interface Connection {
+  readonly store: Store;
+  readonly status: ReadonlySignal<Status>;
+  readonly stream: Stream;
+  start(): void;
+  stop(): void;
+}
+
+const address = (session: string): string =>
+  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/sessions/${encodeURIComponent(session)}/stream`;
+
+async function isGone(session: string): Promise<boolean> {
+  try {
+    return (await fetch(`/api/sessions/${encodeURIComponent(session)}`)).status === 404;
+  } catch {
+    return false; // the server is away, which says nothing of the session
+  }
+}
+
+/** A stream of a session into a receiver; `query` says of which map, the first where it says nothing. */
+export const streamOf = (session: string, receiver: Receiver, query = ""): Stream =>
+  new Stream(address(session) + query, receiver, () => isGone(session));
+
+/** Watch a session. Nothing happens before `start`. */
+export function connect(session: string): Connection {
+  let stream: Stream;
+  const store = new Store((command) => stream.send(command));
+  stream = streamOf(session, store);
+  return { store, stream, status: stream.status, start: () => stream.start(), stop: () => stream.stop() };
+}

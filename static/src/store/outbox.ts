@@ -1,0 +1,40 @@
+import type { Command, Value, Values } from "../wire/protocol";
+
+/**
+ * Once the next frame is painted. The hand sees its own doing first: what the server then does, on the same machine
+ * perhaps, takes no time from that frame.
+ */
+const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
+
+/** Commands of which only the newest counts: at most one of each kind leaves per animation frame. */
+export class Outbox {
+  readonly #waiting = new Map<string, Command>();
+  readonly #send: (command: Command) => void;
+  readonly #schedule: (task: () => void) => void;
+
+  constructor(send: (command: Command) => void, schedule: (task: () => void) => void = afterFrame) {
+    this.#send = send;
+    this.#schedule = schedule;
+  }
+
+  put(command: Command): void {
+    const isFirst = this.#waiting.size === 0;
+    // Of questions about two maps the newest of each counts.
+    const about = "map" in command && command.map === "second" ? " second" : "";
+    this.#waiting.set(command.type + about, command);
+    if (isFirst) this.#schedule(() => this.flush());
+  }
+
+  /** Add one value to the waiting `parameters` or `sensor` command. */
+  putValue(type: "parameters" | "sensor", name: string, value: Value): void {
+    const waiting = this.#waiting.get(type);
+    const before: Values = (waiting && "values" in waiting && waiting.values) || {};
+    this.put({ type, values: { ...before, [name]: value } });
+  }
+
+  flush(): void {
+    const commands = [...this.#waiting.values()];
+    this.#waiting.clear();
+    for (const command of commands) this.#send(command);
+  }
+}

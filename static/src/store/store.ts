@@ -1,0 +1,135 @@
+/** The one store of a page that watches a session: every figure is a view of it and changes it; none knows another. */
+
+import { batch, signal } from "@preact/signals";
+import type { Command, Edits, Parameter, Point, Value, Values } from "../wire/protocol";
+import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
+import { NO_EDITS } from "./editing";
+import { History } from "./history";
+import { SessionState } from "./sessionState";
+
+const initialOf = (table: readonly Parameter[]): Values =>
+  Object.fromEntries(table.map((row) => [row.name, row.initial]));
+
+/** What a person changes, and can take back. */
+export class Store extends SessionState {
+  /** What a person changed, to be taken back. */
+  readonly history = new History((command) => this.#perform(command));
+  /** Which faults a person has switched on, and what was there before. */
+  readonly activeFaults = signal<ActiveFaults>(NO_ACTIVE_FAULTS);
+
+  setParameter(name: string, value: Value): void {
+    this.#change(`parameters ${name}`, this.#back("parameters", { [name]: value }), [
+      { type: "parameters", values: { [name]: value } },
+    ]);
+  }
+
+  setSensor(name: string, value: Value): void {
+    this.#change(`sensor ${name}`, this.#back("sensor", { [name]: value }), [
+      { type: "sensor", values: { [name]: value } },
+    ]);
+  }
+
+  /** Set several parameters, and the robot's faults, at once. */
+  setTogether(key: string, values: Values, faults: Values = {}): void {
+    const before = this.faults.peek() ?? {};
+    const old = Object.fromEntries(Object.keys(faults).map((name) => [name, before[name] ?? false]));
+    const any = Object.keys(faults).length > 0;
+    this.#change(
+      key,
+      [...this.#back("parameters", values), ...(any ? [{ type: "faults", values: old } as const] : [])],
+      [{ type: "parameters", values }, ...(any ? [{ type: "faults", values: faults } as const] : [])],
+    );
+  }
+
+  teleport(point: Point): void {
+    this.teleported.value = { at: performance.now(), point };
+    this.#sendTo(point, "teleport");
+    this.outbox.flush(); // a click has no successor to wait for
+  }
+
+  /** The hand has the robot at a place; null when it lets go. */
+  carry(point: Point | null): void {
+    this.carried.value = point;
+    if (point) this.#sendTo(point, "carry");
+  }
+
+  #sendTo([x, y]: Point, key: string): void {
+    const pose = this.frame.peek()?.pose;
+    const back: Command[] = pose ? [{ type: "teleport", x: pose[0], y: pose[1], yaw: pose[2] }] : [];
+    this.#change(key, back, [{ type: "teleport", x, y }]);
+  }
+
+  chooseWorld(name: string): void {
+    const before = this.world.peek();
+    if (!before || before.name === name) return;
+    this.#change("world", [{ type: "world", name: before.name, ...before.edits }], [{ type: "world", name }]);
+  }
+
+  /** Change the world as it was built; `watch` counts how long the maps remember what is erased. */
+  edit(edits: Edits, watch = false): void {
+    const before = this.world.peek()?.edits ?? NO_EDITS;
+    this.#change(
+      `edit ${this.history.version.peek()}`,
+      [{ type: "edit", ...before }],
+      [{ type: "edit", ...edits, ...(watch ? { watch } : {}) }],
+    );
+  }
+
+  /** Everything as it was at first, except where the robot is and what it has seen. */
+  reset(): void {
+    const hello = this.hello.peek();
+    const world = this.world.peek();
+    if (!hello) return;
+    const values = initialOf(hello.parameters.table);
+    const undo = [...this.#back("parameters", values)];
+    const redo: Command[] = [{ type: "parameters", values }];
+    if (hello.sensor) {
+      const sensor = initialOf(hello.sensor.table);
+      undo.push(...this.#back("sensor", sensor));
+      redo.push({ type: "sensor", values: sensor });
+    }
+    const faults = this.faults.peek();
+    if (faults) {
+      undo.push({ type: "faults", values: faults });
+      redo.push({ type: "faults", values: Object.fromEntries(Object.keys(faults).map((name) => [name, false])) });
+    }
+    if (world && world.edits.added.length + world.edits.erased.length > 0) {
+      undo.push({ type: "edit", ...world.edits });
+      redo.push({ type: "edit", ...NO_EDITS });
+    }
+    this.#change("reset", undo, redo);
+  }
+
+  #back(type: "parameters" | "sensor", values: Values): Command[] {
+    const now = (type === "parameters" ? this.mapping : this.sensor).values.peek();
+    const old: Record<string, Value> = {};
+    for (const name of Object.keys(values)) {
+      const value = now[name];
+      if (value !== undefined) old[name] = value;
+    }
+    return [{ type, values: old }];
+  }
+
+  #change(key: string, undo: readonly Command[], redo: readonly Command[]): void {
+    batch(() => {
+      for (const command of redo) this.#perform(command);
+      this.history.add(key, undo, redo);
+    });
+  }
+
+  /** Carry out a change: what shows at once shows at once, and of what comes often only the newest is sent. */
+  #perform(command: Command): void {
+    if (command.type === "parameters" || command.type === "sensor") {
+      const target = command.type === "parameters" ? this.mapping : this.sensor;
+      for (const [name, value] of Object.entries(command.values)) {
+        target.set(name, value);
+        this.outbox.putValue(command.type, name, value);
+      }
+    } else if (command.type === "teleport") this.sendSoon(command);
+    else {
+      if (command.type === "faults")
+        for (const [name, value] of Object.entries(command.values)) this.robot.set(name, value);
+      this.send(command);
+    }
+  }
+}

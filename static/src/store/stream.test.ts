@@ -1,0 +1,226 @@
+import { beforeEach, expect, test } from "vitest";
+import type { TilesFrame } from "../wire/decodeTiles";
+import type { ServerMessage } from "../wire/protocol";
+import vectors from "../wire/protocol.vectors.json";
+import { type Progress, type Receiver, type Socket, Stream, type Surroundings } from "./stream";
+
+class FakeSocket implements Socket {
+  binaryType = "";
+  onopen: (() => void) | null = null;
+  onmessage: ((event: { data: unknown }) => void) | null = null;
+  onclose: ((event: { code: number }) => void) | null = null;
+  onerror: (() => void) | null = null;
+  readyState = 0;
+  sent: unknown[] = [];
+  closed = false;
+  send(data: string): void {
+    this.sent.push(JSON.parse(data));
+  }
+  close(): void {
+    this.closed = true;
+    this.readyState = 3;
+  }
+  open(): void {
+    this.readyState = 1;
+    this.onopen?.();
+  }
+  say(message: object): void {
+    this.onmessage?.({ data: JSON.stringify(message) });
+  }
+  breakOff(): void {
+    this.readyState = 3;
+    this.onclose?.({ code: 1006 });
+  }
+}
+
+class FakeBrowser implements Surroundings {
+  sockets: FakeSocket[] = [];
+  waits: { task: () => void; ms: number }[] = [];
+  paints: (() => void)[] = [];
+  isHidden = false;
+  changed: () => void = () => undefined;
+  open(): Socket {
+    const socket = new FakeSocket();
+    this.sockets.push(socket);
+    return socket;
+  }
+  later(task: () => void, ms: number): () => void {
+    const wait = { task, ms };
+    this.waits.push(wait);
+    return () => {
+      this.waits = this.waits.filter((one) => one !== wait);
+    };
+  }
+  painted(task: () => void): void {
+    this.paints.push(task);
+  }
+  hidden(): boolean {
+    return this.isHidden;
+  }
+  watch(changed: () => void): () => void {
+    this.changed = changed;
+    return () => undefined;
+  }
+  get socket(): FakeSocket {
+    return this.sockets.at(-1) as FakeSocket;
+  }
+  /** Let the one wait end; its length. */
+  async wait(): Promise<number> {
+    const [wait] = this.waits.splice(0, 1);
+    wait?.task();
+    await Promise.resolve();
+    await Promise.resolve();
+    return wait?.ms ?? Number.NaN;
+  }
+  setHidden(hidden: boolean): void {
+    this.isHidden = hidden;
+    this.changed();
+  }
+}
+
+class Heard implements Receiver {
+  messages: ServerMessage[] = [];
+  frames: TilesFrame[] = [];
+  forgotten = 0;
+  complete: Progress | null = null;
+  receive(message: ServerMessage): void {
+    this.messages.push(message);
+  }
+  takeTiles(frame: TilesFrame): void {
+    this.frames.push(frame);
+  }
+  progress(): Progress | null {
+    return this.complete;
+  }
+  forget(): void {
+    this.forgotten++;
+    this.complete = null;
+  }
+}
+
+const hello = {
+  type: "hello",
+  protocol: "gridbloom.v1",
+  session: "s",
+  kind: "world",
+  title: "t",
+  epoch_id: "e",
+  speeds: [1, 1],
+  parameters: { table: [], values: {} },
+  sensor: null,
+  log: null,
+};
+const [tiles] = vectors.frames;
+const binary = (hex: string): ArrayBuffer =>
+  Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16)).buffer;
+
+let browser: FakeBrowser;
+let heard: Heard;
+let gone: boolean;
+let stream: Stream;
+
+beforeEach(() => {
+  browser = new FakeBrowser();
+  heard = new Heard();
+  gone = false;
+  stream = new Stream("ws://x", heard, () => Promise.resolve(gone), browser);
+  stream.start();
+});
+
+test("live with the first hello, and nothing is sent before that a first connection does not need", () => {
+  expect(stream.status.value).toBe("connecting");
+  browser.socket.open();
+  expect(browser.socket.sent).toEqual([]);
+  browser.socket.say(hello);
+  expect(stream.status.value).toBe("live");
+  expect(heard.messages.map((message) => message.type)).toEqual(["hello"]);
+});
+
+test("a frame is acknowledged after it could be painted, not before", () => {
+  browser.socket.open();
+  browser.socket.onmessage?.({ data: binary(tiles?.hex ?? "") });
+  expect(heard.frames.length).toBe(1);
+  expect(browser.socket.sent).toEqual([]);
+  for (const paint of browser.paints) paint();
+  expect(browser.socket.sent).toEqual([{ type: "ack", seq: 1 }]);
+});
+
+test("after a cut it comes back with what it has, waiting longer each time", async () => {
+  browser.socket.open();
+  browser.socket.say(hello);
+  heard.complete = { epoch_id: "e", epoch: 4, revision: 99 };
+  browser.socket.breakOff();
+  expect(stream.status.value).toBe("reconnecting");
+  const waits = [await browser.wait()];
+  browser.socket.breakOff();
+  waits.push(await browser.wait());
+  browser.socket.breakOff();
+  waits.push(await browser.wait());
+  expect(waits[1]).toBeGreaterThan(waits[0] ?? 0);
+  expect(waits[2]).toBeGreaterThan(waits[1] ?? 0);
+  browser.socket.open();
+  expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", epoch: 4, revision: 99 }]);
+  browser.socket.say(hello);
+  expect(stream.status.value).toBe("live");
+  browser.socket.breakOff();
+  expect(await browser.wait()).toBe(waits[0]);
+});
+
+test("an acknowledgement that belongs to an older socket is not sent on a newer one", async () => {
+  browser.socket.open();
+  browser.socket.onmessage?.({ data: binary(tiles?.hex ?? "") });
+  browser.socket.breakOff();
+  await browser.wait();
+  browser.socket.open();
+  for (const paint of browser.paints) paint();
+  expect(browser.socket.sent).toEqual([]);
+});
+
+test("a session that ended is said to be gone, and nothing is tried any more", async () => {
+  gone = true;
+  browser.socket.breakOff();
+  await browser.wait();
+  browser.socket.breakOff();
+  await browser.wait();
+  await Promise.resolve();
+  expect(stream.status.value).toBe("gone");
+  expect(browser.waits).toEqual([]);
+  const count = browser.sockets.length;
+  browser.setHidden(true);
+  browser.setHidden(false);
+  expect(browser.sockets.length).toBe(count);
+});
+
+test("a hidden page has no socket; a page that is seen again has one at once", () => {
+  browser.socket.open();
+  browser.socket.say(hello);
+  const first = browser.socket;
+  browser.setHidden(true);
+  expect(first.closed).toBe(true);
+  expect(stream.status.value).toBe("away");
+  expect(browser.waits).toEqual([]);
+  heard.complete = { epoch_id: "e", epoch: 1, revision: 5 };
+  browser.setHidden(false);
+  expect(browser.sockets.length).toBe(2);
+  browser.socket.open();
+  expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", epoch: 1, revision: 5 }]);
+});
+
+test("a frame that cannot be read starts everything anew", async () => {
+  browser.socket.open();
+  browser.socket.say(hello);
+  heard.complete = { epoch_id: "e", epoch: 1, revision: 5 };
+  const first = browser.socket;
+  browser.socket.onmessage?.({ data: new ArrayBuffer(3) });
+  expect(first.closed).toBe(true);
+  expect(heard.forgotten).toBe(1);
+  await browser.wait();
+  browser.socket.open();
+  expect(browser.socket.sent).toEqual([]);
+});
+
+test("commands go nowhere while there is no connection, and say so", () => {
+  expect(stream.send({ type: "play" })).toBe(false);
+  browser.socket.open();
+  expect(stream.send({ type: "play" })).toBe(true);
+});

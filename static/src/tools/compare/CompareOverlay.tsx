@@ -1,0 +1,103 @@
+/** What lies over the one picture of two maps: whose part is whose, and the divider between them. */
+
+import { useId, useRef } from "preact/hooks";
+import type { Comparison } from "./comparison";
+import "./compare.css";
+
+interface CompareOverlayProps {
+  readonly comparison: Comparison;
+  /** What A and B are, in a few words. */
+  readonly names: { readonly a: string; readonly b: string };
+  /** Why the two have no cells in common, and so neither difference nor sum; null where they have. */
+  readonly refused: string | null;
+}
+
+export function CompareOverlay({ comparison, names, refused }: CompareOverlayProps) {
+  if (!comparison.isOn.value) return null;
+  const look = comparison.look.value;
+  const side = (which: "a" | "b") => (
+    <span class={`compare-name compare-name-${which}`} data-side={which}>
+      <b>{which.toUpperCase()}</b> {names[which]}
+    </span>
+  );
+  if (look === "swipe") {
+    return (
+      <>
+        {side("a")}
+        {side("b")}
+        <Divider comparison={comparison} />
+      </>
+    );
+  }
+  if (look === "blink") return side(comparison.shown.value);
+  const why = refused ?? (look === "merge" ? comparison.noMerge.value : null);
+  return why === null ? (
+    <span class="compare-name compare-name-a" data-side={look}>
+      <b>{look === "merge" ? "A + B" : "B − A"}</b>
+    </span>
+  ) : (
+    <p class="compare-refused">{why} Swipe and blink show both all the same.</p>
+  );
+}
+
+const KEYS: Readonly<Record<string, number>> = {
+  ArrowLeft: -0.02,
+  ArrowDown: -0.02,
+  ArrowRight: 0.02,
+  ArrowUp: 0.02,
+  PageDown: -0.1,
+  PageUp: 0.1,
+  Home: -1,
+  End: 1,
+};
+
+const inside = (at: number): number => Math.min(1, Math.max(0, at));
+
+function Divider({ comparison }: { readonly comparison: Comparison }) {
+  const line = useRef<HTMLDivElement>(null);
+  const says = useId();
+  const { divider } = comparison;
+  const percent = Math.round(100 * divider.value);
+  const drag = (event: PointerEvent): void => {
+    const box = line.current?.parentElement?.getBoundingClientRect();
+    if (box && box.width > 0) divider.value = inside((event.clientX - box.left) / box.width);
+  };
+  return (
+    <div
+      ref={line}
+      class="compare-divider"
+      style={{ left: `${100 * divider.value}%` }}
+      role="slider"
+      tabIndex={0}
+      aria-label="Divider between A, on the left, and B"
+      aria-describedby={says}
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={percent}
+      aria-valuetext={`A ${percent} %, B ${100 - percent} %`}
+      onPointerDown={(event) => {
+        if (event.button !== 0) return;
+        event.stopPropagation();
+        event.currentTarget.setPointerCapture(event.pointerId);
+      }}
+      onPointerMove={(event) => {
+        event.stopPropagation();
+        if (event.currentTarget.hasPointerCapture(event.pointerId)) drag(event);
+      }}
+      onDblClick={() => {
+        divider.value = 0.5;
+      }}
+      onKeyDown={(event) => {
+        const step = KEYS[event.key];
+        if (step === undefined) return;
+        event.preventDefault();
+        divider.value = inside(divider.peek() + step);
+      }}
+    >
+      <span class="compare-grip" aria-hidden="true" />
+      <span id={says} hidden>
+        Left of it the picture shows A, right of it B.
+      </span>
+    </div>
+  );
+}

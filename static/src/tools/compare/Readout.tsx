@@ -1,0 +1,135 @@
+/** The cell that is looked at in both maps. */
+
+import { computed, effect } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { logOddsAt, stateAt } from "../../grid/cellValues";
+import type { MapPicture } from "../../render/map/mapPicture";
+import { cellIn } from "../../store/sessionState";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { LiveRegion } from "../../ui/LiveRegion";
+import { signed } from "../../ui/numbers";
+import type { CellMessage, CellState } from "../../wire/protocol";
+import "../readout/readout.css";
+
+/** A cell of one of the maps; without log-odds where it was never observed, null outside the map. */
+interface Held {
+  readonly logOdds: number | null;
+  readonly state: CellState | "never observed";
+}
+
+/** What a map holds at a place: the server's exact value, as long as it is the one that is shown. */
+function heldAt(map: MapPicture | null, place: readonly [number, number], exact: CellMessage | null): Held | null {
+  const cell = cellIn(map, place);
+  if (!map || !cell) return null;
+  const { geometry } = map;
+  const byte = map.cells.at(cell.row, cell.col);
+  if (byte === 0) return { logOdds: null, state: "never observed" };
+  const coarse = logOddsAt(byte, geometry);
+  const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
+  const step = (geometry.log_odds_max - geometry.log_odds_min) / 254;
+  const logOdds = isExact && Math.abs(exact.log_odds - coarse) <= step ? exact.log_odds : coarse;
+  return { logOdds, state: stateAt(byte, geometry) };
+}
+
+const value = (held: Held | null): string => (held?.logOdds == null ? "–" : signed(held.logOdds, 2));
+
+/** How often exact values are asked for while they change. */
+const ASK_MS = 150;
+
+interface CompareReadoutProps {
+  readonly store: Store;
+  /** The log-odds prior where the sum of both maps is looked at; null where it is their difference. */
+  readonly summedOver: number | null;
+}
+
+export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
+  const both = useMemo(
+    () =>
+      computed(() => {
+        const place = store.probe.value;
+        void [store.mapVersion.value, store.second.value?.version.value];
+        if (!place) return null;
+        const cell = store.cell.value;
+        return {
+          cell,
+          a: heldAt(store.second.value?.map.value ?? null, place, store.inspectedSecond.value),
+          b: heldAt(store.map.value, place, store.inspected.value),
+        };
+      }),
+    [store],
+  );
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const asked = { first: "", second: "" };
+    const ask = effect(() => {
+      void both.value;
+      timer ??= setTimeout(() => {
+        timer = undefined;
+        const place = store.probe.peek();
+        if (!place) return;
+        for (const which of ["first", "second"] as const) {
+          const map = which === "first" ? store.map.peek() : (store.second.peek()?.map.peek() ?? null);
+          const cell = cellIn(map, place);
+          if (!map || !cell) continue;
+          const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
+          if (question === asked[which]) continue;
+          asked[which] = question;
+          store.inspect(cell, which);
+        }
+      }, ASK_MS);
+    });
+    return () => {
+      clearTimeout(timer);
+      ask();
+    };
+  }, [store, both]);
+  const now = both.value;
+  const a = now?.a ?? null;
+  const b = now?.b ?? null;
+  const result =
+    a?.logOdds == null || b?.logOdds == null
+      ? null
+      : summedOver === null
+        ? b.logOdds - a.logOdds
+        : a.logOdds + b.logOdds - summedOver;
+  const states = now ? `${a?.state ?? "outside A"} → ${b?.state ?? "outside B"}` : "point at a cell";
+  const place = store.pinned.value;
+  // Said when it becomes another cell, not each time that its value changes.
+  const at = now?.cell ? `${now.cell.row} ${now.cell.col}` : "";
+  const words = useMemo(
+    () =>
+      now?.cell
+        ? `Row ${now.cell.row}, column ${now.cell.col}: A ${a?.state ?? "outside"} ${value(a)}, B ${b?.state ?? "outside"} ${value(b)}`
+        : "",
+    [at],
+  );
+  return (
+    <div class="readout compare-readout">
+      <dl>
+        <div>
+          <dt>A</dt>
+          <dd class="number">{value(a)}</dd>
+        </div>
+        <div>
+          <dt>B</dt>
+          <dd class="number">{value(b)}</dd>
+        </div>
+        <div>
+          <dt>{summedOver === null ? "B − A" : "A + B − ℓ₀"}</dt>
+          <dd class="number">{result === null ? "–" : signed(result, 2)}</dd>
+        </div>
+        <div class="readout-last">
+          <dt class="visually-hidden">states</dt>
+          <dd>{states}</dd>
+        </div>
+      </dl>
+      <span class="readout-why" title="Click a cell, then ask why it is so in A or in B">
+        <Button disabled={!place} onClick={() => store.ask(place)}>
+          Why?
+        </Button>
+      </span>
+      <LiveRegion text={words} />
+    </div>
+  );
+}

@@ -1,0 +1,98 @@
+/** What goes wrong: one switch each, and what to look for; right and wrong side by side. */
+
+import { computed } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import type { Store } from "../../store/store";
+import type { Value, Values } from "../../wire/protocol";
+import { readable } from "../parameters/parameters";
+import { availableFaults, correctValues, type Fault, stillActive, switchFault } from "./model";
+import "./faults.css";
+
+const NO_FAULTS: Values = {};
+
+/** The faults that are on, of those that were switched on: a slider or an undo may have ended some. */
+const wrongNow = (store: Store) =>
+  computed(() => stillActive(store.activeFaults.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
+
+export function Faults({ store }: { readonly store: Store }) {
+  const hello = store.hello.value;
+  const wrong = useMemo(() => wrongNow(store), [store]);
+  if (!hello) return null;
+  const beside = store.compared.value !== null && !store.compared.value.with_faults;
+  const turn = (fault: Fault, wanted: boolean): void => {
+    // Whether the robot has heard of a switch of a moment ago does not matter to the next one.
+    const known = stillActive(store.activeFaults.peek(), store.mapping.values.peek(), null);
+    const next = switchFault(known, fault, wanted, store.mapping.values.peek());
+    store.activeFaults.value = next.wrong;
+    store.setTogether(`fault ${fault.name}`, next.values, next.robot);
+    if (beside) store.send({ type: "compare", values: correctValues(next.wrong) });
+  };
+  const beBeside = (wanted: boolean): void =>
+    store.send({ type: "compare", values: wanted ? correctValues(wrong.peek()) : null });
+  const faults = availableFaults(hello.parameters.table);
+  const told = faults.filter((fault) => wrong.value.on.includes(fault.name));
+  return (
+    <div class="faults">
+      <div class="faults-chips">
+        {faults.map((fault) => {
+          const on = wrong.value.on.includes(fault.name);
+          return (
+            <button
+              key={fault.name}
+              type="button"
+              role="switch"
+              class="fault-chip"
+              aria-checked={on}
+              title={fault.look}
+              onClick={() => turn(fault, !on)}
+            >
+              {fault.label}
+            </button>
+          );
+        })}
+        <button
+          type="button"
+          role="switch"
+          class="fault-chip right"
+          aria-checked={beside}
+          onClick={() => beBeside(!beside)}
+        >
+          Show the correct map
+        </button>
+      </div>
+      <div class="faults-told" role="status">
+        {told.length === 0 && !beside && (
+          <p>Switch a fault on to see its effect on the map. Switching it off restores the settings.</p>
+        )}
+        {told.map((fault) => (
+          <p key={fault.name}>
+            <b>Look for:</b> {fault.look}{" "}
+            <span class="faults-sets">{sentence(fault, wrong.value.before, hello.parameters.table)}</span>
+          </p>
+        ))}
+        {beside && (
+          <p>
+            <b>Second map:</b> the correct map from the same recording, with true poses, all returns, and the settings
+            shown under it.
+          </p>
+        )}
+      </div>
+    </div>
+  );
+}
+
+type Labels = readonly { readonly name: string; readonly label: string; readonly unit: string }[];
+
+/** What the switch has changed, and what it gives back. */
+function sentence(fault: Fault, before: Values, table: Labels): string {
+  const row = (name: string): Labels[number] | undefined => table.find((one) => one.name === name);
+  const told = (name: string, value: Value | undefined): string => {
+    if (typeof value === "boolean") return value ? "on" : "off";
+    const unit = row(name)?.unit;
+    return `${readable(String(value))}${unit ? ` ${unit}` : ""}`;
+  };
+  const changes = Object.entries(fault.sets).map(
+    ([name, value]) => `${row(name)?.label ?? name} is ${told(name, value)}, was ${told(name, before[name])}`,
+  );
+  return changes.length > 0 ? `(${changes.join("; ")}.)` : "";
+}

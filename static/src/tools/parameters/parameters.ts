@@ -1,0 +1,70 @@
+/** Which rows of a parameter table a panel shows, and within which bounds; the table is the mapper's. */
+
+import type { Range } from "../../ui/numbers";
+import type { Parameter, Values } from "../../wire/protocol";
+
+/** A row shows when it concerns the model, or the kind of sensor, of the moment and there is something to choose. */
+export function isShown(row: Parameter, values: Values): boolean {
+  if (row.kind === "choice" && row.choices.length < 2) return false;
+  const model = values.model ?? values.kind;
+  return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
+}
+
+/** The limits of the clamp do nothing while it is off, nor does the way along a beam where each scan counts once. */
+export function isEnabled(row: Parameter, values: Values): boolean {
+  if (row.name === "traversal") return values.update !== "per_scan";
+  return !(values.clamp === false && (row.name === "log_odds_min" || row.name === "log_odds_max"));
+}
+
+const numeric = (values: Values, name: string, otherwise: number): number => {
+  const value = values[name];
+  return typeof value === "number" ? value : otherwise;
+};
+
+/** The bounds of a number row, narrowed where the step window demands p_free ≤ prior ≤ p_occ. */
+export function boundsOf(row: Parameter, values: Values): Range {
+  const range = { low: row.low, high: row.high, step: row.step };
+  if (values.model !== "step_window") return range;
+  const logit = (p: number): number => Math.log(p / (1 - p));
+  const p = 1 / (1 + Math.exp(-numeric(values, "log_odds_prior", 0)));
+  const inward = (value: number, up: boolean): number => {
+    const steps = value / row.step;
+    return (up ? Math.ceil(steps - 1e-9) : Math.floor(steps + 1e-9)) * row.step;
+  };
+  switch (row.name) {
+    case "p_free":
+      return { ...range, high: Math.min(row.high, inward(p, false)) };
+    case "p_occ":
+      return { ...range, low: Math.max(row.low, inward(p, true)) };
+    case "log_odds_prior":
+      return {
+        ...range,
+        low: Math.max(row.low, inward(logit(numeric(values, "p_free", 0.01)), true)),
+        high: Math.min(row.high, inward(logit(numeric(values, "p_occ", 0.99)), false)),
+      };
+    default:
+      return range;
+  }
+}
+
+/** A choice's name as people read it: per_beam → per beam. */
+export function readable(choice: string): string {
+  return choice.replaceAll("_", " ");
+}
+
+export interface Group {
+  readonly name: string;
+  readonly rows: readonly Parameter[];
+}
+
+/** The shown rows by group, in the order of the table; groups without any are left out. */
+export function grouped(table: readonly Parameter[], values: Values): readonly Group[] {
+  const groups = new Map<string, Parameter[]>();
+  for (const row of table) {
+    if (!isShown(row, values)) continue;
+    const rows = groups.get(row.group);
+    if (rows) rows.push(row);
+    else groups.set(row.group, [row]);
+  }
+  return [...groups].map(([name, rows]) => ({ name, rows }));
+}

@@ -1,0 +1,142 @@
+/** What the robot believes: its map, cell by cell, as it fills in. */
+
+import { signal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import { centreOf } from "../../grid/lattice";
+import {
+  type Brush,
+  paintBeam,
+  paintBeams,
+  paintCell,
+  paintCrosshair,
+  paintPath,
+  paintRobot,
+} from "../../render/picture/brush";
+import { inks } from "../../render/picture/inks";
+import type { Picture } from "../../render/picture/Picture";
+import { pulse } from "../../render/picture/pulse";
+import type { Store } from "../../store/store";
+import { reducedMotion } from "../../ui/reducedMotion";
+import type { Point } from "../../wire/protocol";
+import type { Comparison } from "../compare/comparison";
+import { paintWalk } from "../steps/paint";
+import { paintWhy } from "../why/paint";
+import { crossed, paintBeamCells } from "./beamCells";
+import { LinkedPicture } from "./LinkedPicture";
+import { mapSurface } from "./mapSurface";
+
+interface BeliefViewProps {
+  readonly store: Store;
+  /** What a click on the map does; without it the cell is pinned, and looked at until the next click. */
+  readonly onTap?: (point: Point) => void;
+  /** Hears of the picture, for whoever wants to read its pixels. */
+  readonly onPicture?: (picture: Picture) => void;
+  /** Shows a second map in the same picture. */
+  readonly comparison?: Comparison;
+}
+
+function pin(store: Store, point: Point): void {
+  const cell = store.cellOf(point);
+  const pinned = store.pinned.peek() && store.cell.peek();
+  const isSame = cell && pinned && cell.row === pinned.row && cell.col === pinned.col;
+  store.pinned.value = isSame ? null : point;
+}
+
+export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewProps) {
+  const failure = useMemo(() => signal(""), []);
+  return (
+    <LinkedPicture
+      store={store}
+      label="The robot's map. Shift and arrow keys move the cell cursor, question mark asks why its cell is what it is, Escape lets it go; plus and minus zoom, 0 shows everything."
+      onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
+      {...(onPicture ? { onPicture } : {})}
+      setUp={(canvas, invalidate) => {
+        const beat = pulse();
+        const surface = mapSurface(
+          store,
+          canvas,
+          invalidate,
+          () => comparison?.layers() ?? [{ map: store.map.peek(), glows: true }],
+          (brush, now) => paintOverlay(store, brush, beat, now, comparison?.ownPart() ?? [0, 1]),
+        );
+        failure.value = surface.failure;
+        const glow = surface.renderer?.glow;
+        store.onBloom = (row, col, now) => {
+          if (!reducedMotion.peek()) glow?.add(row, col, now);
+        };
+        return {
+          watch: () => {
+            void store.map.value;
+            void store.mapVersion.value;
+            void store.beliefFrame.value;
+            void store.trajectory.value;
+            void store.cell.value;
+            void store.inspectedBeam.value;
+            void store.carried.value;
+            void store.askedCell.value;
+            void store.touch.value;
+            void store.walk.value;
+            void store.inspected.value;
+            void inks.value;
+            comparison?.watch();
+          },
+          paint: surface.paint,
+          dispose: () => {
+            store.onBloom = null;
+          },
+        };
+      }}
+    >
+      {failure.value && <p class="picture-failure">{failure.value}</p>}
+    </LinkedPicture>
+  );
+}
+
+/** `part` of the picture's width is where the way and the beams are painted. */
+function paintOverlay(
+  store: Store,
+  brush: Brush,
+  beat: ReturnType<typeof pulse>,
+  now: number,
+  [from, to]: readonly [from: number, to: number],
+): boolean {
+  const { ctx, size } = brush;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
+  ctx.clip();
+  const moves = paintScan(store, brush, beat, now);
+  ctx.restore();
+  paintWhy(store, brush);
+  const cell = store.cell.peek();
+  const map = store.map.peek();
+  if (cell && map) {
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(map.geometry, cell));
+  }
+  return moves;
+}
+
+/** The way, the newest scan and the robot; true while they fade. */
+function paintScan(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
+  const frame = store.beliefFrame.peek();
+  const from = store.beliefPose.peek();
+  const map = store.map.peek();
+  const trajectory = store.trajectory.peek();
+  if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
+  let strength = 0;
+  if (store.walk.peek()) paintWalk(store, brush, true);
+  else if (frame && from) {
+    strength = beat(frame.index, now);
+    // Faint: the cells that the beams speak about are what there is to see here.
+    paintBeams(brush, from, frame, frame.range_max, 0.5 * strength, 1.5);
+    const beam = store.inspectedBeam.peek();
+    if (beam && map && store.probe.peek()) {
+      const cells = crossed(map.geometry, from, beam, frame.range_max, store.mapping.values.peek());
+      paintBeamCells(brush, map.geometry, cells);
+      paintBeam(brush, from, beam, frame.range_max);
+    }
+    paintRobot(brush, frame.pose, store.carried.peek() !== null);
+  }
+  return strength > 0;
+}

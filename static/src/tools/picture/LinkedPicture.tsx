@@ -1,0 +1,124 @@
+/** A picture of the world that shares view, pointer and robot with every other one of the same store. */
+
+import { effect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import { robotPx } from "../../render/picture/brush";
+import { listen } from "../../render/picture/gestures";
+import { type Paint, Picture } from "../../render/picture/Picture";
+import { panned, type Size, toScreen, toWorld, zoomedAt } from "../../render/view";
+import type { Store } from "../../store/store";
+import { stroke } from "../editing/strokes";
+import { listenToKeys } from "./keyboard";
+import "./picture.css";
+
+interface LinkedPictureProps {
+  readonly store: Store;
+  /** What the picture is, for who does not see it. */
+  readonly label: string;
+  /** Called once with the canvas. `paint` paints it; `watch` reads every signal that the picture shows. */
+  readonly setUp: (
+    canvas: HTMLCanvasElement,
+    invalidate: () => void,
+  ) => { readonly paint: Paint; readonly watch: () => void; readonly dispose?: () => void };
+  /** A tap or click on a place of the world. */
+  readonly onTap: (point: readonly [number, number]) => void;
+  readonly onPicture?: (picture: Picture) => void;
+  /** Whether the tools that change the world work here. */
+  readonly draws?: boolean;
+  readonly children?: ComponentChildren;
+}
+
+export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = false, children }: LinkedPictureProps) {
+  const frame = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const element = frame.current;
+    const surface = canvas.current;
+    if (!element || !surface) return;
+    let invalidate = (): void => undefined;
+    const made = setUp(surface, () => invalidate());
+    const follow = (size: Size): void => {
+      store.pictures.set(element, size);
+      store.fit();
+    };
+    const picture = new Picture(element, surface, made.paint, follow);
+    invalidate = picture.invalidate;
+    onPicture?.(picture);
+
+    const inWorld = (x: number, y: number): readonly [number, number] | null => {
+      const view = store.view.peek();
+      return view && toWorld(view, picture.size, x, y);
+    };
+    const stops = [
+      effect(() => {
+        void store.bounds.value;
+        if (!store.viewHeld.value && picture.size.width > 0) store.fit();
+      }),
+      effect(() => {
+        void store.view.value;
+        made.watch();
+        picture.invalidate();
+      }),
+      listen(element, {
+        grabs: (x, y, reach) => {
+          const view = store.view.peek();
+          const pose = store.frame.peek()?.pose;
+          if (draws && store.editing.tool.peek() !== "robot") return false;
+          if (!view || !pose || store.hello.peek()?.kind !== "world") return false;
+          const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
+          return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;
+        },
+        tap: (x, y) => {
+          const point = inWorld(x, y);
+          if (point) onTap(point);
+        },
+        ask: (x, y) => {
+          const point = inWorld(x, y);
+          if (point) store.ask(point);
+        },
+        doubleTap: () => {
+          store.viewHeld.value = false;
+        },
+        carry: (at) => {
+          store.carry(at && inWorld(at[0], at[1]));
+        },
+        draws: () => draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box"),
+        stroke: (from, to, isDone) => {
+          const start = inWorld(from[0], from[1]);
+          const end = to && inWorld(to[0], to[1]);
+          stroke(store, start, end, isDone);
+        },
+        pan: (dx, dy) => {
+          const view = store.view.peek();
+          if (view) store.look(panned(view, dx, dy));
+        },
+        zoom: (x, y, factor) => {
+          const view = store.view.peek();
+          if (view) store.look(zoomedAt(view, picture.size, x, y, factor));
+        },
+        hover: (at) => {
+          store.pointer.value = at && inWorld(at[0], at[1]);
+        },
+      }),
+      listenToKeys(element, store, () => picture.size),
+      () => picture.dispose(),
+      () => {
+        store.pictures.delete(element);
+        store.fit();
+      },
+      () => made.dispose?.(),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [store]);
+
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it is an application: keys drive the robot and move the cursor
+    <div class="picture" ref={frame} role="application" aria-label={label} tabIndex={0}>
+      <canvas ref={canvas} />
+      {children}
+    </div>
+  );
+}

@@ -1,0 +1,72 @@
+/** The second map of the same recording, at the same places of the picture as the first. */
+
+import { useEffect, useMemo } from "preact/hooks";
+import { centreOf } from "../../grid/lattice";
+import { type Brush, paintCell, paintCrosshair, paintRobot } from "../../render/picture/brush";
+import { inks } from "../../render/picture/inks";
+import { connectSecond } from "../../store/secondMap";
+import type { Store } from "../../store/store";
+import type { Pose } from "../../wire/protocol";
+import { LinkedPicture } from "./LinkedPicture";
+import { mapSurface } from "./mapSurface";
+
+interface SecondMapViewProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+/** Where this map has the robot: where the first has it, or, in a map made right, where it is. */
+function robotPose(store: Store): Pose | undefined {
+  const frame = store.compared.peek()?.with_faults ? store.beliefFrame.peek() : store.frame.peek();
+  return frame?.pose;
+}
+
+export function SecondMapView({ store, session }: SecondMapViewProps) {
+  const second = useMemo(() => connectSecond(session), [session]);
+  useEffect(() => {
+    second.start();
+    return () => second.stop();
+  }, [second]);
+  const { shown } = second;
+  return (
+    <LinkedPicture
+      store={store}
+      label="The second map of the same readings. Plus and minus zoom, 0 shows everything."
+      onTap={(point) => {
+        store.pinned.value = store.pinned.peek() ? null : point;
+      }}
+      setUp={(canvas, invalidate) => {
+        // Where nothing can be drawn the belief beside it says what is the matter.
+        const { paint } = mapSurface(
+          store,
+          canvas,
+          invalidate,
+          () => [{ map: shown.map.peek() }],
+          (brush) => paintOverlay(store, brush),
+        );
+        return {
+          watch: () => {
+            void shown.map.value;
+            void shown.version.value;
+            void store.frame.value;
+            void store.probe.value;
+            void inks.value;
+          },
+          paint,
+        };
+      }}
+    />
+  );
+}
+
+function paintOverlay(store: Store, brush: Brush): boolean {
+  const pose = robotPose(store);
+  if (pose) paintRobot(brush, pose, false);
+  const cell = store.cell.peek();
+  const geometry = store.map.peek()?.geometry;
+  if (cell && geometry) {
+    paintCell(brush, geometry, cell.row, cell.col, brush.inks.ink);
+    paintCrosshair(brush, centreOf(geometry, cell));
+  }
+  return false;
+}

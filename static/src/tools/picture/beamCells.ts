@@ -1,0 +1,83 @@
+import { along, type Beam } from "../../grid/beams";
+import { type Cell, cellAt, centreOf, fromLattice } from "../../grid/lattice";
+import {
+  effectiveReading,
+  halfWindow,
+  INITIAL_PARAMETERS,
+  increment,
+  isNoReturn,
+  type SensorModelParameters,
+} from "../../grid/sensorModel";
+import { cellsAlong } from "../../grid/textbook";
+import type { Brush } from "../../render/picture/brush";
+import { toScreen } from "../../render/view";
+import type { Geometry, Pose, Values } from "../../wire/protocol";
+
+/** Cells narrower than this are not outlined one by one. */
+const LEAST_PX = 3;
+
+/** A cell on a beam: what the beam says of it, occupied, free or (a return that was ignored) nothing. */
+export interface Crossed {
+  readonly cell: Cell;
+  readonly says: "hit" | "miss" | "prior";
+}
+
+/**
+ * The cells of which a beam speaks and what it says, as `evidence_along_beam` of mapper/mapping/textbook.py has it; along a
+ * cone's axis as along a thin beam. `rangeMax` is the greatest range of the sensor and the map; `values` are the map's.
+ */
+export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number, values: Values): Crossed[] {
+  const parameters: SensorModelParameters = {
+    ...INITIAL_PARAMETERS,
+    ...(values as Partial<SensorModelParameters>),
+    resolution: geometry.resolution,
+    range_max: rangeMax,
+  };
+  const traversal = values.traversal === "amanatides_woo" ? values.traversal : "bresenham";
+  const z = effectiveReading(beam.range ?? Number.POSITIVE_INFINITY, parameters);
+  if (isNoReturn(z, parameters)) {
+    const says = parameters.no_return === "free" ? "miss" : "prior";
+    return cellsAlong(geometry, from, beam.bearing, rangeMax, { traversal }).map((cell) => ({ cell, says }));
+  }
+  const half = halfWindow(z, parameters);
+  const end = cellAt(geometry, ...along(from, beam.bearing, z));
+  const found: Crossed[] = [];
+  let isEndFound = false;
+  for (const cell of cellsAlong(geometry, from, beam.bearing, z + half, { traversal })) {
+    const [x, y] = centreOf(geometry, cell);
+    const s = Math.hypot(x - from[0], y - from[1]);
+    const isEnd = cell.row === end.row && cell.col === end.col;
+    if (isEnd) found.push({ cell, says: "hit" });
+    else if (half === 0 || s < z - half) found.push({ cell, says: "miss" });
+    else if (s <= z + half) found.push({ cell, says: increment(s, z, parameters) > 0 ? "hit" : "miss" });
+    isEndFound ||= isEnd;
+  }
+  return isEndFound ? found : [...found, { cell: end, says: "hit" }];
+}
+
+/** Outline cells in the colours of what the beam says of them. */
+export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geometry, cells: readonly Crossed[]): void {
+  if (geometry.resolution / view.scale < LEAST_PX) return;
+  ctx.lineWidth = 1;
+  for (const part of ["prior", "miss", "hit"] as const) {
+    ctx.beginPath();
+    for (const { cell, says } of cells) {
+      if (says !== part) continue;
+      const { row, col } = cell;
+      const corners = [
+        [col, row],
+        [col + 1, row],
+        [col + 1, row + 1],
+        [col, row + 1],
+      ] as const;
+      for (const [i, [u, v]] of corners.entries()) {
+        const [x, y] = toScreen(view, size, ...fromLattice(geometry, u, v));
+        if (i === 0) ctx.moveTo(x, y);
+        else ctx.lineTo(x, y);
+      }
+      ctx.closePath();
+    }
+    ctx.strokeStyle = inks[part];
+    ctx.stroke();
+  }
+}

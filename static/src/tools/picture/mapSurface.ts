@@ -1,0 +1,48 @@
+/** A map with a drawing over it: the canvas of every belief. */
+
+import { createRenderer } from "../../render/map/createRenderer";
+import type { Layer, MapRenderer } from "../../render/map/renderer";
+import { type Brush, brushOn } from "../../render/picture/brush";
+import { inks } from "../../render/picture/inks";
+import type { Paint } from "../../render/picture/Picture";
+import type { Store } from "../../store/store";
+
+interface MapSurface {
+  /** Null where the browser can draw nothing; `failure` says why. */
+  readonly renderer: MapRenderer | null;
+  readonly failure: string;
+  readonly paint: Paint;
+}
+
+/** Draw the `layers` in the view of `store`, and over it what `draw` paints; true while that moves by itself. */
+export function mapSurface(
+  store: Store,
+  canvas: HTMLCanvasElement,
+  invalidate: () => void,
+  layers: () => readonly Layer[],
+  draw: (brush: Brush, now: number) => boolean,
+): MapSurface {
+  let renderer: MapRenderer | null = null;
+  let failure = "";
+  try {
+    renderer = createRenderer(canvas, invalidate);
+  } catch (error) {
+    failure = error instanceof Error ? error.message : String(error);
+  }
+  let colours: unknown = null;
+  const paint: Paint = (size, ratio, now) => {
+    const view = store.view.peek();
+    if (!view || !renderer) return false;
+    if (colours !== inks.peek()) {
+      colours = inks.peek();
+      renderer.recolour();
+    }
+    let moves = false;
+    const glows = renderer.draw(layers(), view, size, now, (overlay) => {
+      const brush = brushOn(overlay, size, ratio, view, inks.peek());
+      moves = brush !== null && draw(brush, now);
+    });
+    return glows || moves;
+  };
+  return { renderer, failure, paint };
+}

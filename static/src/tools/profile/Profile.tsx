@@ -1,0 +1,145 @@
+import { effect, type ReadonlySignal } from "@preact/signals";
+import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
+import { cellIndexAt, isCone, type SensorModelParameters } from "../../grid/sensorModel";
+import { toValue } from "../../render/chart/scale";
+import { Button } from "../../ui/Button";
+import { lazy } from "../../ui/lazy";
+import type { Range } from "../../ui/numbers";
+import { useWidth } from "../../ui/useWidth";
+import { Beam } from "./Beam";
+import { Curve } from "./Curve";
+import { controlsFor } from "./controls";
+import { Formula, InWords } from "./Formula";
+import type { Bounds } from "./handles";
+import "./profile.css";
+import { cellText, Strip } from "./Strip";
+import { ProfileView } from "./view";
+
+/** Bounds and steps as the mapper's table has them; a session's own table replaces them. */
+const TABLE: Partial<Record<keyof SensorModelParameters, Range>> = {
+  range_max: { low: 0.5, high: 100, step: 0.1 },
+  window: { low: 0, high: 2, step: 0.05 },
+  log_odds_hit: { low: 0, high: 3, step: 0.05 },
+  log_odds_miss: { low: -3, high: 0, step: 0.05 },
+  p_free: { low: 0.01, high: 0.99, step: 0.01 },
+  p_occ: { low: 0.01, high: 0.99, step: 0.01 },
+  sigma: { low: 0.005, high: 0.5, step: 0.005 },
+  opening: { low: 0.01, high: 1.57, step: 0.01 },
+  prior_weight: { low: 0.1, high: 50, step: 0.1 },
+};
+const ANY: Range = { low: -100, high: 100, step: 0.01 };
+
+const Cone = lazy(async () => (await import("./Cone")).Cone);
+const ConeCells = lazy(async () => (await import("./Cone")).ConeCells);
+
+interface ProfileProps {
+  /** The values of the moment, by the names of the mapper's table. */
+  readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
+  readonly setParameter: (name: string, value: number) => void;
+  /** Range of the beam that is looked at, metres; null for no return, undefined where there is no beam. */
+  readonly reading: ReadonlySignal<number | null | undefined>;
+  /** What the beam is, for the legend: "the beam straight ahead". */
+  readonly beamName?: string;
+}
+
+/**
+ * The inverse sensor model along one beam: a curve to grab, the cells under it, its formula with live numbers.
+ * It answers in the browser at once; the map follows from the server.
+ */
+export function Profile({ parameters, setParameter, reading, beamName = "the beam" }: ProfileProps) {
+  const view = useMemo(() => new ProfileView(parameters, reading), [parameters, reading]);
+  useEffect(() => () => view.dispose(), [view]);
+  const controls = useMemo(() => {
+    const bounds: Bounds = (name) => TABLE[name] ?? ANY;
+    return controlsFor(view, bounds, setParameter);
+  }, [view, setParameter]);
+  const frame = useRef<HTMLDivElement>(null);
+  const measured = useWidth(frame, 720);
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        view.width.value = Math.max(280, measured.value);
+      }),
+    [view, measured],
+  );
+
+  const { width, height, curve, strip } = view.layout.value;
+  const hover = (event: PointerEvent): void => {
+    // Where the frame lies is not asked while a handle is dragged: the answer would cost a layout in the hand's frame.
+    const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
+    if (!box) return;
+    const px = event.clientX - box.left;
+    const py = event.clientY - box.top;
+    const inside = px >= curve.left && px <= curve.right && py >= curve.top && py <= strip.bottom + 10;
+    view.hovered.value = inside ? cellIndexAt(toValue(px, view.xScale.peek()), view.values.peek().resolution) : null;
+  };
+  const hovered = view.hovered.value;
+  const cone = isCone(view.values.value);
+  const following = view.grabbed.value === null;
+
+  return (
+    <figure class="profile" aria-label="Inverse sensor model along one beam">
+      <div class="profile-bar">
+        <span class="profile-source">
+          {following ? (
+            reading.value === undefined ? (
+              "An example reading: drag it"
+            ) : (
+              <>
+                <span class="live-dot" />{" "}
+                {view.attended.value ? "a reading that waits for your hand" : `following ${beamName}`}
+              </>
+            )
+          ) : (
+            "reading held by you"
+          )}
+        </span>
+        {!following && reading.value !== undefined && (
+          <Button
+            kind="quiet"
+            icon="target"
+            onClick={() => {
+              view.grabbed.value = null;
+            }}
+          >
+            Follow the beam
+          </Button>
+        )}
+        <output class="profile-readout" aria-live="off">
+          {hovered === null || cone ? null : cellText(hovered, view)}
+        </output>
+      </div>
+      <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>
+        {cone && <ConeCells view={view} />}
+        <svg
+          class="profile-svg"
+          role="presentation"
+          width={width}
+          height={height}
+          viewBox={`0 0 ${width} ${height}`}
+          onPointerMove={hover}
+          onPointerDown={hover}
+          onPointerEnter={() => view.attend(true)}
+          onPointerLeave={() => {
+            view.attend(false);
+            view.hovered.value = null;
+          }}
+        >
+          <Beam view={view} controls={controls} />
+          {cone ? (
+            <Cone view={view} controls={controls} />
+          ) : (
+            <>
+              <Strip view={view} />
+              <Curve view={view} controls={controls} />
+            </>
+          )}
+        </svg>
+      </div>
+      <figcaption class="profile-caption">
+        <Formula view={view} />
+        <InWords view={view} />
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,148 @@
+/** What dragging a handle by so much evidence or so many metres does to the parameters: bounds, snapping, coupling. */
+
+import { logOdds, probability } from "../../grid/logOdds";
+import { INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
+import { keyed, type Range, snap } from "../../ui/numbers";
+
+/** A parameter and the value that a handle gives it. */
+export interface Setting {
+  readonly name: keyof SensorModelParameters;
+  readonly value: number;
+}
+
+/** The bounds of the mapper's parameter table that the handles keep to, until the table of the session says others. */
+export type Bounds = (name: keyof SensorModelParameters) => Range;
+
+/** Bounds of a level, where the step window demands p_free ≤ prior ≤ p_occ. */
+function coupled(name: "p_free" | "p_occ", values: SensorModelParameters, bounds: Bounds): Range {
+  const prior = probability(values.log_odds_prior);
+  const range = bounds(name);
+  return name === "p_free"
+    ? { ...range, high: Math.min(range.high, prior) }
+    : { ...range, low: Math.max(range.low, prior) };
+}
+
+/** The parameter behind the plateau "hit" or "miss" in the model of the moment, its bounds, and its present value. */
+export function level(
+  which: "hit" | "miss",
+  values: SensorModelParameters,
+  bounds: Bounds,
+): {
+  readonly name: "log_odds_hit" | "log_odds_miss" | "p_free" | "p_occ" | "prior_weight";
+  readonly range: Range;
+  readonly value: number;
+} {
+  if (values.model === "hit_counting") {
+    return { name: "prior_weight", range: bounds("prior_weight"), value: values.prior_weight };
+  }
+  if (values.model === "step_window") {
+    const name = which === "hit" ? "p_occ" : "p_free";
+    return { name, range: coupled(name, values, bounds), value: values[name] };
+  }
+  const name = which === "hit" ? "log_odds_hit" : "log_odds_miss";
+  return { name, range: bounds(name), value: values[name] };
+}
+
+function finer(range: Range, fine: boolean): Range {
+  return fine ? { ...range, step: range.step / 5 } : range;
+}
+
+/** The value of the parameter behind a level that puts it at `evidence` log-odds. */
+function valueFor(which: "hit" | "miss", evidence: number, values: SensorModelParameters): number {
+  const prior = probability(values.log_odds_prior);
+  switch (values.model) {
+    case "step_window":
+      return probability(evidence + logOdds(prior));
+    case "hit_counting": {
+      // What the first visit changes is ln (1 + 1 / wp): the weight that makes it so.
+      const share = which === "hit" ? prior : 1 - prior;
+      const change = Math.max(1e-3, which === "hit" ? evidence : -evidence);
+      return 1 / (share * Math.expm1(change));
+    }
+    default:
+      return evidence;
+  }
+}
+
+/** Put a plateau at `evidence` log-odds above the prior. */
+export function dragLevel(
+  which: "hit" | "miss",
+  evidence: number,
+  values: SensorModelParameters,
+  bounds: Bounds,
+  fine = false,
+): Setting {
+  const { name, range } = level(which, values, bounds);
+  const wanted = valueFor(which, evidence, values);
+  return { name, value: snap(wanted, finer(range, fine)) };
+}
+
+/** Put an edge of the window at distance `s` from the sensor: the other edge follows, the reading stays. */
+export function dragEdge(
+  side: "near" | "far",
+  s: number,
+  z: number,
+  bounds: Bounds,
+  fine = false,
+  values: SensorModelParameters = INITIAL_PARAMETERS,
+): Setting {
+  const half = side === "near" ? z - s : s - z;
+  if (values.model === "smooth_ramp") {
+    const sigma = half / 2 - values.sigma_growth * z;
+    return { name: "sigma", value: snap(sigma, finer(bounds("sigma"), fine)) };
+  }
+  return { name: "window", value: snap(2 * Math.max(0, half), finer(bounds("window"), fine)) };
+}
+
+/** Put the max range at distance `s`. */
+export function dragRangeMax(s: number, bounds: Bounds, fine = false): Setting {
+  return { name: "range_max", value: snap(s, finer(bounds("range_max"), fine)) };
+}
+
+/** A level's answer to a key, or null for a key that is not its own. */
+export function keyLevel(
+  which: "hit" | "miss",
+  key: string,
+  shift: boolean,
+  values: SensorModelParameters,
+  bounds: Bounds,
+): Setting | null {
+  const { name, range, value } = level(which, values, bounds);
+  // The heavier the prior, the less a first hit changes: up is more evidence, so a lighter prior.
+  const along = name === "prior_weight" && which === "hit" ? (OPPOSITE[key] ?? key) : key;
+  const next = keyed(along, shift, value, range, range.step / 5);
+  return next === null ? null : { name, value: next };
+}
+
+const OPPOSITE: Record<string, string> = {
+  ArrowUp: "ArrowDown",
+  ArrowDown: "ArrowUp",
+  ArrowRight: "ArrowLeft",
+  ArrowLeft: "ArrowRight",
+};
+
+const MIRRORED: Record<string, string> = {
+  ArrowLeft: "ArrowRight",
+  ArrowRight: "ArrowLeft",
+};
+
+/** A window edge's answer to a key: the near edge moves as the arrow points, so left widens it. */
+export function keyEdge(
+  side: "near" | "far",
+  key: string,
+  shift: boolean,
+  values: SensorModelParameters,
+  bounds: Bounds,
+): Setting | null {
+  const name = values.model === "smooth_ramp" ? "sigma" : "window";
+  const range = bounds(name);
+  const along = side === "near" ? (MIRRORED[key] ?? key) : key;
+  const next = keyed(along, shift, values[name], range, range.step / 5);
+  return next === null ? null : { name, value: next };
+}
+
+/** Open the cone so far that its edge passes a place `x` ahead and `y` aside, in any unit. */
+export function dragOpening(x: number, y: number, bounds: Bounds, fine = false): Setting {
+  const range = bounds("opening");
+  return { name: "opening", value: snap(2 * Math.atan2(Math.abs(y), Math.max(1e-9, x)), finer(range, fine)) };
+}

@@ -1,0 +1,71 @@
+/**
+ * Where things stand in the profile figure, in CSS pixels: the whole beam on top, under it a lens on the part around
+ * the reading with the curve, and under that the cells of the same part on the same axis.
+ */
+
+export interface Box {
+  readonly left: number;
+  readonly right: number;
+  readonly top: number;
+  readonly bottom: number;
+}
+
+export interface Layout {
+  readonly width: number;
+  readonly height: number;
+  readonly beam: Box;
+  readonly curve: Box;
+  readonly strip: Box;
+}
+
+export function layoutFor(width: number): Layout {
+  const narrow = width < 560;
+  const left = narrow ? 40 : 56;
+  const right = width - (narrow ? 38 : 56);
+  const curveHeight = narrow ? 220 : 240;
+  const beam = { left, right, top: 30, bottom: 58 };
+  const curve = { left, right, top: 112, bottom: 112 + curveHeight };
+  const strip = { left, right, top: curve.bottom + 30, bottom: curve.bottom + 60 };
+  return { width, height: strip.bottom + 46, beam, curve, strip };
+}
+
+/** The part of the beam under the lens, in metres. */
+export interface Lens {
+  readonly start: number;
+  readonly span: number;
+}
+
+/** How much of the beam the lens shows: cells of about 16 px, more where the window is wider, at most all of it. */
+export function lensSpan(resolution: number, window: number, total: number, width: number): number {
+  const cells = Math.min(60, Math.max(20, Math.round(width / 16)));
+  return Math.min(total, Math.max(cells * resolution, 1.8 * window));
+}
+
+/**
+ * Where the lens goes for a point of interest: it stays while the point is well inside, so that the cells stand still
+ * under a reading that trembles, and otherwise moves to put the point right of the middle.
+ */
+export function lensFor(point: number, span: number, total: number, before: Lens | null): Lens {
+  const start = (wanted: number): number => Math.min(Math.max(0, wanted), Math.max(0, total - span));
+  if (before && Math.abs(before.span - span) < 1e-9) {
+    const place = (point - before.start) / span;
+    if (place >= 0.3 && place <= 0.8) return before;
+    if (place >= 0 && place < 0.3 && before.start === 0) return before;
+  }
+  return { start: start(point - 0.6 * span), span };
+}
+
+/** Move the lens just as far as keeps the point inside while it is dragged. */
+export function lensKeeping(point: number, lens: Lens): Lens {
+  const margin = 0.08 * lens.span;
+  if (point < lens.start + margin) return { start: Math.max(0, point - margin), span: lens.span };
+  if (point > lens.start + lens.span - margin) return { start: point + margin - lens.span, span: lens.span };
+  return lens;
+}
+
+const EXTENTS = [1.2, 2, 3.3, 5, 7.5];
+
+/** The half-height of the evidence axis that shows `value` with room above it. */
+export function extentFor(value: number): number {
+  return EXTENTS.find((extent) => extent >= Math.abs(value) * 1.25) ?? EXTENTS[EXTENTS.length - 1] ?? 7.5;
+}

@@ -1,0 +1,21 @@
+import type { Store } from "../../store/store";
+
+/**
+ * The range that the profile shows: of the beam towards the place that is looked at; where none is, of the beam with
+ * a return that lies nearest to straight ahead, because a beam without return has little to show. Metres, null for no
+ * return, undefined before the first scan.
+ */
+export function tellingReading(store: Store): number | null | undefined {
+  const beam = store.inspectedBeam.value;
+  if (!beam) return undefined;
+  const ranges = store.frame.value?.ranges ?? [];
+  if (store.probe.value) return beam.range;
+  const limit = Number(store.mapping.values.value.range_max ?? Number.POSITIVE_INFINITY);
+  for (let away = 0; away < ranges.length; away++) {
+    for (const index of [beam.index - away, beam.index + away]) {
+      const range = ranges[index];
+      if (typeof range === "number" && range <= limit) return range;
+    }
+  }
+  return beam.range;
+}

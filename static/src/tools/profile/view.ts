@@ -1,0 +1,168 @@
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import {
+  beamModel,
+  effectiveReading,
+  halfWindow,
+  INITIAL_PARAMETERS,
+  isCone,
+  isNoReturn,
+  type SensorModelParameters,
+} from "../../grid/sensorModel";
+import type { Scale } from "../../render/chart/scale";
+import { extentFor, type Layout, type Lens, layoutFor, lensFor, lensKeeping, lensSpan } from "./layout";
+
+export type HandleName = "z" | "z-far" | "near" | "far" | "hit" | "miss" | "range_max" | "opening";
+
+interface Extents {
+  readonly up: number;
+  readonly down: number;
+}
+
+/** The reading of a figure that no beam feeds. */
+const RESTING_READING = 4.23;
+
+/** How much of a cone's axis has to be shown so that all of the cone up to `point` metres fits into the picture. */
+function reachFor(point: number, values: SensorModelParameters, { curve, strip }: Layout): number {
+  const shape = (curve.right - curve.left) / (strip.bottom - curve.top);
+  const wide = 2.3 * (point + halfWindow(point, values)) * Math.sin(Math.min(values.opening, Math.PI) / 2) * shape;
+  return Math.max(0.5, 1.2 * (point + halfWindow(point, values)), wide);
+}
+
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** What the profile shows and how it moves there: the reading, the lens, the axes; no markup. */
+export class ProfileView {
+  readonly width = signal(720);
+  readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value));
+  /** A reading that a hand has set, metres; null while the figure follows the beam. */
+  readonly grabbed = signal<number | null>(null);
+  /** Index of the cell under the pointer. */
+  readonly hovered = signal<number | null>(null);
+  readonly held = signal<HandleName | null>(null);
+  /** Whether a pointer is on the figure: the reading then stands still, or handles would run away from the hand. */
+  readonly attended = signal(false);
+  readonly values: ReadonlySignal<SensorModelParameters>;
+  /** The reading shown, metres; Infinity for no return. */
+  readonly z: ReadonlySignal<number>;
+  readonly noReturn: ReadonlySignal<boolean>;
+  /** Metres on the axis of the whole beam. */
+  readonly total = signal(INITIAL_PARAMETERS.range_max);
+  readonly lens = signal<Lens>({ start: 0, span: 2.4 });
+  /** Metres of a cone's axis that are shown, from the sensor. */
+  readonly reach = signal(3);
+  readonly extents = signal<Extents>({ up: 1.2, down: 1.2 });
+
+  #standing: number | null | undefined;
+  #lensWanted: Lens | null = null;
+  #extentsWanted: Extents = { up: 1.2, down: 1.2 };
+  #frame = 0;
+  #stops: (() => void)[];
+
+  constructor(
+    parameters: ReadonlySignal<Readonly<Record<string, unknown>>>,
+    readonly reading: ReadonlySignal<number | null | undefined>,
+  ) {
+    this.values = computed(() => ({ ...INITIAL_PARAMETERS, ...(parameters.value as Partial<SensorModelParameters>) }));
+    this.z = computed(() => {
+      const live = this.attended.value ? this.#standing : this.reading.value;
+      const values = this.values.value;
+      if (this.grabbed.value !== null) return effectiveReading(this.grabbed.value, values);
+      if (live === undefined) return Math.min(RESTING_READING, 0.6 * values.range_max);
+      return effectiveReading(live ?? Number.POSITIVE_INFINITY, values);
+    });
+    this.noReturn = computed(() => isNoReturn(this.z.value, this.values.value));
+    this.#stops = [effect(() => this.#followTotal()), effect(() => this.#aim())];
+  }
+
+  /** A pointer comes to the figure or leaves it. */
+  attend(here: boolean): void {
+    if (here && !this.attended.peek()) this.#standing = this.reading.peek();
+    this.attended.value = here;
+  }
+
+  dispose(): void {
+    for (const stop of this.#stops) stop();
+    cancelAnimationFrame(this.#frame);
+  }
+
+  /** Distance axis of curve and cells. */
+  readonly xScale: ReadonlySignal<Scale> = computed(() => {
+    const { start, span } = this.lens.value;
+    const { left, right } = this.layout.value.curve;
+    if (isCone(this.values.value)) return { low: 0, high: this.reach.value, from: left, to: right };
+    return { low: start, high: start + span, from: left, to: right };
+  });
+
+  /** Evidence axis. */
+  readonly yScale: ReadonlySignal<Scale> = computed(() => {
+    const { up, down } = this.extents.value;
+    const { top, bottom } = this.layout.value.curve;
+    return { low: -down, high: up, from: bottom, to: top };
+  });
+
+  /** Distance axis of the whole beam. */
+  readonly beamScale: ReadonlySignal<Scale> = computed(() => {
+    const { left, right } = this.layout.value.beam;
+    return { low: 0, high: this.total.value, from: left, to: right };
+  });
+
+  // An axis that grew while one of its own handles is dragged would run away from the hand.
+  #followTotal(): void {
+    const wanted = Math.max(1.25 * this.values.value.range_max, 1);
+    if (this.held.value === null) this.total.value = wanted;
+  }
+
+  #aim(): void {
+    const held = this.held.value;
+    const { range_max, resolution } = this.values.value;
+    const window = 2 * halfWindow(Math.min(this.z.value, range_max), this.values.value);
+    const point = this.noReturn.value ? range_max : this.z.value;
+    const total = this.total.value;
+    const now = this.lens.peek();
+    const span = lensSpan(resolution, window, total, this.width.value);
+    let jump = false;
+    if (held === "z") {
+      this.#lensWanted = lensKeeping(point, now);
+      jump = true;
+    } else if (held === null || held === "z-far") {
+      this.#lensWanted = lensFor(point, span, total, this.#lensWanted);
+    }
+    if (held === null || held === "z-far") this.reach.value = reachFor(point, this.values.value, this.layout.value);
+    const model = beamModel(this.values.value);
+    const needed = { up: extentFor(model.hit), down: extentFor(model.miss) };
+    this.#extentsWanted =
+      held === null
+        ? needed
+        : {
+            up: Math.max(needed.up, this.#extentsWanted.up),
+            down: Math.max(needed.down, this.#extentsWanted.down),
+          };
+    if (jump && this.#lensWanted) this.lens.value = this.#lensWanted;
+    if (this.#frame === 0) this.#step();
+  }
+
+  #step(): void {
+    this.#frame = 0;
+    const lens = this.#lensWanted ?? this.lens.peek();
+    const { lens: shownLens, extents: shownExtents } = { lens: this.lens.peek(), extents: this.extents.peek() };
+    const { up, down } = this.#extentsWanted;
+    const near = (a: number, b: number, scale: number): boolean => Math.abs(a - b) < 0.002 * scale;
+    const there =
+      near(shownLens.start, lens.start, lens.span) &&
+      near(shownLens.span, lens.span, lens.span) &&
+      near(shownExtents.up, up, up) &&
+      near(shownExtents.down, down, down);
+    // Where the reading has left the lens, easing after it would show a part of the beam where it is not.
+    const point = this.noReturn.peek() ? this.values.peek().range_max : this.z.peek();
+    const far = point < shownLens.start || point > shownLens.start + shownLens.span;
+    if (there || calm.matches) {
+      if (shownLens !== lens) this.lens.value = lens;
+      if (shownExtents !== this.#extentsWanted) this.extents.value = this.#extentsWanted;
+      return;
+    }
+    const ease = (a: number, b: number): number => a + 0.28 * (b - a);
+    this.lens.value = far ? lens : { start: ease(shownLens.start, lens.start), span: ease(shownLens.span, lens.span) };
+    this.extents.value = { up: ease(shownExtents.up, up), down: ease(shownExtents.down, down) };
+    this.#frame = requestAnimationFrame(() => this.#step());
+  }
+}

@@ -1,0 +1,133 @@
+/** The cell that is looked at, in numbers. */
+
+import { computed, effect, type ReadonlySignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { logOddsAt, shownByteAt, stateAt } from "../../grid/cellValues";
+import { probability } from "../../grid/logOdds";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { LiveRegion } from "../../ui/LiveRegion";
+import { signed, written } from "../../ui/numbers";
+import type { CellState } from "../../wire/protocol";
+import "./readout.css";
+
+/** What is believed of the cell that is looked at. */
+interface Reading {
+  readonly row: string;
+  readonly col: string;
+  readonly logOdds: string;
+  readonly p: string;
+  readonly state: CellState | "never observed" | "point at a cell";
+}
+
+const NOTHING: Reading = { row: "–", col: "–", logOdds: "–", p: "–", state: "point at a cell" };
+
+function readingOf(store: Store): ReadonlySignal<Reading> {
+  return computed(() => {
+    const map = store.map.value;
+    const cell = store.cell.value;
+    void store.mapVersion.value;
+    if (!map || !cell) return NOTHING;
+    const place = { row: String(cell.row), col: String(cell.col) };
+    const byte = map.cells.at(cell.row, cell.col);
+    if (byte === 0) return { ...place, logOdds: "–", p: "–", state: "never observed" };
+    const { geometry } = map;
+    const coarse = logOddsAt(byte, geometry);
+    // The server's exact value, as long as it is the one that is shown.
+    const exact = store.inspected.value;
+    const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
+    const isSame = isExact && Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 1;
+    const value = isSame ? exact.log_odds : coarse;
+    return { ...place, logOdds: signed(value, 2), p: written(probability(value), 3), state: stateAt(byte, geometry) };
+  });
+}
+
+/** How often the exact value of a cell is asked for while it changes. */
+const ASK_MS = 150;
+
+/** A cell in words. */
+function wordsOf({ row, col, state, logOdds, p }: Reading): string {
+  if (row === "–") return "";
+  const value = logOdds === "–" ? "" : `, log-odds ${logOdds}, probability ${p}`;
+  return `Row ${row}, column ${col}: ${state}${value}`;
+}
+
+/** Says the cell that is looked at when it becomes another one, not each time that its value changes. */
+function Voice({ reading }: { readonly reading: ReadonlySignal<Reading> }) {
+  const place = useMemo(() => computed(() => `${reading.value.row} ${reading.value.col}`), [reading]);
+  void place.value;
+  return <LiveRegion text={wordsOf(reading.peek())} />;
+}
+
+/** The cell that is looked at, in numbers, in a place that does not jump, and spoken. */
+export function Readout({ store }: { readonly store: Store }) {
+  const reading = useMemo(() => readingOf(store), [store]);
+  useEffect(() => {
+    let asked = "";
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const ask = effect(() => {
+      const { row, col, logOdds } = reading.value;
+      void [row, col, logOdds];
+      timer ??= setTimeout(() => {
+        timer = undefined;
+        const cell = store.cell.peek();
+        const map = store.map.peek();
+        if (!cell || !map) return;
+        const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
+        if (question === asked) return;
+        asked = question;
+        store.inspect(cell);
+      }, ASK_MS);
+    });
+    return () => {
+      clearTimeout(timer);
+      ask();
+    };
+  }, [store, reading]);
+  const field = (name: keyof Reading): ReadonlySignal<string> => computed(() => reading.value[name]);
+  const texts = useMemo(
+    () => ({ row: field("row"), col: field("col"), logOdds: field("logOdds"), p: field("p"), state: field("state") }),
+    [reading],
+  );
+  const kind = useMemo(() => computed(() => `readout-state ${reading.value.state.replaceAll(" ", "-")}`), [reading]);
+  return (
+    <div class="readout">
+      <dl>
+        <div>
+          <dt>row</dt>
+          <dd class="number">{texts.row}</dd>
+        </div>
+        <div>
+          <dt>col</dt>
+          <dd class="number">{texts.col}</dd>
+        </div>
+        <div>
+          <dt>log-odds</dt>
+          <dd class="number">{texts.logOdds}</dd>
+        </div>
+        <div>
+          <dt>p</dt>
+          <dd class="number">{texts.p}</dd>
+        </div>
+        <div class="readout-last">
+          <dt class="visually-hidden">state</dt>
+          <dd class={kind}>{texts.state}</dd>
+        </div>
+      </dl>
+      <WhyButton store={store} />
+      <Voice reading={reading} />
+    </div>
+  );
+}
+
+/** Asks why the cell that is held is what it is. */
+function WhyButton({ store }: { readonly store: Store }) {
+  const isNowhere = useMemo(() => computed(() => !store.pinned.value || !store.cell.value), [store]);
+  return (
+    <span class="readout-why" title="Click a cell first. Or Shift+click the cell, or press and hold it.">
+      <Button disabled={isNowhere.value} onClick={() => store.ask(store.probe.peek())}>
+        Why?
+      </Button>
+    </span>
+  );
+}

@@ -1,0 +1,39 @@
+/** A scan that is put into the map cell by cell: the cells it has touched, its beam, and the cell of the moment. */
+
+import { beamAt } from "../../grid/beams";
+import { byteAt } from "../../grid/cellValues";
+import { fromLattice } from "../../grid/lattice";
+import { mapColours, palette } from "../../render/map/palette";
+import { type Brush, paintBeam, paintCell } from "../../render/picture/brush";
+import { toScreen } from "../../render/view";
+import type { Store } from "../../store/store";
+import { paintBeamCells } from "../picture/beamCells";
+import { valuesNow } from "./stepping";
+
+/** Paint the touched cells as the map will show them, where `onMap`, and the beam and its cells. */
+export function paintWalk(store: Store, brush: Brush, onMap: boolean): void {
+  const walk = store.walk.peek();
+  if (!walk) return;
+  const { geometry, frame, pose, steps, done } = walk;
+  const { ctx, view, size, inks } = brush;
+  if (onMap) {
+    const colours = palette(geometry, mapColours());
+    const px = geometry.resolution / view.scale;
+    for (const [name, logOdds] of valuesNow(store, walk)) {
+      const [row, col] = name.split(" ").map(Number) as [number, number];
+      const byte = Math.round(Math.min(255, Math.max(1, byteAt(logOdds, geometry))));
+      const [x, y] = toScreen(view, size, ...fromLattice(geometry, col, row + 1));
+      ctx.fillStyle = `rgb(${colours[4 * byte]} ${colours[4 * byte + 1]} ${colours[4 * byte + 2]})`;
+      ctx.fillRect(x, y, px + 0.5, px + 0.5);
+    }
+  }
+  const now = steps[Math.max(0, done - 1)];
+  const beam = now && beamAt(frame, now.beam);
+  if (!now || !beam) return;
+  const cells = steps
+    .filter((one) => one.beam === now.beam)
+    .map(({ cell, isHit }) => ({ cell, says: isHit ? ("hit" as const) : ("miss" as const) }));
+  paintBeam(brush, pose, beam, frame.range_max);
+  paintBeamCells(brush, geometry, cells);
+  if (done > 0) paintCell(brush, geometry, now.cell.row, now.cell.col, now.isHit ? inks.hit : inks.miss);
+}

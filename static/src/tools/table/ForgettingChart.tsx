@@ -1,0 +1,66 @@
+import { useRef } from "preact/hooks";
+import { ticks } from "../../render/chart/scale";
+import { useWidth } from "../../ui/useWidth";
+import type { Forgetting } from "../../wire/protocol";
+import type { Point } from "./model";
+
+const HEIGHT = 170;
+const LEFT = 44;
+const RIGHT = 12;
+const BOTTOM = HEIGHT - 24;
+const TOP = 18;
+/** Share of the table's cells that have to be free, as the mapper counts it. */
+const FORGOTTEN = 0.9;
+const TICK_PX = 80;
+
+interface ForgettingChartProps {
+  readonly points: readonly Point[];
+  readonly guess: number;
+  readonly told: Forgetting | null;
+}
+
+/** The share of the table's cells that each map holds free, over the scans since it was removed; the guess as a line. */
+export function ForgettingChart({ points, guess, told }: ForgettingChartProps) {
+  const box = useRef<HTMLDivElement>(null);
+  const width = useWidth(box, 560).value;
+  const right = width - RIGHT;
+  const last = points.at(-1)?.scans ?? 0;
+  const most = Math.max(20, guess * 1.15, last * 1.05, (told?.without_clamp ?? 0) * 1.15);
+  const x = (scans: number): number => LEFT + (scans / most) * (right - LEFT);
+  const y = (share: number): number => BOTTOM - share * (BOTTOM - TOP);
+  const path = (share: (point: Point) => number): string =>
+    points
+      .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.scans).toFixed(1)} ${y(share(point)).toFixed(1)}`)
+      .join("");
+  return (
+    <div class="table-chart" ref={box} style={{ height: `${HEIGHT}px` }}>
+      <svg
+        width={width}
+        height={HEIGHT}
+        role="img"
+        aria-label="Share of the table's cells that are free, over the scans since it was removed"
+      >
+        {[0, 0.5, 1].map((share) => (
+          <g key={share} class="tick">
+            <line x1={LEFT} x2={right} y1={y(share)} y2={y(share)} />
+            <text x={LEFT - 6} y={y(share) + 4} text-anchor="end">
+              {share * 100} %
+            </text>
+          </g>
+        ))}
+        <line class="most" x1={LEFT} x2={right} y1={y(FORGOTTEN)} y2={y(FORGOTTEN)} />
+        <text x={right} y={y(FORGOTTEN) + 14} text-anchor="end">
+          forgotten: {100 * FORGOTTEN} % free
+        </text>
+        {ticks(0, most, width / TICK_PX).map((tick) => (
+          <text key={tick} class="tick" x={x(tick)} y={HEIGHT - 6} text-anchor={tick === 0 ? "start" : "middle"}>
+            {`${tick}${tick === 0 ? " scans" : ""}`}
+          </text>
+        ))}
+        <line class="guess" x1={x(guess)} x2={x(guess)} y1={TOP - 6} y2={BOTTOM} />
+        <path class="free" d={path((point) => point.without)} />
+        <path class="clamped" d={path((point) => point.withClamp)} />
+      </svg>
+    </div>
+  );
+}

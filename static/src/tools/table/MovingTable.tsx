@@ -1,0 +1,182 @@
+/** Predict first: how many scans does the map need to forget a table that is carried away? */
+
+import { useSignal, useSignalEffect } from "@preact/signals";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+import { reducedMotion } from "../../ui/reducedMotion";
+import { Slider } from "../../ui/Slider";
+import { toast } from "../../ui/Toast";
+import type { Forgetting } from "../../wire/protocol";
+import { ForgettingChart } from "./ForgettingChart";
+import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
+import "./table.css";
+
+/** Scans that the map has to see the table before it goes. */
+const ENOUGH = 20;
+const FIRST_GUESS = 40;
+const HURRY = 4;
+
+type Stage = "idle" | "standing" | "gone";
+
+export function MovingTable({ store }: { readonly store: Store }) {
+  const stage = useSignal<Stage>("idle");
+  const since = useSignal(0);
+  const guess = useSignal<number | null>(null);
+  const points = useSignal<readonly Point[]>([]);
+  const told = store.forgetting.value;
+
+  useSignalEffect(() => {
+    const news = store.forgetting.value;
+    if (news) points.value = grown(points.peek(), news);
+    else if (stage.peek() === "gone" && points.peek().length > 0) stage.value = "idle";
+    // What takes long is played faster, and the pace given back when it is over.
+    if (news?.with_clamp && !news.without_clamp && store.speed.peek() === 1)
+      store.send({ type: "speed", value: HURRY });
+    if (news?.without_clamp && store.speed.peek() === HURRY) store.send({ type: "speed", value: 1 });
+  });
+
+  // Who wants less motion gets scans by the score.
+  const goOn = (): void => {
+    store.send(reducedMotion.peek() ? { type: "step", scans: ENOUGH } : { type: "play" });
+  };
+  const setUp = (): void => {
+    const frame = store.frame.peek();
+    const edits = store.world.peek()?.edits;
+    const table = frame && placeOf(frame);
+    if (!edits || !table) {
+      toast("There is no room for a table here. Move the robot to an open place.");
+      return;
+    }
+    store.send({ type: "auto", value: false });
+    store.edit({ added: [...edits.added, table], erased: edits.erased });
+    goOn();
+    since.value = frame.index;
+    guess.value = null;
+    points.value = [];
+    stage.value = "standing";
+  };
+  const takeAway = (): void => {
+    const edits = store.world.peek()?.edits;
+    if (!edits) return;
+    store.edit({ added: edits.added.slice(0, -1), erased: edits.erased }, true);
+    goOn();
+    stage.value = "gone";
+  };
+  const finish = (): void => {
+    store.send({ type: "compare", values: null });
+    store.send({ type: "auto", value: true });
+    points.value = [];
+    stage.value = "idle";
+  };
+
+  if (stage.value === "idle") {
+    return (
+      <div class="table-figure">
+        <p>
+          A table stands in front of the robot for a while and is then removed. After how many scans has it disappeared
+          from the map?
+        </p>
+        <Button icon="box" disabled={!store.isReady.value} onClick={setUp}>
+          Add a table
+        </Button>
+      </div>
+    );
+  }
+  if (stage.value === "standing") {
+    return (
+      <Standing
+        store={store}
+        since={since.value}
+        guess={guess.value}
+        onGuess={(n) => {
+          guess.value = n;
+        }}
+        onGo={takeAway}
+      />
+    );
+  }
+  return (
+    <div class="table-figure">
+      <ForgettingChart points={points.value} guess={guess.value ?? 0} told={told} />
+      <Outcome store={store} told={told} guess={guess.value ?? 0} />
+      {reducedMotion.value && !told?.without_clamp && (
+        <Button icon="stepForward" onClick={goOn}>
+          Forward {ENOUGH} scans
+        </Button>
+      )}
+      <Button onClick={finish}>{told?.without_clamp ? "Continue" : "Stop and continue"}</Button>
+    </div>
+  );
+}
+
+interface StandingProps {
+  readonly store: Store;
+  readonly since: number;
+  readonly guess: number | null;
+  readonly onGuess: (guess: number) => void;
+  readonly onGo: () => void;
+}
+
+function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
+  const seen = Math.max(0, (store.frame.value?.index ?? since) - since);
+  return (
+    <div class="table-figure">
+      <p>
+        The map has seen the table in{" "}
+        <output aria-live="off" class="number">
+          {seen}
+        </output>{" "}
+        scans. Guess: after how many scans without the table will nine in ten of its cells be free?
+      </p>
+      <Slider
+        label="My guess"
+        sentence="Number of scans without the table after which nine in ten of its cells are free, with the clamp."
+        unit="scans"
+        value={guess ?? FIRST_GUESS}
+        initial={FIRST_GUESS}
+        low={1}
+        high={200}
+        step={1}
+        tone="accent"
+        onInput={onGuess}
+      />
+      <Button kind="primary" disabled={guess === null || seen < ENOUGH} onClick={onGo}>
+        Remove the table
+      </Button>
+      {guess === null && <p class="table-note">Move the slider to make a guess first.</p>}
+    </div>
+  );
+}
+
+function Outcome({
+  store,
+  told,
+  guess,
+}: {
+  readonly store: Store;
+  readonly told: Forgetting | null;
+  readonly guess: number;
+}) {
+  const values = store.mapping.values.value;
+  const { with_clamp: clamped, without_clamp: free } = told ?? { with_clamp: null, without_clamp: null };
+  const passes = passesToForget(values);
+  return (
+    <div class="table-outcome" role="status">
+      <p>
+        <span class="key guess" /> Your guess: <b>{guess}</b> scans. <span class="key clamped" /> With the clamp:{" "}
+        <b>{clamped ?? "not yet"}</b>. <span class="key free" /> Without: <b>{free ?? "not yet"}</b>.
+      </p>
+      {clamped !== null && (
+        <p>
+          {verdict(guess, clamped)}{" "}
+          {passes !== null &&
+            `Clamped at ${written(Number(values.log_odds_max), 1)}, a cell is free after ${passes} ${
+              values.update === "per_scan" ? "scans" : "beams"
+            } have passed through it, however long it was seen. `}
+          {withoutClamp(clamped, free)}
+        </p>
+      )}
+    </div>
+  );
+}

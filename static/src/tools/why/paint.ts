@@ -1,0 +1,45 @@
+/** The beams that touched the cell that is explained: all of them faintly, the one that is looked at in full. */
+
+import { centreOf } from "../../grid/lattice";
+import { type Brush, paintBeam, paintCell } from "../../render/picture/brush";
+import { toScreen } from "../../render/view";
+import type { Store } from "../../store/store";
+
+export function paintWhy(store: Store, brush: Brush): void {
+  const cell = store.askedCell.peek();
+  const map = store.askedPicture.peek();
+  const frame = store.frame.peek();
+  if (!cell || !map || !frame) return;
+  const { ctx, view, size, inks } = brush;
+  const why = store.why.peek();
+  const touch = store.touch.peek();
+  const [x, y] = toScreen(view, size, ...centreOf(map.geometry, cell));
+  for (const kind of ["miss", "hit"] as const) {
+    ctx.beginPath();
+    for (const { hit, pose } of why?.touches ?? []) {
+      if (hit !== (kind === "hit")) continue;
+      ctx.moveTo(...toScreen(view, size, pose[0], pose[1]));
+      ctx.lineTo(x, y);
+    }
+    ctx.globalAlpha = kind === "hit" ? 0.22 : 0.14;
+    ctx.lineWidth = 1;
+    ctx.strokeStyle = inks[kind];
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+  if (touch) {
+    // In the colour of what it says, so that it is not taken for a beam of the newest scan.
+    const beam = inks[touch.hit ? "hit" : "miss"];
+    const own = { ...brush, inks: { ...inks, beam } };
+    paintBeam(own, touch.pose, { ...touch, index: touch.beam }, frame.range_max);
+    const [sx, sy] = toScreen(view, size, touch.pose[0], touch.pose[1]);
+    ctx.beginPath();
+    ctx.arc(sx, sy, 5, 0, 2 * Math.PI);
+    ctx.fillStyle = inks.halo;
+    ctx.fill();
+    ctx.lineWidth = 2;
+    ctx.strokeStyle = beam;
+    ctx.stroke();
+  }
+  paintCell(brush, map.geometry, cell.row, cell.col, touch ? inks[touch.hit ? "hit" : "miss"] : inks.ink);
+}

@@ -1,0 +1,96 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { Store } from "../../store/store";
+import type { Command, Frame, Geometry, WhyMessage } from "../../wire/protocol";
+import { pollWhy } from "./queries";
+
+const GEOMETRY: Geometry = {
+  type: "geometry",
+  epoch: 1,
+  resolution: 0.1,
+  rows: 64,
+  cols: 64,
+  origin: [0, 0, 0],
+  log_odds_min: -2,
+  log_odds_max: 3.5,
+  tile: 64,
+};
+
+let store: Store;
+let sent: Extract<Command, { type: "why" }>[];
+let stop: () => void;
+
+const frame = (index: number): void => store.receive({ type: "frame", index, ranges: [] } as unknown as Frame);
+const answer = (more: Partial<WhyMessage> = {}): void =>
+  store.receive({ type: "why", row: 5, col: 12, epoch: 1, total: 1000, touches: [], ...more } as unknown as WhyMessage);
+
+/** Let time pass in steps of an animation frame or so. */
+function pass(ms: number, each: (i: number) => void = () => undefined): void {
+  for (let i = 0; i < ms / 33; i++) {
+    each(i);
+    vi.advanceTimersByTime(33);
+  }
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  sent = [];
+  store = new Store((command) => {
+    if (command.type === "why") sent.push(command);
+    return true;
+  });
+  store.receive(GEOMETRY);
+  stop = pollWhy(store);
+});
+
+afterEach(() => {
+  stop();
+  vi.useRealTimers();
+});
+
+test("a cell is asked about at once, and not again while nothing happens", () => {
+  pass(1000);
+  expect(sent).toEqual([]);
+  store.ask([1.25, 0.55]);
+  pass(5000);
+  expect(sent).toEqual([{ type: "why", row: 5, col: 12, epoch: 1 }]);
+});
+
+test("while the robot walks once a second, while parameters change at most three times", () => {
+  store.ask([1.25, 0.55]);
+  pass(200);
+  sent = [];
+  pass(3000, frame);
+  expect(sent.length).toBeGreaterThanOrEqual(2);
+  expect(sent.length).toBeLessThanOrEqual(3);
+  sent = [];
+  pass(3000, (i) => store.mapping.hear({ log_odds_hit: i }));
+  expect(sent.length).toBeGreaterThanOrEqual(7);
+  expect(sent.length).toBeLessThanOrEqual(9);
+});
+
+test("an old touch brings the question about its window, another cell a new one", () => {
+  store.ask([1.25, 0.55]);
+  pass(200);
+  answer();
+  store.touched.value = 42;
+  pass(200);
+  expect(sent.at(-1)).toEqual({ type: "why", row: 5, col: 12, epoch: 1, until: 200 });
+  store.ask([1.25, 0.65]);
+  pass(200);
+  expect(store.why.value).toBeNull();
+  expect(sent.at(-1)).toEqual({ type: "why", row: 6, col: 12, epoch: 1 });
+  answer(); // late, about the cell before
+  expect(store.why.value).toBeNull();
+  answer({ row: 6 });
+  expect(store.why.value?.row).toBe(6);
+});
+
+test("nobody asks any more once the panel is closed", () => {
+  store.ask([1.25, 0.55]);
+  pass(200);
+  store.ask(null);
+  sent = [];
+  pass(3000, frame);
+  expect(sent).toEqual([]);
+  expect(store.why.value).toBeNull();
+});

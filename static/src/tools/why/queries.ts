@@ -1,0 +1,82 @@
+/** Asks the server why, again and again while somebody wants to know and what there is to tell may have changed. */
+
+import { effect } from "@preact/signals";
+import type { Store } from "../../store/store";
+
+/** Between two questions: about another touch, about a cell that changed, about one that only time went on for. */
+const TOUCH_MS = 120;
+const CHANGED_MS = 350;
+const CALM_MS = 1000;
+
+/** The server tells of this many touches at once; a question is about one of its windows. */
+const WINDOW = 300;
+const STEP = 100;
+
+/** The last touch to ask for so that touch `n` and the one before it are told; undefined for the newest ones. */
+export function untilFor(n: number | null, total: number): number | undefined {
+  if (n === null || n > total - WINDOW + STEP) return undefined;
+  return (Math.ceil(n / STEP) + 1) * STEP;
+}
+
+interface Question {
+  readonly place: string;
+  readonly content: readonly unknown[];
+  readonly index: number;
+}
+
+/** Keep the answer of the store up to date; the result stops it. */
+export function pollWhy(store: Store): () => void {
+  let last: Question = { place: "", content: [], index: -1 };
+  let lastAt = Number.NEGATIVE_INFINITY;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  const question = (): (Question & { readonly send: () => void }) | null => {
+    const cell = store.askedCell.peek();
+    const map = store.askedPicture.peek();
+    const which = store.askedMap.peek();
+    const epoch = map?.geometry.epoch ?? -1;
+    if (!cell || !map || epoch < 0) return null;
+    const until = untilFor(store.touched.peek(), store.why.peek()?.total ?? 0);
+    const { row, col } = cell;
+    return {
+      place: `${which} ${epoch} ${row} ${col} ${until}`,
+      content: [map.cells.at(row, col), store.mapping.values.peek()],
+      index: store.frame.peek()?.index ?? 0,
+      send: () =>
+        store.send({
+          type: "why",
+          row,
+          col,
+          epoch,
+          ...(until === undefined ? {} : { until }),
+          ...(which === "second" ? { map: which } : {}),
+        }),
+    };
+  };
+  const waitFor = (next: Question): number | null => {
+    if (next.place !== last.place) return TOUCH_MS;
+    if (next.content.some((part, i) => part !== last.content[i])) return CHANGED_MS;
+    return next.index === last.index ? null : CALM_MS;
+  };
+  const send = (): void => {
+    const next = question();
+    if (!next || waitFor(next) === null) return;
+    last = next;
+    lastAt = performance.now();
+    next.send();
+  };
+  const stop = effect(() => {
+    void [store.askedCell.value, store.map.value, store.mapVersion.value, store.frame.value?.index];
+    void [store.askedPicture.value, store.second.value?.version.value];
+    void [store.mapping.values.value, store.touched.value];
+    const next = question();
+    if (!next) last = { place: "", content: [], index: -1 };
+    clearTimeout(timer);
+    const wait = next && waitFor(next);
+    if (wait !== null) timer = setTimeout(send, Math.max(0, lastAt + wait - performance.now()));
+  });
+  return () => {
+    stop();
+    clearTimeout(timer);
+  };
+}

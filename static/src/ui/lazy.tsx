@@ -1,0 +1,25 @@
+import { signal } from "@preact/signals";
+import { type ComponentType, createElement, type FunctionComponent } from "preact";
+import { useEffect } from "preact/hooks";
+
+const RETRY_MS = 3000;
+
+/** A part of a page whose code is fetched when it is first shown; while the server is away it is asked for again. */
+export function lazy<Props extends object>(load: () => Promise<ComponentType<Props>>): FunctionComponent<Props> {
+  const found = signal<{ readonly part: ComponentType<Props> } | null>(null);
+  let isAsked = false;
+  const ask = async (): Promise<void> => {
+    if (isAsked) return;
+    isAsked = true;
+    try {
+      found.value = { part: await load() };
+    } catch {
+      isAsked = false;
+      setTimeout(() => void ask(), RETRY_MS);
+    }
+  };
+  return (props) => {
+    useEffect(() => void ask(), []);
+    return found.value && createElement(found.value.part, props);
+  };
+}

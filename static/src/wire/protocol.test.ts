@@ -1,0 +1,88 @@
+import { decompress } from "fzstd";
+import { describe, expect, test } from "vitest";
+import { decodeText } from "./decodeText";
+import { decodeTiles } from "./decodeTiles";
+import { type Command, encodeCommand, ProtocolError } from "./protocol";
+import vectors from "./protocol.vectors.json";
+
+const bytes = (hex: string): Uint8Array<ArrayBuffer> =>
+  Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16));
+
+describe("what the server writes is read", () => {
+  test.each(vectors.frames.map((frame, i) => [i, frame] as const))("binary frame %i", (_, frame) => {
+    const read = decodeTiles(bytes(frame.hex).buffer);
+    expect([read.epoch, read.seq, read.complete]).toEqual([frame.epoch, frame.seq, frame.complete]);
+    expect(read.tiles.map(({ tx, ty, revision }) => ({ tx, ty, revision }))).toEqual(
+      frame.tiles.map(({ tx, ty, revision }) => ({ tx, ty, revision })),
+    );
+    for (const [i, tile] of read.tiles.entries()) {
+      const cells = decompress(tile.data, new Uint8Array(4096));
+      expect(cells).toEqual(bytes(frame.tiles[i]?.cells ?? ""));
+    }
+  });
+
+  test.each(vectors.broken.map(({ hex, code }) => [hex.slice(0, 40), hex, code] as const))(
+    "refused: %s…",
+    (_, hex, code) => {
+      let said = "";
+      try {
+        decodeTiles(bytes(hex).buffer);
+      } catch (error) {
+        said = error instanceof ProtocolError ? error.code : String(error);
+      }
+      expect(said).toBe(code);
+    },
+  );
+
+  test("commands are written as the server reads them", () => {
+    for (const text of vectors.commands) {
+      expect(JSON.parse(encodeCommand(JSON.parse(text) as Command))).toEqual(JSON.parse(text));
+    }
+  });
+});
+
+describe("text frames", () => {
+  const frame = {
+    type: "frame",
+    t: 1,
+    playing: true,
+    speed: 1,
+    index: 2,
+    count: 3,
+    stamp: 0,
+    pose: [0, 0, 0],
+    sensor_pose: [0, 0, 0],
+    scan_pose: [0, 0, 0],
+    ranges: [1, null],
+    angle_min: 0,
+    angle_increment: 0.1,
+    range_max: 10,
+    auto: false,
+  };
+
+  test("a whole message is returned, with fields that this page does not know", () => {
+    expect(decodeText(JSON.stringify({ ...frame, newer: 1 }))).toEqual({ ...frame, newer: 1 });
+  });
+
+  test("a type of a newer server is passed over", () => {
+    expect(decodeText('{"type":"weather","rain":true}')).toBeNull();
+    expect(decodeText('{"type":"toString"}')).toBeNull();
+  });
+
+  test.each([
+    ["not JSON", "{", "message.json"],
+    ["a list", "[1]", "message.type"],
+    ["null", "null", "message.type"],
+    ["no type", "{}", "message.type"],
+    ["a pose of two numbers", JSON.stringify({ ...frame, pose: [0, 0] }), "frame.pose"],
+    ["a missing field", JSON.stringify({ ...frame, playing: undefined }), "frame.playing"],
+    ["a number that is none", JSON.stringify({ ...frame, range_max: "10" }), "frame.range_max"],
+    [
+      "a tile of another size",
+      '{"type":"geometry","epoch":1,"resolution":1,"rows":1,"cols":1,"origin":[0,0,0],"log_odds_min":0,"log_odds_max":1,"tile":32}',
+      "geometry.tile",
+    ],
+  ])("%s is refused by name", (_, text, code) => {
+    expect(() => decodeText(text)).toThrow(expect.objectContaining({ code }));
+  });
+});
