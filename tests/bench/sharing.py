@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import select
 import statistics
 import tempfile
 import time
@@ -50,9 +51,10 @@ def long_story() -> dict[str, Any]:
 @contextlib.contextmanager
 def stories(server: str, visitors: Sequence[str], addresses: Sequence[str]) -> Iterator[None]:
     """Have stories replayed while the block runs: a visitor's cookie and an address for each."""
-    body = json.dumps({"kind": "world", "world": "office", "seed": 1, "story": long_story()})
+    body = json.dumps({"kind": "world", "world": "office", "seed": 1, "story": long_story()}, separators=(",", ":"))
     place = urlsplit(server)
     with ExitStack() as stack:
+        pages = []
         for visitor, address in zip(visitors, addresses, strict=True):
             page = stack.enter_context(contextlib.closing(HTTPConnection(place.hostname or "", place.port)))
             headers = {
@@ -61,8 +63,12 @@ def stories(server: str, visitors: Sequence[str], addresses: Sequence[str]) -> I
                 "X-Forwarded-For": address,
             }
             page.request("POST", "/api/sessions", body, headers)
+            pages.append(page.sock)
         time.sleep(BEGUN_S)
         yield
+        answered, _, _ = select.select(pages, [], [], 0.0)
+        if answered:
+            raise RuntimeError("A story was refused, or over before the laps were.")
 
 
 class Slider:

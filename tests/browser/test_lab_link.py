@@ -115,3 +115,20 @@ def test_a_link_that_lost_a_piece_opens_a_new_world_and_says_so(page: Page, serv
     page.goto(f"{server}/lab.html#s=notalink")
     await_map(page)
     expect(page.locator(".toast").first).to_contain_text("lost a piece")
+
+
+def test_a_long_replay_shows_how_far_it_is_and_can_be_cancelled(visitor: BrowserContext, server: str) -> None:
+    journal = [
+        [100 + 6 * i, {"type": "edit", "added": [["box", 300 + i, 300, 340 + i, 340]], "erased": []}]
+        for i in range(900)
+    ]
+    story = {"world": "office", "seed": 1, "journal": journal, "steps": 100 + 6 * len(journal)}
+    deflate = zlib.compressobj(wbits=-15)
+    packed = deflate.compress(json.dumps({"story": story}).encode()) + deflate.flush()
+    page = visitor.new_page()
+    page.goto(f"{server}/lab.html#s={base64.urlsafe_b64encode(packed).decode().rstrip('=')}")
+    expect(page.locator(".working")).to_contain_text("Replaying the link")
+    page.get_by_role("button", name="Cancel").click()
+    await_map(page)
+    expect(page.get_by_text("The replay of the link was cancelled.")).to_be_visible()
+    expect(page.locator(".working")).to_have_count(0)

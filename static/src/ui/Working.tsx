@@ -21,8 +21,9 @@ export function Working({ what, work, onCancel }: WorkingProps) {
     <div class="working-place" role="status" aria-live="polite">
       {work && (
         <div class="working">
-          <span>
-            {what} …{" "}
+          <span>{what} …</span>
+          {/* Said once, not four times a second. */}
+          <span class="working-share" aria-hidden="true">
             {work.fraction === null ? `${Math.floor(work.elapsed_s)} s` : `${Math.floor(100 * work.fraction)} %`}
           </span>
           <div class={work.fraction === null ? "progress waiting" : "progress"} aria-hidden="true">
