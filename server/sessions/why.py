@@ -15,6 +15,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
+from server.work.scheduler import checkpoint
 
 MAX_TOUCHES = 300  #: told in detail
 STRETCHES = 300  #: of the curve, each with its least and its greatest value
@@ -47,7 +48,9 @@ def why_message(
     told: list[Provenance] = []
     part: Provenance | None = None
     for source in sources:
-        part = provenance(grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, part)
+        part = provenance(
+            grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, part, pause=checkpoint
+        )
         told.append(part)
     counts = [len(part.scans) for part in told]
     total = sum(counts)
