@@ -26,7 +26,6 @@ from mapper.sensors.scan import RangeScan, ScanLog, check_poses, cones
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
 PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
-_FIRST_READINGS = 1 << 9  # of the first part: a wide cone touches ten thousands of cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +188,7 @@ def integrate_parts(
 
     The map is the same as that of :func:`integrate_scans`, bit for bit.
     """
-    count = max(1, _FIRST_READINGS // max(1, log.n_beams))
+    count = 1  # a scan of wide cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()
