@@ -140,7 +140,9 @@ def _tallied(
         if before.cell_statistics is not None:
             grid.cell_statistics = before.cell_statistics.copy()
         box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-        contributions, certainties = batches.joined(lambda batch: batch.watch_certainties(grid, config, box, number)[1:])
+        contributions, certainties = batches.joined(
+            lambda batch: batch.watch_certainties(grid, config, box, number)[1:]
+        )
         assert grid.cell_statistics is not None  # noqa: S101 - begun above
         return contributions, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
     contributions, _ = batches.joined(lambda batch: batch.contributions(geometry, config, *cell))
