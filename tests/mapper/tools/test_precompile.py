@@ -22,7 +22,7 @@ def test_every_kernel_is_compiled_by_it():
 
 
 def test_a_kernel_that_it_leaves_out_is_named(monkeypatch, capsys):
-    monkeypatch.setattr(precompile, "warm", lambda: None)
+    monkeypatch.setattr(precompile, "precompile", lambda: None)
     monkeypatch.setattr(
         precompile, "kernels", lambda: {"mapper.grid.kernels.a.used": True, "mapper.grid.kernels.a.forgotten": False}
     )
