@@ -1,7 +1,7 @@
 """Hooks of MkDocs.
 
-Docstrings name objects with Sphinx roles (``:class:`ScanLog```), of which the site shows the names alone; and no page may
-load anything from another host.
+Docstrings name objects with Sphinx roles (``:class:`ScanLog```), of which the site shows only the names. A page that
+loads something from another host fails the build.
 """
 
 from __future__ import annotations
