@@ -80,4 +80,4 @@ dev: setup ## the service, and beside it the pages from their sources, which rel
 	$(BIN)/gridbloom serve $(ARGS) & trap "kill $$!" EXIT; $(NPM) run dev
 
 clean:
-	rm -rf $(VENV) static/node_modules static/dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) build static/node_modules static/dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
