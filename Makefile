@@ -13,7 +13,7 @@ LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork
 WORKERS ?= 2
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
-.PHONY: serve setup lock pages check check-python check-pages test-pages kernels programs test test-long bench dev clean
+.PHONY: serve setup lock docs pages check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -33,6 +33,14 @@ lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that p
 	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
+
+$(VENV)/.docs: $(VENV)/.installed requirements/docs.txt
+	$(PIP) --require-hashes --requirement requirements/docs.txt
+	touch $@
+
+docs: $(VENV)/.docs ## the documentation as a site in build/docs, which needs no other host
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 pages: $(VENV)/.installed ## static/dist, where its sources changed
 	$(NPM)
@@ -72,4 +80,4 @@ dev: setup ## the service, and beside it the pages from their sources, which rel
 	$(BIN)/gridbloom serve $(ARGS) & trap "kill $$!" EXIT; $(NPM) run dev
 
 clean:
-	rm -rf $(VENV) static/node_modules static/dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) build static/node_modules static/dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

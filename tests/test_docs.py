@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import gzip
 import io
+import json
 import re
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,7 +26,10 @@ from server.cli import app
 from server.settings import Settings
 
 README = Path(__file__).parents[1] / "README.md"
-TESTING = README.with_name("docs") / "testing.md"
+ROOT = README.parent
+DOCS = ROOT / "docs"
+TESTING = DOCS / "testing.md"
+PAGES = [*sorted(DOCS.rglob("*.md")), README, ROOT / "CONTRIBUTING.md"]
 
 
 def parameters_table() -> str:
@@ -166,6 +172,85 @@ def test_what_is_left_to_the_long_tests_is_listed() -> None:
         if re.search(r"pytest\.mark\.(long|sampled)\b", path.read_text())
     }
     assert set(re.findall(r"^\| `(tests/[^`]+)`", TESTING.read_text(), flags=re.MULTILINE)) == marked
+
+
+def layers_of(contract: dict[str, Any]) -> list[set[str]]:
+    return [set(re.split(r"\s*[|:]\s*", layer)) for layer in contract["layers"]]
+
+
+def test_the_picture_of_the_layers_is_that_of_the_contracts() -> None:
+    """Each column of the picture, from the top down, names what its contract does; two lines may be one layer."""
+    text = (DOCS / "architecture.md").read_text()
+    (picture,) = re.findall(r"(?s)```text\n(mapper .*?)\n\n", text)
+    header, rule, *lines = picture.splitlines()
+    columns = [(m.start(), m.end()) for m in re.finditer(r"─+", rule)]
+    drawn = {header[a:b].strip(): [line[a:b].split() for line in lines] for a, b in columns}
+
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    stated = {one["containers"][0]: layers_of(one) for one in contracts if one["type"] == "layers"}
+    (front,) = re.findall(r"const LAYERS = (\[.*\]);", (ROOT / "static/.dependency-cruiser.cjs").read_text())
+    stated["static/src"] = [set(layer) for layer in json.loads(front)]
+    for column, rows in drawn.items():
+        rest = [name for row in rows for name in row]
+        for layer in stated[column]:
+            assert set(rest[: len(layer)]) == layer, f"{column}: the next layer is {layer}"
+            rest = rest[len(layer) :]
+        assert rest == []
+
+
+def names_in(path: Path) -> set[str]:
+    """Every name that a Python or TypeScript file defines at its top level, and Class.member."""
+    if path.suffix == ".py":
+        names = set()
+        for node in ast.parse(path.read_text()).body:
+            for name in defined_by(node):
+                names.add(name)
+                if isinstance(node, ast.ClassDef):
+                    names.update(f"{name}.{member}" for inner in node.body for member in defined_by(inner))
+        return names
+    names, inside = set(), None
+    for line in path.read_text().splitlines():
+        found = re.match(r"(?:export )?(?:abstract )?(?:async )?(?:class|function|const|interface|type) (\w+)", line)
+        if found:
+            inside = found[1]
+            names.add(inside)
+        member = re.match(r"  (?:async |static |readonly |get |set )*(#?\w+)[(:= ]", line)
+        if member and inside:
+            names.add(f"{inside}.{member[1]}")
+    return names
+
+
+def defined_by(node: ast.stmt) -> list[str]:
+    """The names that one statement defines."""
+    if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+        return [node.name]
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+    return [target.id for target in targets if isinstance(target, ast.Name)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_path_and_name_of_the_docs_exists(page: Path) -> None:
+    roots = "mapper|server|static|tests|examples|docs|requirements"
+    spans = [span for span in re.findall(r"`([^`\n]+)`", page.read_text()) if "NAME" not in span]
+    named = [span for span in spans if re.fullmatch(rf"(?:{roots})/[\w./-]*(?:::[\w.#]+)?", span)]
+    generated = ("static/dist", "static/node_modules")
+    for span in named:
+        path, _, name = span.partition("::")
+        assert (ROOT / path).exists() or path.startswith(generated), f"{span}: there is no {path}"
+        assert not name or name in names_in(ROOT / path), f"{span}: {path} does not define {name}"
+    if page.parent == DOCS and page.stem == "architecture":
+        assert len(named) > 100
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_between_pages_leads_to_a_file(page: Path) -> None:
+    links = re.findall(r"(?<!!)\[[^]]*\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text())
+    assert [link for link in links if "://" not in link and not (page.parent / link).exists()] == []
+
+
+def test_every_page_is_in_the_navigation() -> None:
+    entries = re.findall(r"^ +- (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), flags=re.MULTILINE)
+    assert sorted(entries) == sorted(str(page.relative_to(DOCS)) for page in PAGES if DOCS in page.parents)
 
 
 def test_every_picture_is_there() -> None:

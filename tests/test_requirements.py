@@ -15,7 +15,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 RUNTIME = PROJECT["project"]["dependencies"]
 EXTRAS = [entry for extra in PROJECT["project"]["optional-dependencies"].values() for entry in extra]
 BUILD = PROJECT["build-system"]["requires"] + PROJECT["dependency-groups"]["build"]
-LOCKED = {"runtime": RUNTIME, "build": BUILD, "dev": [*RUNTIME, *EXTRAS, *BUILD]}
+DOCS = PROJECT["dependency-groups"]["docs"]
+LOCKED = {"runtime": RUNTIME, "build": BUILD, "dev": [*RUNTIME, *EXTRAS, *BUILD], "docs": DOCS}
 PYTHONS = ("3.11", "3.12", "3.13")
 
 
@@ -47,6 +48,15 @@ def test_all_that_is_asked_for_is_locked(name: str, python: str) -> None:
 def test_all_files_have_the_versions_that_are_tested(name: str) -> None:
     for python in PYTHONS:
         assert versions(name, python).items() <= versions("dev", python).items()
+
+
+@pytest.mark.parametrize("python", PYTHONS)
+def test_what_builds_the_documentation_changes_no_version(python: str) -> None:
+    """Both files are installed into one environment."""
+    tested = versions("dev", python)
+    assert {
+        name: version for name, version in versions("docs", python).items() if tested.get(name, version) != version
+    } == {}
 
 
 @pytest.mark.parametrize("name", LOCKED)
