@@ -149,7 +149,7 @@ def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, mon
         mapped.append(int(rest[3]) - int(rest[2]))  # type: ignore[call-overload]
         return integrate_scans(grid, log, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(replay, "integrate_scans", counted)
+    monkeypatch.setattr("mapper.replay.incremental.integrate_scans", counted)
     for index in (1, N - 1, N // 2, N // 4, N):
         mapped.clear()
         replay.advance_to(index)
