@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 
 import structlog
 from fastapi import FastAPI
@@ -17,6 +18,7 @@ from server.http.routes import compare as comparing
 from server.http.routes import docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream
 from server.http.routes import downloads as taking
 from server.http.security import Security
+from server.http.services import Services, install
 from server.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
@@ -29,23 +31,31 @@ _log = structlog.get_logger(__name__)
 
 
 @asynccontextmanager
-async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    state = app.state
-    settings: Settings = state.settings
+async def _lifespan(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
+    metrics = Metrics()
     async with AsyncExitStack() as stack:
-        state.sessions = SessionRegistry(
-            settings, remake_seconds=state.metrics.remake_seconds.observe, traffic=state.metrics.traffic
+        registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
+        metrics.watch(registry)
+        await registry.start()
+        stack.push_async_callback(_within, END_S, registry.shutdown)
+        library = await asyncio.to_thread(Library, settings)
+        await library.start()
+        stack.push_async_callback(library.close)
+        downloads = Downloads(settings.data_dir)
+        stack.push_async_callback(downloads.close)
+        open_scenes = Scenes()
+        stack.push_async_callback(open_scenes.close)
+        install(
+            app,
+            Services(
+                settings=settings,
+                metrics=metrics,
+                sessions=registry,
+                library=library,
+                downloads=downloads,
+                scenes=open_scenes,
+            ),
         )
-        state.metrics.watch(state.sessions)
-        await state.sessions.start()
-        stack.push_async_callback(_within, END_S, state.sessions.shutdown)
-        state.library = await asyncio.to_thread(Library, settings)
-        await state.library.start()
-        stack.push_async_callback(state.library.close)
-        state.downloads = Downloads(settings.data_dir)
-        stack.push_async_callback(state.downloads.close)
-        state.scenes = Scenes()
-        stack.push_async_callback(state.scenes.close)
         yield
 
 
@@ -68,12 +78,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=_lifespan,
+        lifespan=partial(_lifespan, settings),
     )
-    app.state.settings = settings
-    app.state.metrics = Metrics()
     install_error_handlers(app)
-    for part in (
+    parts = (
         health,
         sessions,
         doctor,
@@ -85,12 +93,14 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         links,
         scenes,
         docs,
-        pages,
-    ):  # pages last: they take any other name
+        pages,  # last: it has a route for any other name
+    )
+    for part in parts:
         app.include_router(part.router)
+    routes = [route for part in parts for route in part.router.routes]
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
-    app.add_middleware(Security, settings=settings)
+    app.add_middleware(Security, settings=settings, routes=routes)
     app.add_middleware(Ending)
     return app

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +24,9 @@ from mapper.mapping.parameters import CONES, MappingConfig
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.sensors.scan import RangeScan, ScanLog, check_poses, cones
+
+Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
+BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
 PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
@@ -93,8 +97,17 @@ def _sweep(
     return ScanBatch(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
 
 
+def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:
+    """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
+    return scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+
+
 def geometry_for(
-    log: ScanLog, config: MappingConfig, trajectory: str | None = None, limits: Limits = DEFAULT_LIMITS
+    log: ScanLog,
+    config: MappingConfig,
+    trajectory: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    bounds_of: BoundsFunction = bounds_of_log,
 ) -> GridGeometry:
     """Return the geometry that holds all that ``log`` sees with ``config``, at ``config.resolution`` metres a cell.
 
@@ -104,7 +117,7 @@ def geometry_for(
     """
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
-    low, high = scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+    low, high = bounds_of(log, config, trajectory)
     # A cell to spare on each side: an endpoint on the border itself must not be rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
@@ -115,20 +128,22 @@ def grid_for(
     trajectory: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
     prior: OccupancyGrid | None = None,
+    bounds_of: BoundsFunction = bounds_of_log,
 ) -> OccupancyGrid:
     """Return an empty grid that holds all that ``log`` sees with ``config``.
 
+    ``bounds_of`` computes the bounds, as :func:`bounds_of_log` does; a caller can give one that remembers them.
     With ``prior``, a map in the same frame, it goes on from what that map believes, on its lattice (its origin and
     yaw), grown where the log sees more. Raises as :func:`geometry_for` does, and
     :class:`mapper.core.errors.ConfigError` for a map of another resolution than ``config.resolution``.
     """
     if prior is None:
-        return OccupancyGrid(geometry_for(log, config, trajectory, limits), config.log_odds_prior)
+        return OccupancyGrid(geometry_for(log, config, trajectory, limits, bounds_of), config.log_odds_prior)
     check_resolution(prior, config)
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
     grid = prior.as_prior(config.log_odds_prior)
-    grid.grow_to_include(*scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config))
+    grid.grow_to_include(*bounds_of(log, config, trajectory))
     return grid
 
 

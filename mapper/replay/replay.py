@@ -10,6 +10,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import CellBox, Change, grid_for
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
+from mapper.replay.bounds import BoundsCache
 from mapper.replay.incremental import CheckpointPrefetcher, IncrementalReplay
 from mapper.sensors.scan import ScanLog
 
@@ -35,13 +36,14 @@ class Replay:
     ) -> None:
         self._limits = limits
         self._prior = prior
+        self._bounds = BoundsCache()
         self.trajectory = trajectory or log.default_trajectory
         self._replay = self._new_course(log, MappingConfig() if config is None else config)
         self._under_way: tuple[IncrementalReplay, int] | None = None
         self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
 
     def _new_course(self, log: ScanLog, config: MappingConfig) -> IncrementalReplay:
-        grid = grid_for(log, config, self.trajectory, self._limits, self._prior)
+        grid = grid_for(log, config, self.trajectory, self._limits, self._prior, self._bounds)
         return IncrementalReplay(log, config, self.trajectory, grid)
 
     @property

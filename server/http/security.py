@@ -12,14 +12,18 @@ import ipaddress
 import re
 import secrets
 import socket
+from collections.abc import Sequence
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl, urlencode
 
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.http.errors import error_response
+from server.http.guests import GuestRight, right_of_request
+from server.http.services import services_of
 from server.settings import Settings
 
 VISITOR_COOKIE = "gridbloom_visitor"
@@ -52,20 +56,15 @@ ENTRANCE = """<!doctype html>
 
 _VISITOR = re.compile(r"[A-Za-z0-9_-]{24}")
 _NETLOC = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?")
-_GUESTS_GET = re.compile(r"/assets/[^/]+|(/api)?/shared/[A-Za-z0-9_-]+")
-_GUESTS_POST = re.compile(r"/api/shared/[A-Za-z0-9_-]+/sessions")
-_GUESTS_SESSION = re.compile(
-    r"/api/sessions/([A-Za-z0-9_-]+)(?:/stream|/doctor|/compare(?:\.png)?|/map\.(?:pgm|yaml|png))?"
-)
-_GUESTS_COMPARE = re.compile(r"/api/sessions/[A-Za-z0-9_-]+/compare")
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Security:
     """The outermost middleware."""
 
-    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+    def __init__(self, app: ASGIApp, settings: Settings, routes: Sequence[BaseRoute]) -> None:
         self._app = app
+        self._routes = routes
         self._hosts = frozenset(name.lower() for name in settings.allowed_hosts)
         self._loopback = settings.is_loopback
         self._own_name = "" if settings.is_loopback else socket.gethostname().lower()
@@ -119,10 +118,10 @@ class Security:
         unsafe = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
         if unsafe and not _same_origin(headers.getlist("origin"), host):
             return error_response(403, "security.origin", "Requests from pages of other sites are refused.")
-        if self._token is None or scope["path"] == "/livez":
+        if self._token is None:
             return None
         refusal = self._token_refusal(scope, headers, cookies)
-        return None if refusal is not None and refusal.status_code == 401 and _is_for_guests(scope) else refusal
+        return None if refusal is not None and refusal.status_code == 401 and self._guests_may(scope) else refusal
 
     def _host_allowed(self, host: str) -> bool:
         """A page of another site must not reach the service under a name that it controls (DNS rebinding)."""
@@ -163,6 +162,14 @@ class Security:
     def _is_token(self, given: str) -> bool:
         return self._token is not None and hmac.compare_digest(given.encode(), self._token.encode())
 
+    def _guests_may(self, scope: Scope) -> bool:
+        """Whether the route may be called without the token."""
+        right, parameters = right_of_request(self._routes, scope)
+        if right is not GuestRight.LINKED_SESSION:
+            return right is GuestRight.ALWAYS
+        live = services_of(scope["app"]).sessions.all()
+        return any(one.id == parameters["session_id"] and one.link is not None for one in live)
+
     # -- who asks --------------------------------------------------------------------------------------------------
 
     def _identify(self, scope: Scope, cookies: dict[str, str]) -> str | None:
@@ -175,32 +182,6 @@ class Security:
     @staticmethod
     def _takes_small_body(scope: Scope) -> bool:
         return scope["method"] not in _SAFE_METHODS and not (scope["method"] == "PUT" and scope["path"] == UPLOADS)
-
-
-def _is_for_guests(scope: Scope) -> bool:
-    """Whether this may be asked without the service's token: what a link opens, by who has the link.
-
-    The address itself is the secret: that of a link, or of a session that was begun by one.
-    """
-    path = scope["path"]
-    if scope["type"] == "http" and scope["method"] == "POST":
-        return _GUESTS_POST.fullmatch(path) is not None
-    if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD"):
-        # Like the parameters, which come through the stream: theirs is a session of their own.
-        return (
-            scope["method"] in ("PUT", "DELETE") and _GUESTS_COMPARE.fullmatch(path) is not None and _is_shared(scope)
-        )
-    if _GUESTS_GET.fullmatch(path):
-        return True
-    return _is_shared(scope)
-
-
-def _is_shared(scope: Scope) -> bool:
-    """Whether this asks for what a guest may have of a session that was begun by a link."""
-    session = _GUESTS_SESSION.fullmatch(scope["path"])
-    return session is not None and any(
-        one.id == session[1] and one.link is not None for one in scope["app"].state.sessions.all()
-    )
 
 
 def _same_origin(origins: list[str], host: str) -> bool:

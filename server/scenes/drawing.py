@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from mapper.core.se2 import compose, inverse
 from mapper.grid import GridGeometry
 from mapper.simulation import World
-from server.scenes.belief import Picture, changed_tiles, picture, tile_columns
+from server.scenes.belief import Picture, changed_tiles, tile_columns
 from server.scenes.shapes import arrow, boxes, extruded
 from server.sessions import SessionView
+from server.sessions.view import Pose
 
 SOLID = (150, 160, 178)
 GROUND = (228, 224, 212)
@@ -74,11 +75,10 @@ class MapDrawing:
         self._geometry: GridGeometry | None = None
         self._shown: Picture | None = None
 
-    def show(self, view: SessionView) -> None:
-        """Bring the drawing up to the view's grid."""
-        new = picture(view.geometry, view.log_odds, view.observed)
-        if view.geometry != self._geometry:
-            self._start_again(view.geometry)
+    def show(self, geometry: GridGeometry, new: Picture) -> None:
+        """Draw what differs from the picture that was shown before."""
+        if geometry != self._geometry:
+            self._start_again(geometry)
         old, self._shown = self._shown, new
         if old is None or not np.array_equal(old.floor, new.floor):
             self._show_floor(new)
@@ -142,12 +142,12 @@ class RobotDrawing:
             "/robot/beams", np.zeros((0, 2, 3), np.float32), BEAM, thickness=1.0, thickness_units="screen"
         )
 
-    def show(self, view: SessionView) -> None:
-        """Move the robot and its beams to the view's."""
-        x, y, yaw = view.pose
+    def show(self, pose: Pose, beams: NDArray[np.float32]) -> None:
+        """Move the robot to ``pose`` and draw ``beams`` (n, 2, 3), in the base frame."""
+        x, y, yaw = pose
         self._base.position = (x, y, 0.0)
         self._base.wxyz = wxyz(yaw)
-        self.beams.points = beam_segments(view)
+        self.beams.points = beams
 
 
 def beam_segments(view: SessionView) -> NDArray[np.float32]:

@@ -138,16 +138,12 @@ class Clock:
 
 
 class NamedChoice:
-    """One of several names: the world, or the log's trajectory.
-
-    ``current`` says the session's; a person's choice is posted as ``command`` with a ``name``.
-    """
+    """One of several names: the world, or the log's trajectory. A choice is posted as ``command`` with a ``name``."""
 
     def __init__(
-        self, gui: viser.GuiApi, label: str, names: Sequence[str], current: Callable[[], str], post: Post, command: str
+        self, gui: viser.GuiApi, label: str, names: Sequence[str], current: str, post: Post, command: str
     ) -> None:
-        self._handle: Any = gui.add_dropdown(label, names, initial_value=current())
-        self._current = current
+        self._handle: Any = gui.add_dropdown(label, names, initial_value=current)
         self._chosen: tuple[str, float] | None = None
 
         async def chosen(event: viser.GuiEvent[Any]) -> None:
@@ -157,9 +153,8 @@ class NamedChoice:
 
         self._handle.on_update(chosen)
 
-    def show(self) -> None:
+    def show(self, name: str) -> None:
         """Show the session's choice, unless a person has just made another."""
-        name = self._current()
         if self._chosen is not None and name != self._chosen[0] and time.monotonic() < self._chosen[1]:
             return
         self._chosen = None

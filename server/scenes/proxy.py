@@ -14,17 +14,18 @@ import hashlib
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
-import viser
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, unix_connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
-SUBPROTOCOL = f"viser-v{viser.__version__}"
+SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: without importing viser, which is slow
 MAX_FROM_BROWSER = 16 * 1024  #: bytes of one message of the browser's; a camera has some 300
 MAX_FROM_SCENE = 64 << 20  #: bytes of one message of viser's: a whole map's columns when a browser connects
 CONNECT_S = 5.0
@@ -44,8 +45,9 @@ class Page:
 @lru_cache(maxsize=1)
 def client_page() -> Page:
     """Return the installed viser's client page under our title."""
-    path = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    plain = path.read_bytes().replace(*_TITLE, 1)
+    spec = find_spec("viser")  # does not import it
+    assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
+    plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
     return Page(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:32]}"')
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +17,13 @@ import viser
 from numpy.typing import NDArray
 
 from mapper.mapping.parameters import PARAMETERS
-from mapper.simulation import SENSOR_PARAMETERS, WORLDS
+from mapper.simulation import SENSOR_PARAMETERS
 from server.logging import short_hash
 from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
-from server.scenes.panel import Clock, NamedChoice, ParameterControls, Post, add_layers
+from server.scenes.panel import Clock, NamedChoice, ParameterControls, add_layers
+from server.scenes.state import SceneState, read_state
 from server.scenes.viser_server import ViserServer
-from server.sessions import LogSession, Session, SessionView
+from server.sessions import Session
 
 POSE_HZ = 15.0
 MAP_HZ = 4.0
@@ -48,7 +48,8 @@ class Scene:
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._world: WorldDrawing | None = None
-        self._path = _path_of(session)
+        self._is_simulation = False
+        self._path: NDArray[np.float64] | None = None
         self._choice: NamedChoice | None = None
 
     @classmethod
@@ -57,7 +58,7 @@ class Scene:
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server)
         try:
-            await asyncio.to_thread(scene._build, session.view())
+            await asyncio.to_thread(scene._build, await read_state(session, with_map=True))
         except BaseException:
             await asyncio.to_thread(server.stop)
             raise
@@ -102,13 +103,14 @@ class Scene:
 
     # -- building -----------------------------------------------------------------------------------------------
 
-    def _build(self, view: SessionView) -> None:
-        self._build_scene(view)
-        self._build_panels(view)
+    def _build(self, state: SceneState) -> None:
+        self._build_scene(state)
+        self._build_panels(state)
         self._server.scene.on_click()(self._clicked)
         self._server.on_client_connect(self._welcome)
 
-    def _build_scene(self, view: SessionView) -> None:
+    def _build_scene(self, state: SceneState) -> None:
+        self._is_simulation, self._path = state.world is not None, state.path
         scene = self._server.scene
         # Two lights of our own: the environment map is a photograph that takes long to light up on a slow machine.
         scene.configure_environment_map(None)
@@ -116,13 +118,13 @@ class Scene:
         scene.add_light_hemisphere("/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
         scene.world_axes.visible = False
         self._map = MapDrawing(scene)
-        self._map.show(view)
+        self._show_map(state)
         self._robot = RobotDrawing(scene)
-        self._robot.show(view)
+        self._robot.show(state.pose, state.beams)
         self._layers: dict[str, viser.SceneNodeHandle] = {"Map": self._map.node}
-        if view.world is not None:
+        if state.world is not None:
             self._world = WorldDrawing(scene)
-            self._world.show(view.world)
+            self._world.show(state.world)
             self._layers["True world"] = self._world.node
         self._layers |= {"Robot": self._robot.node, "Beams": self._robot.beams}
         if self._path is not None:
@@ -130,44 +132,44 @@ class Scene:
                 "/trajectory", path_segments(self._path), PATH, thickness=1.0, thickness_units="screen"
             )
             self._layers["Path"] = self._trajectory
-        self._aim(view)
+        self._aim(state)
 
-    def _build_panels(self, view: SessionView) -> None:
+    def _build_panels(self, state: SceneState) -> None:
         gui = self._server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
         gui.set_panel_label("Gridbloom")
         gui.main_panel.dock_right()  # beside the scene, not over it
-        is_log = view.world is None
+        is_log = state.world is None
         hint = "Click near the path to go to that moment." if is_log else "Click the floor to put the robot there."
         gui.add_markdown(hint)
         self._clock = Clock(
-            gui, self._post, count=view.count if is_log else None, playing=view.playing, index=view.index
+            gui, self._post, count=state.count if is_log else None, playing=state.playing, index=state.index
         )
-        self._choice = _choice_of(self._session, gui, self._post)
+        choice = state.choice
+        if choice is not None:
+            self._choice = NamedChoice(gui, choice.label, choice.names, choice.current, self._post, choice.command)
         add_layers(gui, self._layers)
         # The parameters have a panel of their own: on a phone it stays folded, and the scene in view.
         panel = gui.add_panel()
         with panel.add_tab("Mapping"):
             self._controls = [
-                ParameterControls(
-                    gui, PARAMETERS, asdict(view.config), self._post, "parameters", open_groups=("model",)
-                )
+                ParameterControls(gui, PARAMETERS, state.config, self._post, "parameters", open_groups=("model",))
             ]
-        if view.sensor is not None:
+        if state.sensor is not None:
             with panel.add_tab("Sensor"):
                 self._controls.append(
                     ParameterControls(
-                        gui, SENSOR_PARAMETERS, asdict(view.sensor), self._post, "sensor", open_groups=("sensor",)
+                        gui, SENSOR_PARAMETERS, state.sensor, self._post, "sensor", open_groups=("sensor",)
                     )
                 )
         panel.dock_below(gui.main_panel)
 
-    def _aim(self, view: SessionView) -> None:
+    def _aim(self, state: SceneState) -> None:
         """Point new cameras from the south, high up, at the middle of the world (of the way, for a log)."""
-        if view.world is not None:
-            x0, y0, x1, y1 = view.world.bounds
+        if state.world is not None:
+            x0, y0, x1, y1 = state.world.bounds
         else:
-            path = view.geometry.cell_to_world([(0, 0), view.geometry.shape]) if self._path is None else self._path
+            path = state.geometry.cell_to_world([(0, 0), state.geometry.shape]) if state.path is None else state.path
             (x0, y0), (x1, y1) = path[:, :2].min(axis=0) - MARGIN, path[:, :2].max(axis=0) + MARGIN
         x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
         camera = self._server.initial_camera
@@ -198,8 +200,7 @@ class Scene:
         if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor
             return
         x, y = ox - dx * oz / dz, oy - dy * oz / dz
-        view = self._session.view()
-        if view.world is not None:
+        if self._is_simulation:
             self._post({"type": "teleport", "x": x, "y": y})
         elif self._path is not None:
             gaps = (self._path[:, 0] - x) ** 2 + (self._path[:, 1] - y) ** 2
@@ -213,50 +214,39 @@ class Scene:
             self._changed.clear()
             if self._watching:
                 try:
-                    await asyncio.to_thread(self._draw, self._session.view())
+                    state = await read_state(self._session, with_map=self._map_due <= time.monotonic())
+                    await asyncio.to_thread(self._draw, state)
                 except Exception:  # noqa: BLE001 - a scene that cannot be drawn must not end the session's view for good
                     _log.exception("scene not drawn", session=short_hash(self._session.id))
             await asyncio.sleep(1.0 / POSE_HZ)
 
-    def _show_path(self) -> None:
-        path = _path_of(self._session)
+    def _show_path(self, path: NDArray[np.float64] | None) -> None:
         if path is not None and path is not self._path:
             self._path = path
             self._trajectory.points = path_segments(path)
 
-    def _draw(self, view: SessionView) -> None:
-        now = time.monotonic()
+    def _show_map(self, state: SceneState) -> None:
+        if state.picture is not None:
+            self._map.show(state.geometry, state.picture)
+
+    def _draw(self, state: SceneState) -> None:
+        """Draw what changed (a thread)."""
         with self._server.atomic():
-            self._robot.show(view)
-            self._clock.show(playing=view.playing, index=view.index)
-            if self._world is not None and self._world.show(view.world):
-                self._aim(view)
-            self._show_path()
-        if self._choice is not None:
-            self._choice.show()
-        self._controls[0].show(asdict(view.config))
-        if view.sensor is not None:
-            self._controls[1].show(asdict(view.sensor))
-        wait = self._map_due - now
-        if wait <= 0.0:
+            self._robot.show(state.pose, state.beams)
+            self._clock.show(playing=state.playing, index=state.index)
+            if self._world is not None and self._world.show(state.world):
+                self._aim(state)
+            self._show_path(state.path)
+        if self._choice is not None and state.choice is not None:
+            self._choice.show(state.choice.current)
+        self._controls[0].show(state.config)
+        if state.sensor is not None:
+            self._controls[1].show(state.sensor)
+        wait = self._map_due - state.read_at
+        if state.picture is not None:
             with self._server.atomic():
-                self._map.show(view)
-            took = time.monotonic() - now
-            self._map_due = now + max(1.0 / MAP_HZ, took / MAP_SHARE)
-        if wait > 0.0 or any(controls.unsettled for controls in self._controls):
+                self._show_map(state)
+            took = time.monotonic() - state.read_at
+            self._map_due = state.read_at + max(1.0 / MAP_HZ, took / MAP_SHARE)
+        if state.picture is None or any(controls.unsettled for controls in self._controls):
             self._loop.call_soon_threadsafe(self._loop.call_later, max(wait, SETTLE_S), self._changed.set)
-
-
-def _path_of(session: Session) -> NDArray[np.float64] | None:
-    """Return where the base was at each scan of a log (n, 3), the session's own array; None for a live world."""
-    return session.log.trajectory(session.trajectory).poses if isinstance(session, LogSession) else None
-
-
-def _choice_of(session: Session, gui: viser.GuiApi, post: Post) -> NamedChoice | None:
-    """Return the choice of a world, or of a log's trajectory where it has several."""
-    if isinstance(session, LogSession):
-        names = tuple(session.log.trajectories)
-        if len(names) < 2:
-            return None
-        return NamedChoice(gui, "Trajectory", names, lambda: session.trajectory, post, "trajectory")
-    return NamedChoice(gui, "World", tuple(WORLDS), lambda: session.world.name if session.world else "", post, "world")

@@ -4,17 +4,31 @@ from __future__ import annotations
 
 import asyncio
 import time
+from typing import TYPE_CHECKING
 
 import structlog
 
 from server.logging import short_hash
-from server.scenes.scene import Scene
 from server.sessions import Session
+
+if TYPE_CHECKING:
+    from server.scenes.scene import Scene
 
 IDLE_S = 60.0  #: seconds without a browser after which a scene is closed
 CHECK_S = 15.0
 
 _log = structlog.get_logger(__name__)
+
+
+def _scene_class() -> type[Scene]:
+    from server.scenes.scene import Scene  # noqa: PLC0415 - viser takes 0.3 s to import: not at start-up
+
+    return Scene
+
+
+async def _open(session: Session) -> Scene:
+    scene_class = await asyncio.to_thread(_scene_class)
+    return await scene_class.open(session)
 
 
 class Scenes:
@@ -34,7 +48,7 @@ class Scenes:
         """Return the session's scene, making it where there is none; whoever asks at the same time shares it."""
         task = self._scenes.get(session.id)
         if task is None:
-            task = asyncio.create_task(Scene.open(session))
+            task = asyncio.create_task(_open(session))
             self._scenes[session.id] = task
             task.add_done_callback(lambda done: self._opened(session, done))
             if self._reaper is None:

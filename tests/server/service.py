@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
+from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
 from server.sessions import SessionNotFoundError
 from server.settings import Settings
@@ -76,9 +77,9 @@ class Service:
         self.http = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=PATIENCE_S, limits=limits)
 
     @property
-    def state(self) -> Any:
-        """The application's state: sessions, library, settings."""
-        return self.server.config.app.state  # type: ignore[union-attr]
+    def state(self) -> Services:
+        """The application's services: sessions, library, settings."""
+        return services_of(self.server.config.app)  # type: ignore[arg-type]
 
     def begin(self, **wanted: Any) -> str:
         """Start a session; return its id."""

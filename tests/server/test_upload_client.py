@@ -38,8 +38,9 @@ def log(tmp_path: Path) -> Path:
 
 
 def stored(service: Service, record_id: str) -> bytes:
-    digest = service.state.library._catalogue.get(record_id).sha256
-    return bytes((service.state.settings.data_dir / "library" / "blobs" / digest).read_bytes())
+    record = service.state.library._catalogue.get(record_id)
+    assert record is not None
+    return (service.state.settings.data_dir / "library" / "blobs" / record.sha256).read_bytes()
 
 
 def test_a_log_is_sent_read_and_to_be_seen(service: Service, log: Path, tmp_path: Path) -> None:

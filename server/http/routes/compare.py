@@ -12,8 +12,10 @@ from mapper.core.errors import MapperError
 from mapper.io.maps.images import png_pieces
 from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
 from server.downloads import Content, Download, file_name
+from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import asker_of, snapshot, stem_of
-from server.sessions import LogSession
+from server.http.services import FileDownloads, Logs, Sessions, Visitor
+from server.sessions import LogSession, SessionRegistry
 from server.sessions.second_map_view import Wanted, numbers
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -30,25 +32,25 @@ class Other(BaseModel):
     topic: str | None = Field(None, max_length=400, description="Which of that log's sensors, where it has several.")
 
 
-def _session(request: Request, session_id: str) -> LogSession:
-    session = request.app.state.sessions.get(session_id)
+def _session(sessions: SessionRegistry, session_id: str) -> LogSession:
+    session = sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
     return session
 
 
 @router.put("/{session_id}/compare")
-async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, Any]:
+@guests_may(GuestRight.LINKED_SESSION)
+async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: Other) -> dict[str, Any]:
     """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
-    session = _session(request, session_id)
+    session = _session(sessions, session_id)
     log, title = None, ""
     if wanted.log is not None:
         if session.link is not None:
             raise MapperError("link.read_only", "This link shares a view of one log; it is compared with no other.")
-        library, visitor = request.app.state.library, request.state.visitor
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
-        await request.app.state.sessions.free_bytes(log, session.owner)
+        await sessions.free_bytes(log, session.owner)
     await session.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
     try:
         return await _told(session)
@@ -58,15 +60,17 @@ async def begin(request: Request, session_id: str, wanted: Other) -> dict[str, A
 
 
 @router.delete("/{session_id}/compare", status_code=204)
-async def end(request: Request, session_id: str) -> None:
+@guests_may(GuestRight.LINKED_SESSION)
+async def end(sessions: Sessions, session_id: str) -> None:
     """End the comparison."""
-    await _session(request, session_id).compare(None)
+    await _session(sessions, session_id).compare(None)
 
 
 @router.get("/{session_id}/compare")
-async def told(request: Request, session_id: str) -> dict[str, Any]:
+@guests_may(GuestRight.LINKED_SESSION)
+async def told(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return A and the numbers of the comparison of the two maps (:class:`mapper.grid.compare.Comparison`)."""
-    return await _told(_session(request, session_id))
+    return await _told(_session(sessions, session_id))
 
 
 async def _told(session: LogSession) -> dict[str, Any]:
@@ -75,10 +79,10 @@ async def _told(session: LogSession) -> dict[str, Any]:
 
 
 @router.get("/{session_id}/compare.png")
-async def picture(request: Request, session_id: str) -> Response:
+@guests_may(GuestRight.LINKED_SESSION)
+async def picture(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
-    session = _session(request, session_id)
-    downloads = request.app.state.downloads
+    session = _session(sessions, session_id)
 
     async def make() -> Content:
         async with session.still():

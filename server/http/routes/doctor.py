@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 
 from mapper.core.errors import MapperError
+from server.http.guests import GuestRight, guests_may
+from server.http.services import Sessions
 from server.sessions import LogSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
 @router.get("/sessions/{session_id}/doctor")
-async def doctor(request: Request, session_id: str) -> dict[str, Any]:
+@guests_may(GuestRight.LINKED_SESSION)
+async def doctor(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the doctor's findings on the session's log with its current trajectory."""
-    session = request.app.state.sessions.get(session_id)
+    session = sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")
     trajectory = session.trajectory  # which may be another one when the examination is over

@@ -12,17 +12,18 @@ from fastapi.responses import Response
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
 from mapper.io.export import tum_lines, write_mcap
-from server.downloads import Content, Download, Downloads, file_name
+from server.downloads import Content, Download, file_name
 from server.http.routes.maps import asker_of, stem_of
-from server.sessions import LogSession
+from server.http.services import FileDownloads, Sessions
+from server.sessions import LogSession, SessionRegistry
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 PIECE = 1 << 18
 
 
-def _log_session(request: Request, session_id: str) -> LogSession:
-    session = request.app.state.sessions.get(session_id)
+def _log_session(sessions: SessionRegistry, session_id: str) -> LogSession:
+    session = sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.no_log", "This session is no log's: it has no recorded scans to take away.")
     if session.link is not None:
@@ -31,10 +32,9 @@ def _log_session(request: Request, session_id: str) -> LogSession:
 
 
 @router.get("/{session_id}/run.mcap")
-async def run_mcap(request: Request, session_id: str) -> Response:
+async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
-    session = _log_session(request, session_id)
-    downloads: Downloads = request.app.state.downloads
+    session = _log_session(sessions, session_id)
 
     async def make() -> Content:
         file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
@@ -65,12 +65,12 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 
 
 @router.get("/{session_id}/trajectory.tum")
-async def trajectory_tum(request: Request, session_id: str) -> Response:
+async def trajectory_tum(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
-    session = _log_session(request, session_id)
+    session = _log_session(sessions, session_id)
 
     async def make() -> Content:
         name = file_name(stem_of(session), "tum", title=session.title)
         return Content(name, (line.encode() for line in tum_lines(session.log, session.trajectory)))
 
-    return Download(request.app.state.downloads, asker_of(request, session), make, "text/plain; charset=utf-8")
+    return Download(downloads, asker_of(request, session), make, "text/plain; charset=utf-8")

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from fastapi.responses import Response
 
+from server.http.guests import GuestRight, guests_may
 from server.http.metrics import CONTENT_TYPE
+from server.http.services import ServiceMetrics
 
 router = APIRouter(tags=["health"])
 
 
 @router.get("/livez")
+@guests_may(GuestRight.ALWAYS)
 async def livez() -> dict[str, str]:
     """Return 200 while the process runs."""
     return {"status": "alive"}
@@ -23,6 +26,6 @@ async def readyz() -> dict[str, str]:
 
 
 @router.get("/metrics", response_class=Response)
-async def metrics(request: Request) -> Response:
+async def metrics(figures: ServiceMetrics) -> Response:
     """Return the metrics of the service for Prometheus."""
-    return Response(request.app.state.metrics.text(), media_type=CONTENT_TYPE)
+    return Response(figures.text(), media_type=CONTENT_TYPE)

@@ -10,11 +10,13 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
+from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
+from server.http.services import Logs, Sessions, Visitor
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
-from server.sessions import LogSession, LogView, first_config
+from server.sessions import LogSession, LogView, SessionRegistry, first_config
 
 router = APIRouter(tags=["links"])
 
@@ -40,10 +42,9 @@ class NewLink(BaseModel):
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
 
 
-def _public(request: Request, link: Link) -> dict[str, Any]:
+def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
     """What the one who made it sees of a link."""
     view = link.view["view"]
-    sessions = request.app.state.sessions.all()
     return {
         "token": link.token,
         "address": f"/shared/{link.token}",
@@ -54,64 +55,63 @@ def _public(request: Request, link: Link) -> dict[str, Any]:
         "index": view["index"],
         "count": link.view["count"],
         "changed": link.view["changed"],
-        "watching": sum(session.link == link.token for session in sessions),
+        "watching": sum(session.link == link.token for session in sessions.all()),
     }
 
 
 @router.post("/api/links", status_code=201)
-async def make(request: Request, wanted: NewLink) -> dict[str, Any]:
+async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewLink) -> dict[str, Any]:
     """Make a read-only link to what a session of a log shows now.
 
     It is valid until it is revoked. Only visitors who may open the log may make one.
     """
-    library: Library = request.app.state.library
-    session = request.app.state.sessions.get(wanted.session)
+    session = sessions.get(wanted.session)
     if not isinstance(session, LogSession):
         raise MapperError("session.not_a_log", "Only a view of a log has such links; a live world is its own.")
-    record = library.get(request.state.visitor, session.log_id)
+    record = library.get(visitor, session.log_id)
     seen = session.seen()
     look = None if wanted.look is None else wanted.look.model_dump()
     first = asdict(first_config(session.log))
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     view = {"view": asdict(seen), "look": look, "count": session.log.n_scans, "changed": changed}
-    return _public(request, await library.links.make(request.state.visitor, record, view))
+    return _public(sessions, await library.links.make(visitor, record, view))
 
 
 @router.get("/api/links")
-async def mine(request: Request, log: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
+async def mine(
+    sessions: Sessions, library: Logs, visitor: Visitor, log: Annotated[str, Query(max_length=200)]
+) -> dict[str, Any]:
     """List the links of this visitor to a log, newest first."""
-    library: Library = request.app.state.library
-    return {"links": [_public(request, link) for link in library.links.of(request.state.visitor, log)]}
+    return {"links": [_public(sessions, link) for link in library.links.of(visitor, log)]}
 
 
 @router.delete("/api/links/{token}", status_code=204)
-async def revoke(request: Request, token: str) -> None:
+async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> None:
     """Revoke a link; the sessions that were begun with it end."""
-    library: Library = request.app.state.library
-    await library.links.revoke(request.state.visitor, token)
-    await request.app.state.sessions.end_linked(token)
+    await library.links.revoke(visitor, token)
+    await sessions.end_linked(token)
 
 
 @router.get("/api/shared/{token}")
-async def shared(request: Request, token: str) -> dict[str, Any]:
+@guests_may(GuestRight.ALWAYS)
+async def shared(library: Logs, token: str) -> dict[str, Any]:
     """Return the title and the view of a link."""
-    library: Library = request.app.state.library
     link = library.links.get(token)
     return {"title": _record_name(library, link), "look": link.view["look"]}
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
-async def begin(request: Request, token: str) -> Response:
+@guests_may(GuestRight.ALWAYS)
+async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> Response:
     """Begin a session on what a link shows."""
-    library: Library = request.app.state.library
     link = library.links.get(token)
     title = _record_name(library, link)
     view = LogView(**link.view["view"])
     log = await library.load(link.owner, link.log_id, view.topic)
     session = await while_connected(
         request,
-        request.app.state.sessions.create_log(
-            request.state.visitor,
+        sessions.create_log(
+            visitor,
             log,
             log_id=link.log_id,
             title=title,
@@ -123,18 +123,19 @@ async def begin(request: Request, token: str) -> Response:
     try:
         library.links.get(token)
     except LinkGoneError:  # revoked meanwhile
-        await request.app.state.sessions.close(session.id)
+        await sessions.close(session.id)
         raise
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
 
 @router.api_route("/shared/{token}", methods=["GET", "HEAD"], include_in_schema=False)
-async def page(request: Request, token: str) -> Response:
+@guests_may(GuestRight.ALWAYS)
+async def page(request: Request, library: Logs, token: str) -> Response:
     """The page of a link, which says so where the link is gone."""
     response = page_file(request, "logs.html")
     response.headers["X-Robots-Tag"] = "noindex"
     try:
-        request.app.state.library.links.get(token)
+        library.links.get(token)
     except LinkGoneError:
         if response.status_code == 200:
             response.status_code = 404

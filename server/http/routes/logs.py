@@ -11,7 +11,8 @@ from pydantic import StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
-from server.library import Library, Part, Record
+from server.http.services import Logs, Sessions, Visitor
+from server.library import Part, Record
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 
@@ -24,6 +25,8 @@ _CONTENT_RANGE = re.compile(r"bytes ([0-9]{1,15})-([0-9]{1,15})/([0-9]{1,15})")
 @router.put("", status_code=202)
 async def upload(
     request: Request,
+    library: Logs,
+    visitor: Visitor,
     name: Annotated[str, Query(max_length=1000)] = "log",
     upload: Annotated[
         Key | None, Query(description="Key of an upload that is sent in parts, chosen by the sender.")
@@ -36,7 +39,6 @@ async def upload(
     in parts, one after the other: after a cut, ``GET /api/logs/uploads/KEY`` tells where to go on. The answer to a
     part that is not the last is 200 with that place.
     """
-    library: Library = request.app.state.library
     address = request.client.host if request.client is not None else ""
     part = None if upload is None else _part(upload, request.headers.get("content-range", ""))
     try:
@@ -44,17 +46,15 @@ async def upload(
             declared = request.headers.get("content-length", "")
             size = int(declared) if declared.isascii() and declared.isdigit() else None
             record: Record | None = await library.put(
-                request.state.visitor, name, request.stream(), size, sha256=sha256, address=address
+                visitor, name, request.stream(), size, sha256=sha256, address=address
             )
         else:
-            record = await library.put_part(
-                request.state.visitor, name, request.stream(), part, sha256=sha256, address=address
-            )
+            record = await library.put_part(visitor, name, request.stream(), part, sha256=sha256, address=address)
     except ClientDisconnect:
         return Response(status_code=400)  # nobody is there to read it
     if record is None:
         assert part is not None  # noqa: S101 - for the type checker: without parts an upload is whole
-        return JSONResponse({"offset": library.uploaded(request.state.visitor, part.key), "total": part.total})
+        return JSONResponse({"offset": library.uploaded(visitor, part.key), "total": part.total})
     return JSONResponse(record.public(), status_code=202, headers={"Location": f"/api/logs/{record.id}"})
 
 
@@ -69,44 +69,38 @@ def _part(key: str, content_range: str) -> Part:
 
 
 @router.get("/uploads/{key}")
-async def uploaded(request: Request, key: Key) -> dict[str, int]:
+async def uploaded(library: Logs, visitor: Visitor, key: Key) -> dict[str, int]:
     """Return how many bytes of an upload have arrived: the next part starts there."""
-    library: Library = request.app.state.library
-    return {"offset": library.uploaded(request.state.visitor, key)}
+    return {"offset": library.uploaded(visitor, key)}
 
 
 @router.get("")
-async def list_logs(request: Request) -> dict[str, Any]:
+async def list_logs(library: Logs, visitor: Visitor) -> dict[str, Any]:
     """List the logs that this visitor may open: their uploads, the folder of the server, the sample."""
-    library: Library = request.app.state.library
-    return {"logs": [record.public() for record in await library.list(request.state.visitor)]}
+    return {"logs": [record.public() for record in await library.list(visitor)]}
 
 
 @router.get("/{log_id}")
-async def one(request: Request, log_id: str) -> dict[str, Any]:
+async def one(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
     """Return the state of one log and, once it was read, its contents in figures."""
-    library: Library = request.app.state.library
-    return library.get(request.state.visitor, log_id).public()
+    return library.get(visitor, log_id).public()
 
 
 @router.post("/{log_id}/cancel")
-async def cancel(request: Request, log_id: str) -> dict[str, Any]:
+async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
     """Stop reading an uploaded log, which is kept and can be read again."""
-    library: Library = request.app.state.library
-    return (await library.cancel(request.state.visitor, log_id)).public()
+    return (await library.cancel(visitor, log_id)).public()
 
 
 @router.post("/{log_id}/read", status_code=202)
-async def read_again(request: Request, log_id: str) -> dict[str, Any]:
+async def read_again(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
     """Read an uploaded log again after reading it failed."""
-    library: Library = request.app.state.library
-    return library.read_again(request.state.visitor, log_id).public()
+    return library.read_again(visitor, log_id).public()
 
 
 @router.delete("/{log_id}", status_code=204)
-async def delete(request: Request, log_id: str) -> None:
+async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str) -> None:
     """Delete an uploaded log and its links. Sessions of guests on it end; other sessions go on."""
-    library: Library = request.app.state.library
-    await library.delete(request.state.visitor, log_id)
+    await library.delete(visitor, log_id)
     for token in library.links.drop(log_id):
-        await request.app.state.sessions.end_linked(token)
+        await sessions.end_linked(token)

@@ -23,6 +23,8 @@ from server.downloads import (
     file_stem,
 )
 from server.downloads.places import Asker, asker
+from server.http.guests import GuestRight, guests_may
+from server.http.services import FileDownloads, Sessions
 from server.sessions import Session, SimulationSession
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -70,10 +72,12 @@ async def _moment(downloads: Downloads, session: Session, at: str | None) -> Mom
 
 
 @router.get("/{session_id}/map.yaml")
-async def map_yaml(request: Request, session_id: str, at: At = None) -> Response:
+@guests_may(GuestRight.LINKED_SESSION)
+async def map_yaml(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
+) -> Response:
     """Return the map's description for map_server, which names the file of map.pgm as its image."""
-    session: Session = request.app.state.sessions.get(session_id)
-    downloads: Downloads = request.app.state.downloads
+    session = sessions.get(session_id)
 
     async def make() -> Content:
         if at is None:
@@ -88,10 +92,12 @@ async def map_yaml(request: Request, session_id: str, at: At = None) -> Response
 
 
 @router.get("/{session_id}/map.pgm")
-async def map_pgm(request: Request, session_id: str, at: At = None) -> Response:
+@guests_may(GuestRight.LINKED_SESSION)
+async def map_pgm(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
+) -> Response:
     """Return the map as an image that map_server reads."""
-    session: Session = request.app.state.sessions.get(session_id)
-    downloads: Downloads = request.app.state.downloads
+    session = sessions.get(session_id)
 
     async def make() -> Content:
         moment = await _moment(downloads, session, at)
@@ -108,10 +114,10 @@ async def map_pgm(request: Request, session_id: str, at: At = None) -> Response:
 
 
 @router.get("/{session_id}/map.png")
-async def map_png(request: Request, session_id: str) -> Response:
+@guests_may(GuestRight.LINKED_SESSION)
+async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the map as a picture for people."""
-    session: Session = request.app.state.sessions.get(session_id)
-    downloads: Downloads = request.app.state.downloads
+    session = sessions.get(session_id)
 
     async def make() -> Content:
         async with session.still():

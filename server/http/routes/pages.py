@@ -8,6 +8,9 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.exceptions import HTTPException
 
+from server.http.guests import GuestRight, guests_may
+from server.http.services import Sessions
+
 router = APIRouter(include_in_schema=False)
 
 _HERE = Path(__file__).resolve().parents[2]
@@ -73,15 +76,16 @@ async def index(request: Request) -> Response:
 
 
 @router.api_route("/assets/{name:path}", methods=["GET", "HEAD"])
+@guests_may(GuestRight.ALWAYS)
 async def asset(request: Request, name: str) -> Response:
     """A file whose name holds a digest of its content: it never changes."""
     return _file(request, f"assets/{name}", "public, max-age=31536000, immutable")
 
 
 @router.get("/3d")
-async def three_d(request: Request, session: str) -> Response:
+async def three_d(sessions: Sessions, session: str) -> Response:
     """Lead to the 3D view of a session."""
-    found = request.app.state.sessions.get(session)
+    found = sessions.get(session)
     return RedirectResponse(f"/scenes/{found.id}/", status_code=307)
 
 

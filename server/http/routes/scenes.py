@@ -5,22 +5,23 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
 
+from server.http.services import OpenScenes, Sessions
 from server.scenes.proxy import client_page, page_headers, pass_on
 
 router = APIRouter(prefix="/scenes", include_in_schema=False)
 
 
 @router.get("/{session_id}")
-async def without_slash(request: Request, session_id: str) -> Response:
+async def without_slash(sessions: Sessions, session_id: str) -> Response:
     """Lead to the page's own address, from which its socket's is made."""
-    request.app.state.sessions.get(session_id)
+    sessions.get(session_id)
     return RedirectResponse(f"/scenes/{session_id}/", status_code=308)
 
 
 @router.api_route("/{session_id}/", methods=["GET", "HEAD"])
-async def page(request: Request, session_id: str) -> Response:
+async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client. The scene itself is made when the page opens its socket."""
-    request.app.state.sessions.get(session_id)
+    sessions.get(session_id)
     client = client_page()
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
     if client.etag in request.headers.get("if-none-match", ""):
@@ -32,10 +33,10 @@ async def page(request: Request, session_id: str) -> Response:
 
 @router.websocket("/{session_id}")
 @router.websocket("/{session_id}/")
-async def socket(websocket: WebSocket, session_id: str) -> None:
+async def socket(websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, session_id: str) -> None:
     """Pass the page's socket on to the session's scene."""
-    session = websocket.app.state.sessions.get(session_id)
-    scene = await websocket.app.state.scenes.get(session)
+    session = sessions.get(session_id)
+    scene = await scenes.get(session)
     scene.enter()
     try:
         await pass_on(websocket, scene.path)

@@ -13,8 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS
+from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
-from server.sessions import LogView, Session, SimulationSession
+from server.http.services import Logs, Sessions, Visitor
+from server.library import Library
+from server.sessions import LogView, Session, SessionRegistry, SimulationSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -83,13 +86,20 @@ def public(session: Session) -> dict[str, Any]:
 
 
 @router.post("/sessions", status_code=201)
-async def create(request: Request, wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")]) -> Response:
+async def create(
+    request: Request,
+    wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")],
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+) -> Response:
     """Begin a session on a live world or on a log. A client that does not wait for the answer ends the work."""
-    return await while_connected(request, _create(request, wanted))
+    return await while_connected(request, _create(wanted, sessions, library, visitor, client_address(request)))
 
 
-async def _create(request: Request, wanted: NewWorld | NewLog) -> Response:
-    sessions, visitor, address = request.app.state.sessions, request.state.visitor, client_address(request)
+async def _create(
+    wanted: NewWorld | NewLog, sessions: SessionRegistry, library: Library, visitor: str, address: str
+) -> Response:
     session: Session
     if isinstance(wanted, NewWorld):
         story = None if wanted.story is None else wanted.story.model_dump()
@@ -97,7 +107,6 @@ async def _create(request: Request, wanted: NewWorld | NewLog) -> Response:
             visitor, wanted.world, wanted.seed, story, playing=wanted.playing, address=address, name=wanted.name
         )
     else:
-        library = request.app.state.library
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         view = LogView(wanted.topic, wanted.trajectory)
@@ -108,38 +117,38 @@ async def _create(request: Request, wanted: NewWorld | NewLog) -> Response:
 
 
 @router.get("/sessions")
-async def mine(request: Request) -> dict[str, Any]:
+async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
     """List the sessions that this visitor began."""
-    visitor = request.state.visitor
-    return {"sessions": [public(s) for s in request.app.state.sessions.all() if s.owner == visitor]}
+    return {"sessions": [public(s) for s in sessions.all() if s.owner == visitor]}
 
 
 @router.get("/sessions/making/{name}")
-async def making(request: Request, name: str) -> dict[str, Any]:
+async def making(sessions: Sessions, visitor: Visitor, name: str) -> dict[str, Any]:
     """Tell how far a session is that is being made for this visitor: fraction (0 to 1) and seconds since it began."""
-    under_way = request.app.state.sessions.under_way.get(request.state.visitor, name)
+    under_way = sessions.under_way.get(visitor, name)
     return {"fraction": round(under_way.fraction, 3), "elapsed_s": round(time.monotonic() - under_way.began, 2)}
 
 
 @router.get("/sessions/{session_id}")
-async def one(request: Request, session_id: str) -> dict[str, Any]:
+@guests_may(GuestRight.LINKED_SESSION)
+async def one(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the state of a session."""
-    return public(request.app.state.sessions.get(session_id))
+    return public(sessions.get(session_id))
 
 
 @router.delete("/sessions/{session_id}", status_code=204)
-async def end(request: Request, session_id: str) -> None:
+async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
     """End a session that this visitor began."""
-    session = request.app.state.sessions.get(session_id)
-    if session.owner != request.state.visitor:
+    session = sessions.get(session_id)
+    if session.owner != visitor:
         raise MapperError("session.not_yours", "A session can only be ended by the visitor who began it.")
-    await request.app.state.sessions.close(session_id)
+    await sessions.close(session_id)
 
 
 @router.get("/sessions/{session_id}/story")
-async def story(request: Request, session_id: str) -> dict[str, Any]:
+async def story(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the history of a live world, from which another session can begin."""
-    session = request.app.state.sessions.get(session_id)
+    session = sessions.get(session_id)
     if not isinstance(session, SimulationSession):
         raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
     return await session.story()

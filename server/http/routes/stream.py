@@ -12,6 +12,8 @@ import structlog
 from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
+from server.http.guests import GuestRight, guests_may
+from server.http.services import ServiceSettings, Sessions
 from server.sessions import Session, SessionBudgetError
 from server.sessions.tick import error_message
 from server.stream.hub import Client
@@ -46,15 +48,16 @@ class Allowance:
 
 
 @router.websocket("/api/sessions/{session_id}/stream")
-async def stream(websocket: WebSocket, session_id: str) -> None:
+@guests_may(GuestRight.LINKED_SESSION)
+async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSettings, session_id: str) -> None:
     """Watch and steer a session."""
-    session: Session = websocket.app.state.sessions.get(session_id)
+    session = sessions.get(session_id)
     if SUBPROTOCOL not in websocket.scope["subprotocols"]:
         await websocket.accept()
         await websocket.close(CLOSE_POLICY, f"the subprotocol {SUBPROTOCOL} is required")
         return
     hub = session.hub_of(second=websocket.query_params.get("map") == "second")
-    if len(hub.clients) >= websocket.app.state.settings.max_clients_per_session:
+    if len(hub.clients) >= settings.max_clients_per_session:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
     client = session.join(hub)

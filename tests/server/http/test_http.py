@@ -118,7 +118,7 @@ def test_a_defect_shows_nothing_of_itself(service: Service, monkeypatch: pytest.
 
 def test_who_has_too_many_sessions_is_told_so(service: Service) -> None:
     state = service.state.sessions
-    original = state._settings
+    original = service.state.settings
     state._settings = original.model_copy(update={"max_sessions_per_visitor": 1})
     try:
         with httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S) as visitor:

@@ -156,6 +156,8 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         ("DELETE", f"/api/links/{link['token']}"),
         ("GET", f"/scenes/{own}/"),
         ("GET", "/logs.html"),
+        ("GET", "/api/no/such/route"),
+        ("POST", "/livez"),
     ]
     for method, path in asked:
         answer = await asyncio.to_thread(guest.request, method, path)

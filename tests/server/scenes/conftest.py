@@ -13,6 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.http.routes.scenes import router
+from server.http.services import get_scenes, get_sessions
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
@@ -49,12 +50,12 @@ async def service(sessions: SessionRegistry) -> AsyncIterator[Service]:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        app.state.sessions, app.state.scenes = sessions, scenes
         yield
         await scenes.close()
 
     app = FastAPI(lifespan=lifespan)
     app.include_router(router)
+    app.dependency_overrides = {get_sessions: lambda: sessions, get_scenes: lambda: scenes}
     config = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="warning", ws="websockets-sansio")
     server = uvicorn.Server(config)
     task = asyncio.create_task(server.serve())

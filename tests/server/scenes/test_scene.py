@@ -15,6 +15,7 @@ from typing import Any
 import httpx
 import msgspec
 import pytest
+import viser
 from websockets.asyncio.client import connect, unix_connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
@@ -48,6 +49,10 @@ async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service)
         # Columns grow out of the floor as walls become occupied.
         await client.until(lambda m: m["type"] == "MeshMessage" and m["name"].startswith("/map/"))
     assert not any("http://" in str(m) or "https://" in str(m) for m in client.seen)
+
+
+def test_the_proxy_speaks_the_installed_visers_protocol() -> None:
+    assert f"viser-v{viser.__version__}" == SUBPROTOCOL
 
 
 async def test_every_parameter_has_a_control(service: Service) -> None:

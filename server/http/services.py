@@ -1,0 +1,88 @@
+"""The services that the routes use, as typed FastAPI dependencies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection
+
+from server.downloads import Downloads
+from server.http.metrics import Metrics
+from server.library import Library
+from server.scenes import Scenes
+from server.sessions import SessionRegistry
+from server.settings import Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Services:
+    """Everything that one running application holds. Made once, at start-up, and stored with :func:`install`."""
+
+    settings: Settings
+    metrics: Metrics
+    sessions: SessionRegistry
+    library: Library
+    downloads: Downloads
+    scenes: Scenes
+
+
+def install(app: Starlette, services: Services) -> None:
+    """Store the services of an application."""
+    app.state.services = services
+
+
+def services_of(app: Starlette) -> Services:
+    """Return the services of an application that has started."""
+    services: Services = app.state.services
+    return services
+
+
+# Dependencies are coroutines: FastAPI would run plain functions on a thread.
+
+
+async def get_settings(connection: HTTPConnection) -> Settings:
+    """Return the settings."""
+    return services_of(connection.app).settings
+
+
+async def get_metrics(connection: HTTPConnection) -> Metrics:
+    """Return the metrics."""
+    return services_of(connection.app).metrics
+
+
+async def get_sessions(connection: HTTPConnection) -> SessionRegistry:
+    """Return the session registry."""
+    return services_of(connection.app).sessions
+
+
+async def get_library(connection: HTTPConnection) -> Library:
+    """Return the log library."""
+    return services_of(connection.app).library
+
+
+async def get_downloads(connection: HTTPConnection) -> Downloads:
+    """Return the downloads."""
+    return services_of(connection.app).downloads
+
+
+async def get_scenes(connection: HTTPConnection) -> Scenes:
+    """Return the 3D scenes."""
+    return services_of(connection.app).scenes
+
+
+async def get_visitor(connection: HTTPConnection) -> str:
+    """Return the id of the visitor who sent the request, from the cookie (:mod:`server.http.security`)."""
+    visitor: str = connection.state.visitor
+    return visitor
+
+
+ServiceSettings = Annotated[Settings, Depends(get_settings)]
+ServiceMetrics = Annotated[Metrics, Depends(get_metrics)]
+Sessions = Annotated[SessionRegistry, Depends(get_sessions)]
+Logs = Annotated[Library, Depends(get_library)]
+FileDownloads = Annotated[Downloads, Depends(get_downloads)]
+OpenScenes = Annotated[Scenes, Depends(get_scenes)]
+Visitor = Annotated[str, Depends(get_visitor)]

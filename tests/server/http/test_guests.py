@@ -1,0 +1,133 @@
+"""What each route lets guests do, against a table that is written out here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from fastapi import APIRouter
+from fastapi.routing import iter_route_contexts
+from starlette.types import Scope
+
+from server.app import create_app
+from server.http.guests import GuestRight, guest_right, guests_may, right_of_request
+from server.settings import Settings
+
+ALWAYS = {
+    ("GET", "/livez"),
+    ("GET", "/assets/{name:path}"),
+    ("HEAD", "/assets/{name:path}"),
+    ("GET", "/shared/{token}"),
+    ("HEAD", "/shared/{token}"),
+    ("GET", "/api/shared/{token}"),
+    ("POST", "/api/shared/{token}/sessions"),
+}
+LINKED_SESSION = {
+    ("GET", "/api/sessions/{session_id}"),
+    ("SOCKET", "/api/sessions/{session_id}/stream"),
+    ("GET", "/api/sessions/{session_id}/doctor"),
+    ("GET", "/api/sessions/{session_id}/compare"),
+    ("PUT", "/api/sessions/{session_id}/compare"),
+    ("DELETE", "/api/sessions/{session_id}/compare"),
+    ("GET", "/api/sessions/{session_id}/compare.png"),
+    ("GET", "/api/sessions/{session_id}/map.pgm"),
+    ("GET", "/api/sessions/{session_id}/map.yaml"),
+    ("GET", "/api/sessions/{session_id}/map.png"),
+}
+NEVER = {
+    ("GET", "/"),
+    ("HEAD", "/"),
+    ("GET", "/{name}"),
+    ("HEAD", "/{name}"),
+    ("GET", "/3d"),
+    ("GET", "/readyz"),
+    ("GET", "/metrics"),
+    ("GET", "/api/docs"),
+    ("GET", "/api/openapi.json"),
+    ("HEAD", "/api/openapi.json"),
+    ("GET", "/api/worlds"),
+    ("GET", "/api/parameters"),
+    ("GET", "/api/sessions"),
+    ("POST", "/api/sessions"),
+    ("DELETE", "/api/sessions/{session_id}"),
+    ("GET", "/api/sessions/making/{name}"),
+    ("GET", "/api/sessions/{session_id}/story"),
+    ("GET", "/api/sessions/{session_id}/run.mcap"),
+    ("GET", "/api/sessions/{session_id}/trajectory.tum"),
+    ("GET", "/api/links"),
+    ("POST", "/api/links"),
+    ("DELETE", "/api/links/{token}"),
+    ("GET", "/api/logs"),
+    ("PUT", "/api/logs"),
+    ("GET", "/api/logs/uploads/{key}"),
+    ("GET", "/api/logs/{log_id}"),
+    ("DELETE", "/api/logs/{log_id}"),
+    ("POST", "/api/logs/{log_id}/cancel"),
+    ("POST", "/api/logs/{log_id}/read"),
+    ("GET", "/scenes/{session_id}"),
+    ("GET", "/scenes/{session_id}/"),
+    ("HEAD", "/scenes/{session_id}/"),
+    ("SOCKET", "/scenes/{session_id}"),
+    ("SOCKET", "/scenes/{session_id}/"),
+}
+
+
+def rights() -> Iterator[tuple[tuple[str, str], GuestRight]]:
+    """Yield (method, path) and the right of every route of the application."""
+    for route in iter_route_contexts(create_app(Settings()).routes):
+        assert route.endpoint is not None
+        assert route.path is not None
+        for method in route.methods or ("SOCKET",):
+            yield (method, route.path), guest_right(route.endpoint)
+
+
+def test_every_route_gives_guests_the_right_in_the_table() -> None:
+    expected = (
+        dict.fromkeys(ALWAYS, GuestRight.ALWAYS)
+        | dict.fromkeys(LINKED_SESSION, GuestRight.LINKED_SESSION)
+        | dict.fromkeys(NEVER, GuestRight.NEVER)
+    )
+    assert dict(rights()) == expected
+
+
+def scope(method: str, path: str) -> Scope:
+    if method == "SOCKET":
+        return {"type": "websocket", "path": path, "headers": []}
+    return {"type": "http", "method": method, "path": path, "headers": []}
+
+
+@pytest.fixture
+def router() -> APIRouter:
+    made = APIRouter(prefix="/api")
+
+    @made.get("/open/{session_id}")
+    @guests_may(GuestRight.LINKED_SESSION)
+    async def marked(session_id: str) -> str:
+        return session_id
+
+    @made.delete("/open/{session_id}")
+    async def unmarked(session_id: str) -> str:
+        return session_id
+
+    @made.websocket("/open/{session_id}")
+    async def unmarked_socket(session_id: str) -> None: ...
+
+    return made
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "right"),
+    [
+        ("GET", "/api/open/7", GuestRight.LINKED_SESSION),
+        ("DELETE", "/api/open/7", GuestRight.NEVER),
+        ("PUT", "/api/open/7", GuestRight.NEVER),
+        ("SOCKET", "/api/open/7", GuestRight.NEVER),
+        ("GET", "/api/open/7/8", GuestRight.NEVER),
+        ("GET", "/api/nowhere", GuestRight.NEVER),
+    ],
+)
+def test_a_route_without_a_mark_is_refused(router: APIRouter, method: str, path: str, right: GuestRight) -> None:
+    found, parameters = right_of_request(router.routes, scope(method, path))
+    assert found is right
+    if right is not GuestRight.NEVER:
+        assert parameters == {"session_id": "7"}
