@@ -7,11 +7,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class CloseCode:
-    """One close code: ``cause`` is for developers, ``sentence`` for the person in front of the page."""
+    """One close code: ``cause`` is for developers, ``sentence`` is what the page shows.
+
+    ``may_be_over`` says that the session may not exist any more: the page asks before it connects again.
+    """
 
     code: int
     cause: str
     sentence: str
+    may_be_over: bool = False
 
 
 POLICY = CloseCode(
@@ -32,12 +36,13 @@ REFUSED = CloseCode(
     4404,
     "there is no such session, or it takes no further browser; the reason is the error's code",
     "The server refused the connection: the session does not exist any more, or too many browsers watch it.",
+    may_be_over=True,
 )
 NO_ACKS = CloseCode(
     4408,
     "no frame was acknowledged for 30 s: connect again",
     "The server closed the connection because this page did not answer for a long time.",
 )
-ENDED = CloseCode(4410, "the session has ended", "This session has ended.")
+ENDED = CloseCode(4410, "the session has ended", "This session has ended.", may_be_over=True)
 
 CLOSE_CODES = (POLICY, TOO_LONG, INTERNAL, RESTARTING, REFUSED, NO_ACKS, ENDED)

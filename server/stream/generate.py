@@ -217,6 +217,9 @@ def typescript() -> str:
         *(f"  {code.code}: {json.dumps(code.sentence)}," for code in CLOSE_CODES),
         "};",
         "",
+        "/** Close codes after which the session may not exist any more. */",
+        f"export const MAYBE_OVER: readonly number[] = {[code.code for code in CLOSE_CODES if code.may_be_over]};",
+        "",
     ]
     return "\n".join(lines)
 

@@ -888,3 +888,6 @@ export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
   4408: "The server closed the connection because this page did not answer for a long time.",
   4410: "This session has ended.",
 };
+
+/** Close codes after which the session may not exist any more. */
+export const MAYBE_OVER: readonly number[] = [4404, 4410];
