@@ -13,7 +13,7 @@ LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork
 WORKERS ?= 2
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
-.PHONY: serve setup lock docs pages check check-python check-pages test-pages kernels programs test test-long bench dev clean
+.PHONY: serve setup lock docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -45,6 +45,9 @@ docs: $(VENV)/.docs ## the documentation as a site in build/docs, which needs no
 pages: $(VENV)/.installed ## static/dist, where its sources changed
 	$(NPM)
 
+wire: setup ## renew what is generated from the messages of the stream
+	$(BIN)/python -m server.stream.generate
+
 check: check-python check-pages ## lint, types, import rule: Python and TypeScript
 
 check-python: setup
@@ -52,6 +55,7 @@ check-python: setup
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m server.stream.generate --check
 
 check-pages: setup
 	$(NPM) run check

@@ -17,8 +17,7 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.downloads import MomentGoneError
 from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
 from server.sessions import SessionBudgetError, SessionNotFoundError
-
-CLOSE_REFUSED = 4404  #: close code of a socket whose session or scene there is not; the reason is the error's code
+from server.stream.close_codes import REFUSED
 
 _log = structlog.get_logger(__name__)
 
@@ -80,7 +79,7 @@ async def _mapper_error(connection: Request | WebSocket, error: Exception) -> JS
     if isinstance(connection, WebSocket):
         # A browser shows nothing of a refused handshake: the socket is opened and closed, so that the page knows why.
         await connection.accept(subprotocol=next(iter(connection.scope["subprotocols"]), None))
-        await connection.close(CLOSE_REFUSED, error.code)
+        await connection.close(REFUSED.code, error.code)
         return None
     status = status_of(error)
     headers = {"Retry-After": "30"} if status in (429, 503) else None

@@ -1,118 +1,52 @@
-"""The wire: what the stream's frames look like, encoded and decoded once (its twin: ``static/src/wire/protocol.ts``).
+"""Frames of the stream between the server and a page: binary frames with tiles, and text frames with JSON.
 
-One WebSocket, ``/api/sessions/{id}/stream``, subprotocol ``gridbloom.v1``, permessage-deflate off. With ``?map=second``
-it carries the picture of the second map that ``compare`` asks for, in its own epochs; commands are taken on either.
+A page opens one WebSocket for each map that it shows, `/api/sessions/{id}/stream`, with the subprotocol `gridbloom.v1`
+and without permessage-deflate. With `?map=second` it carries the tiles of the second map, in its own epochs; commands
+are accepted on either.
 
-**Binary frames (server → browser)** carry tiles, little-endian::
+## Binary frames
 
-    header  kind u8 (1 = tiles) · flags u8 (bit 0: the last frame of a complete picture) · reserved u16 · epoch u32
-            · seq u32 · count u32
-    tile    tx i16 · ty i16 · revision u32 · nbytes u32 · nbytes of zstd data          (count times)
+Binary frames go from the server to the browser and carry tiles. All numbers are little-endian.
 
-A tile is 64 × 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A cell's
-value q is its log-odds over the range [log_odds_min, log_odds_max] that the ``geometry`` message states, spread over
-−127 … +127: ``ℓ = log_odds_min + (q + 127) / 254 · (log_odds_max − log_odds_min)``; −128 is "never observed". Of the
-values that stand for the cell's own state (free, unknown, occupied) it is the nearest.
-``epoch`` changes when the geometry does: tiles of an older epoch are void, and tiles that are not sent are unobserved.
+```text
+header  kind u8 (1 = tiles), flags u8 (bit 0: last frame of a complete picture), reserved u16, epoch u32, seq u32,
+        count u32
+tile    tx i16, ty i16, revision u32, nbytes u32, nbytes of zstd data          (count times)
+```
 
-**Flow control.** Every binary frame has a ``seq`` (a frame with count 0 carries only a seq); the browser answers each
-with ``{"type": "ack", "seq": n}``. At most two are unacknowledged (one, when acknowledgements are slow). What changes
-meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: nothing queues, so nothing grows stale.
+A tile is 64 x 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A value
+q from -127 to +127 stands for the log-odds `log_odds_min + (q + 127) / 254 * (log_odds_max - log_odds_min)`, with the
+limits of the message `geometry`; -128 is a cell that was never observed. Of the values that give the cell's own state
+(free, unknown, occupied), q is the nearest to the cell's log-odds.
+`epoch` changes with the geometry: tiles of an older epoch are void. Tiles that were never sent are unobserved.
 
-**Text frames** are JSON objects with a ``type``. Server → browser:
+## Flow control
 
-``hello``       {protocol, session, kind: "world"|"log", title, epoch_id, parameters: {table, values},
-                 speeds: [least, greatest], sensor: {table, values}|null, world: name, seed: n (of a world session),
-                 log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
-                 notes}|null}
-                first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
-                log has no times; ``table`` is rows of mapper.mapping.parameters.Parameter as objects, whose ``initial``
-                is what such a session begins with; ``epoch_id`` changes when the server restarts or the session is made
-                anew
-``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
-``frame``       {t, playing, speed, index, count, stamp, pose: [x, y, yaw], sensor_pose: [x, y, yaw],
-                 scan_pose: [x, y, yaw], ranges: [m|null, ...], angle_min, angle_increment, bearings?, beam_width?,
-                 range_max, remade_ms?, auto}
-                the newest state, sent right before the binary frame of the same instant; ``t`` is the server's clock in
-                seconds (monotonic, for measuring age); ``index`` of ``count`` scans are in the map; ``ranges`` are
-                those of the newest scan, ``null`` for no return or no reading; ``scan_pose`` is where the sensor was
-                then, ``sensor_pose`` where it is now, both T_map_laser as the robot states it, without the correction
-                of the mount that the parameters hold; ``believed_pose`` and ``believed_scan_pose`` are ``pose`` and
-                ``scan_pose`` as the map has them, only where the robot drifts. ``scan_pose``, ``believed_scan_pose``,
-                ``ranges``, ``angle_min``, ``angle_increment``, ``bearings`` and ``range_max`` are sent only with a new
-                scan: where ``ranges`` is left out all of them are as they were; ``bearings`` [rad, ...] are those of
-                sonars, which are not even, and ``beam_width`` is the angle of their cones
-``trajectory``  {name, every, poses: [[x, y], ...], stamps: [s, ...]}   log sessions only: the base at every scan (of
-                very long logs at scans 0, ``every``, 2 · ``every``, ...), and how much of the recorded time is over
-                then; sent at the start and after a change
-``parameters``  {values, sensor: values|null, faults?: values, compare?: {values, with_faults, ...}|null}
-                after a change by anyone, or as the answer to a refused one; ``faults`` of world sessions; ``compare``
-                says what the second map has otherwise, and in a log session, where it is the side A of a comparison,
-                also {trajectory, log: id|null, topic|null, title}: the poses that it is made with, and which log it is
-                of where that is not the session's own
-``comparison``  {index, refused: sentence|null, numbers: {cells, states, same, only: [a, b], both, entropy_bits: [a, b],
-                contrast: [a, b], mean_difference, max_difference, max_at: [x, y]|null}|null}
-                log sessions only: how the map of ``index`` scans, B, differs from the second one, A, as
-                :class:`mapper.grid.compare.Comparison` has it; ``states[i][j]`` counts the cells in state i in A and j
-                in B (free, occupied, unknown); ``refused`` says why there are no numbers; neither: nothing is compared
-``world``       {name, title, names: [...], bounds: [x0, y0, x1, y1], polygons: [[[x, y], ...], ...], ids: [i, ...],
-                 edits: {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...]}, polished: [[ax, ay, bx, by], ...]}
-                what is solid; ``ids`` say of each polygon which solid of the world it is (from 0), or −1 − its place
-                in ``added``; ``polished`` are the faces that swallow beams while the fault ``specular`` is on
-``forgetting``  {cells, scans, with_clamp|null, without_clamp|null, free_with_clamp, free_without_clamp}
-                after an ``edit`` with ``watch``: after ``scans`` scans these shares of the ``cells`` that held what was
-                erased are free in the map with the clamp and in the one without it, and after how many scans 9 in 10
-                were; ``cells`` 0: nothing is watched any more
-``working``     {elapsed_s|null, fraction|null}
-                something has been computed for more than 0.3 s, of which ``fraction`` is done where that is known;
-                repeated four times a second; ``elapsed_s`` null: it is over
-``notice``      {code, message}      something a person should know: a teleport that had to move, end of the log
-``error``       {code, message, detail}   the last command was refused; everything goes on
-``cell``        {row, col, epoch, x, y, observed, log_odds, p_occ, state: "free"|"unknown"|"occupied"}
-                answers ``inspect``
-``why``         {row, col, epoch, index, log_odds, prior, log_odds_min|null, log_odds_max|null, per_scan, total, hits,
-                 first_scan|null, curve: [[n, log_odds], ...], touches: [{n, scan, stamp, beam, pose: [x, y, yaw],
-                 bearing, range|null, hit, increment, log_odds}, ...]}
-                answers ``why`` from the map of ``index`` scans: ``total`` beams touched the cell, ``hits`` of them
-                argued for occupied; touch ``n`` (from 1) is the beam ``beam`` of scan ``scan`` (from 0), taken by a
-                sensor at ``pose``, T_map_laser with the correction of the mount, ``bearing`` radians from its x axis;
-                ``range`` is null for no return; ``log_odds`` is what the cell held after ``increment`` was added and
-                clamped (limits null: no clamp). ``touches`` are at most 300; ``curve`` runs over all of them, at most
-                600 with the least and the greatest of each stretch kept. ``per_scan``: each scan counts once
-``pong``        {id, t}
+Each binary frame has a number, `seq`; a frame with count 0 carries only that number. The browser answers each with
+`ack`. At most two frames are unacknowledged, one where acknowledgements take longer than 150 ms. Meanwhile the server
+keeps the set of changed tiles and the newest `frame` message, so no frame waits in a queue.
 
-Browser → server:
+## Text frames
 
-``ack``         {seq}
-``resume``      {epoch_id, epoch, revision}   first message after a reconnect: "I have all tiles up to this revision";
-                 the server then sends only newer ones when epoch_id and epoch still hold
-``play`` ``pause`` ``step`` {scans?: ±n} ``speed`` {value} ``seek`` {index} ``restart``
-``parameters``  {values: {name: value, ...}}
-``teleport``    {x, y, yaw?}      ``drive`` {linear, angular}  (m/s, rad/s; held for 0.5 s)   ``auto`` {value: bool}
-``edit``        {added: [[kind, x0, y0, x1, y1], ...], erased: [i, ...], watch?: bool}   all changes to the world as
-                 it was built, in place of earlier ones: "wall"s from corner to corner and "box"es, whole centimetres;
-                 ``watch`` begins a second map with the clamp the other way and counts as ``forgetting`` tells
-``faults``      {values: {drift?: bool, specular?: bool}}     how the robot's faults enter the map, all of it
-``compare``     {values: {name: value, ...}|null}    a second map of the same recording, of what is true, with these
-                 (world sessions; what a log is compared with is set with PUT /api/sessions/{id}/compare)
-``world``       {name, added?, erased?}            ``sensor`` {values: {name: value, ...}}       ``trajectory`` {name}
-``inspect``     {row, col, epoch, map?: "second"}       ``why`` {row, col, epoch, until?: n, map?: "second"}   (the
-                 touches up to the n-th, else the newest; of several that wait only the last is answered; with ``map``
-                 about a cell of a log's second map, in its own epoch, and the answer then says so too)
-``ping``        {id}
-
-The socket is closed with 1008 (no subprotocol, too many malformed frames or too many commands), 4404 (there is no such
-session), 4408 (no frame was acknowledged for a long time: connect again) or 4410 (the session has ended).
+Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores fields that it does not
+know; on a `type` or a session kind that it does not know it asks the person to reload the page. A command has at most
+64 KiB; one that is malformed is answered with an `error` whose code is `command.` and the name of the field.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import struct
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import msgspec
+
+from server.stream.commands import Command
+from server.stream.messages import ServerMessage
 
 SUBPROTOCOL = "gridbloom.v1"
 KIND_TILES = 1
@@ -120,6 +54,16 @@ FLAG_COMPLETE = 1
 HEADER = struct.Struct("<BBHIII")
 TILE_HEADER = struct.Struct("<hhII")
 MAX_COMMAND_BYTES = 64 * 1024
+_TYPE_WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "a string",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "an object",
+    "null": "null",
+    "bool | float | str": "a number, a string, or true or false",
+}  #: msgspec's names of types in plain words
 
 
 class ProtocolError(Exception):
@@ -183,9 +127,10 @@ def decode_tiles(frame: bytes) -> TilesFrame:
     return TilesFrame(epoch, seq, bool(flags & FLAG_COMPLETE), tuple(tiles))
 
 
-def encode_text(message: dict[str, Any]) -> str:
-    """Return a text frame. Numbers that JSON cannot say (NaN, infinities) are a defect of the caller and raise."""
-    return json.dumps(message, separators=(",", ":"), allow_nan=False)
+def encode_text(message: ServerMessage | dict[str, Any]) -> str:
+    """Return a text frame. Raises :class:`ValueError` for NaN and infinities, which JSON does not have."""
+    plain = msgspec.to_builtins(message) if isinstance(message, msgspec.Struct) else message
+    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
 
 
 def _refuse_constant(name: str) -> float:
@@ -193,9 +138,10 @@ def _refuse_constant(name: str) -> float:
 
 
 def decode_command(text: str | bytes) -> dict[str, Any]:
-    """Return a command from the browser, an object with a ``type`` string.
+    """Return a command from the browser as an object, which :mod:`server.stream.commands` states.
 
-    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, no ``type``.
+    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, no ``type`` or an
+    unknown one, a field that is missing or of another type.
     """
     if isinstance(text, bytes):
         raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
@@ -207,7 +153,26 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
         raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
     if not isinstance(command, dict) or not isinstance(command.get("type"), str):
         raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
+    try:
+        msgspec.convert(command, Command)
+    except msgspec.ValidationError as error:
+        raise _refused(command["type"], str(error)) from error
     return command
+
+
+def _refused(kind: str, told: str) -> ProtocolError:
+    """Return the error for a command of type ``kind`` of which msgspec has ``told`` what is wrong."""
+    what, _, path = told.partition(" - at `$.")
+    if path == "type`":
+        return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
+    missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
+    if missing is not None:
+        return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')
+    for name, words in _TYPE_WORDS.items():
+        what = what.replace(f"`{name}`", words)
+    path = path.removesuffix("`").replace("[...]", "")
+    name = path.partition("[")[0]
+    return ProtocolError(f"command.{name}", f'"{path}" of the command "{kind}" is wrong: {what}.')
 
 
 def number(command: dict[str, Any], key: str, default: float | None = None) -> float:

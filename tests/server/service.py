@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import msgspec
 import numpy as np
 import zstandard
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
 from server.sessions import SessionNotFoundError
 from server.settings import Settings
+from server.stream.messages import ServerMessage
 
 PATIENCE_S = 180.0  #: how long a test waits for what a machine with other work to do is slow at; only then it fails
 SCAN = ("scan_pose", "ranges", "angle_min", "angle_increment", "range_max")  # of a frame message: only when new
@@ -156,6 +158,9 @@ class Watcher:
             await self._tiles(data)
             return None
         message: dict[str, Any] = json.loads(data)
+        # Every message is one of those that are stated, without a field more or less.
+        stated = msgspec.json.decode(data, type=ServerMessage)
+        assert json.loads(msgspec.json.encode(stated)) == message
         if message["type"] == "frame":
             # Without a new scan the frame says nothing of it: it is still the one before.
             self.scans += "ranges" in message

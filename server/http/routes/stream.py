@@ -16,6 +16,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.services import ServiceSettings, Sessions
 from server.sessions import Session, SessionBudgetError
 from server.sessions.tick import error_message
+from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.hub import Client
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, integer, text
 
@@ -24,10 +25,6 @@ router = APIRouter()
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
 MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
-
-CLOSE_POLICY = 1008
-CLOSE_SESSION_ENDED = 4410
-CLOSE_NO_ACKS = 4408
 
 _log = structlog.get_logger(__name__)
 
@@ -54,7 +51,7 @@ async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSett
     session = sessions.get(session_id)
     if SUBPROTOCOL not in websocket.scope["subprotocols"]:
         await websocket.accept()
-        await websocket.close(CLOSE_POLICY, f"the subprotocol {SUBPROTOCOL} is required")
+        await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
         return
     hub = session.hub_of(second=websocket.query_params.get("map") == "second")
     if len(hub.clients) >= settings.max_clients_per_session:
@@ -75,14 +72,14 @@ async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSett
         for result in done:
             if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
                 _log.error("a stream failed", exc_info=result)
-                await _close(websocket, 1011, "internal")
+                await _close(websocket, INTERNAL, "internal")
 
 
-async def _close(websocket: WebSocket, code: int, reason: str) -> None:
+async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
     if websocket.application_state is WebSocketState.CONNECTED:
         # The browser may have gone meanwhile: then there is nobody to tell.
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            await websocket.close(code, reason)
+            await websocket.close(code.code, reason)
 
 
 async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
@@ -94,10 +91,10 @@ async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
             else:
                 await websocket.send_text(message)
         if session.closed:
-            await _close(websocket, CLOSE_SESSION_ENDED, "session.ended")
+            await _close(websocket, ENDED, "session.ended")
             return
         if client.is_lost:
-            await _close(websocket, CLOSE_NO_ACKS, "no frame was acknowledged for a long time")
+            await _close(websocket, NO_ACKS, "no frame was acknowledged for a long time")
             return
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(client.wait_s()):
@@ -117,12 +114,12 @@ async def _receive(websocket: WebSocket, session: Session, client: Client) -> No
             client.tell(error_message(error.code, error.message))
             malformed += error.code.startswith("command.")
             if malformed > MAX_MALFORMED:
-                await _close(websocket, CLOSE_POLICY, "too many malformed frames")
+                await _close(websocket, POLICY, "too many malformed frames")
                 return
         wait = allowance.spend()
         throttled = throttled + 1 if wait > 0.0 else 0
         if throttled > MAX_THROTTLED:
-            await _close(websocket, CLOSE_POLICY, "too many commands")
+            await _close(websocket, POLICY, "too many commands")
             return
         await asyncio.sleep(wait)
 

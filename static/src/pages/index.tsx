@@ -99,10 +99,8 @@ function Steps({ store }: { readonly store: Store }) {
 /** What the map knows so far, or what is the matter. */
 function Facts() {
   const frame = connection.value?.store.frame.value;
-  const status = connection.value?.status.value;
-  if (trouble.value) return <p class="hero-facts">{trouble.value}</p>;
-  if (status === "reconnecting")
-    return <p class="hero-facts">The server does not answer. The page reconnects by itself.</p>;
+  const problem = trouble.value ?? connection.value?.trouble.value;
+  if (problem) return <p class="hero-facts">{problem}</p>;
   if (!frame) return <p class="hero-facts" />;
   const readings = frame.index * frame.ranges.length;
   return (

@@ -143,7 +143,7 @@ function Lab() {
       <div class="lab-bar">
         <Controls store={store} />
         <div class="lab-side">
-          <Connected status={session?.status ?? null} />
+          <Connected connection={session} />
           <Button icon="link" disabled={!session} onClick={() => session && void share(session.id, session.store)}>
             Share
           </Button>

@@ -7,6 +7,8 @@ import { type Receiver, type Status, Stream } from "./stream";
 export interface Connection {
   readonly store: Store;
   readonly status: ReadonlySignal<Status>;
+  /** What is wrong with the connection, one or two sentences; null while nothing is. */
+  readonly trouble: ReadonlySignal<string | null>;
   readonly stream: Stream;
   start(): void;
   stop(): void;
@@ -32,5 +34,6 @@ export function connect(session: string): Connection {
   let stream: Stream;
   const store = new Store((command) => stream.send(command));
   stream = streamOf(session, store);
-  return { store, stream, status: stream.status, start: () => stream.start(), stop: () => stream.stop() };
+  const { status, trouble } = stream;
+  return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

@@ -27,9 +27,9 @@ class FakeSocket implements Socket {
   say(message: object): void {
     this.onmessage?.({ data: JSON.stringify(message) });
   }
-  breakOff(): void {
+  breakOff(code = 1006): void {
     this.readyState = 3;
-    this.onclose?.({ code: 1006 });
+    this.onclose?.({ code });
   }
 }
 
@@ -191,6 +191,15 @@ test("a session that ended is said to be gone, and nothing is tried any more", a
   expect(browser.sockets.length).toBe(count);
 });
 
+test("where the server says that the session ended, the first retry asks whether it did", async () => {
+  gone = true;
+  browser.socket.open();
+  browser.socket.say(hello);
+  browser.socket.breakOff(4410);
+  await browser.wait();
+  expect([stream.status.value, stream.trouble.value]).toEqual(["gone", "This session has ended."]);
+});
+
 test("a hidden page has no socket; a page that is seen again has one at once", () => {
   browser.socket.open();
   browser.socket.say(hello);
@@ -223,4 +232,54 @@ test("commands go nowhere while there is no connection, and say so", () => {
   expect(stream.send({ type: "play" })).toBe(false);
   browser.socket.open();
   expect(stream.send({ type: "play" })).toBe(true);
+});
+
+test.each([
+  ["a message", { type: "weather" }],
+  ["a session kind", { ...hello, kind: "slam" }],
+])("%s that the page does not know ends the connection for good, with one sentence", (_, message) => {
+  const told: (string | null)[] = [];
+  stream.trouble.subscribe((sentence) => told.push(sentence));
+  browser.socket.open();
+  const { socket } = browser;
+  socket.say(message);
+  expect(stream.status.value).toBe("outdated");
+  expect(told).toEqual([null, "This page is older than the server. Reload the page."]);
+  expect(socket.closed).toBe(true);
+  browser.setHidden(true);
+  browser.setHidden(false);
+  expect(browser.waits).toEqual([]);
+  expect(browser.sockets).toEqual([socket]);
+  expect(heard.messages).toEqual([]);
+});
+
+test("a server whose frames can never be read is not asked forever", async () => {
+  for (let i = 0; i < 10 && stream.status.value !== "outdated"; i++) {
+    browser.socket.open();
+    browser.socket.say(hello);
+    browser.socket.say({ type: "pong", id: "one", t: 0 });
+    await browser.wait();
+  }
+  expect(stream.status.value).toBe("outdated");
+  expect(browser.sockets.length).toBe(3);
+});
+
+test.each([
+  [1008, "The server closed the connection because this page sent something that is not allowed or too much of it."],
+  [4404, "The server refused the connection: the session does not exist any more, or too many browsers watch it."],
+  [4408, "The server closed the connection because this page did not answer for a long time."],
+  [4410, "This session has ended."],
+  [1006, "The server does not answer."],
+])("close code %i is said as a sentence until the server answers again", async (code, sentence) => {
+  browser.socket.open();
+  browser.socket.say(hello);
+  browser.socket.breakOff(code);
+  expect(stream.trouble.value).toBe(`${sentence} The page tries again by itself.`);
+  await browser.wait();
+  browser.socket.breakOff();
+  expect(stream.trouble.value).toBe(`${sentence} The page tries again by itself.`);
+  await browser.wait();
+  browser.socket.open();
+  browser.socket.say(hello);
+  expect(stream.trouble.value).toBeNull();
 });

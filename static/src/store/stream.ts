@@ -3,12 +3,21 @@
  * by itself. While the page is hidden there is no socket, so neither side works for nobody.
  */
 
-import { signal } from "@preact/signals";
-import { decodeText } from "../wire/decodeText";
+import { batch, signal } from "@preact/signals";
+import { decodeText, OutdatedPageError } from "../wire/decodeText";
 import { decodeTiles, type TilesFrame } from "../wire/decodeTiles";
-import { type Command, encodeCommand, ProtocolError, type ServerMessage, SUBPROTOCOL } from "../wire/protocol";
+import {
+  CLOSE_SENTENCES,
+  type Command,
+  encodeCommand,
+  MAYBE_OVER,
+  ProtocolError,
+  type ServerMessage,
+  SUBPROTOCOL,
+} from "../wire/protocol";
 
-export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone";
+/** Of these, "gone" and "outdated" are final: the session has ended, or the page is older than the server. */
+export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone" | "outdated";
 
 /** The newest complete picture that a receiver has. */
 export interface Progress {
@@ -54,6 +63,9 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
 /** Attempts after which it is worth asking whether the session still exists. */
 const DOUBTFUL = 2;
+/** Connections that brought a frame which cannot be read, after which the page is taken to be outdated. */
+const MAX_UNREADABLE = 3;
+const OUTDATED = "This page is older than the server. Reload the page.";
 
 export const browser: Surroundings = {
   open: (url, protocol) => new WebSocket(url, protocol) as Socket,
@@ -75,6 +87,8 @@ export const browser: Surroundings = {
 
 export class Stream {
   readonly status = signal<Status>("connecting");
+  /** What is wrong with the connection, for the person; null while nothing is. */
+  readonly trouble = signal<string | null>(null);
   /** Totals since the page opened. */
   readonly traffic = { bytes: 0, frames: 0, tiles: 0, connections: 0 };
   readonly #url: string;
@@ -83,6 +97,7 @@ export class Stream {
   readonly #isGone: () => Promise<boolean>;
   #socket: Socket | null = null;
   #failures = 0;
+  #unreadable = 0;
   #stopped = false;
   #cancelWait: (() => void) | null = null;
   #unwatch: (() => void) | null = null;
@@ -114,7 +129,7 @@ export class Stream {
   }
 
   #visibilityChanged(): void {
-    if (this.#stopped || this.status.peek() === "gone") return;
+    if (this.#stopped || this.#isFinal()) return;
     if (this.#around.hidden()) {
       this.#disconnect();
       this.status.value = "away";
@@ -150,22 +165,30 @@ export class Stream {
         this.#take(socket, data);
       } catch (error) {
         if (!(error instanceof ProtocolError)) throw error;
+        this.#unreadable++;
+        if (error instanceof OutdatedPageError || this.#unreadable >= MAX_UNREADABLE) {
+          this.#end("outdated", OUTDATED);
+          return;
+        }
         // What follows a frame that cannot be read cannot be trusted: start anew.
         this.#receiver.forget();
-        this.#lost();
+        this.#lost("The server sent something that this page cannot read.");
       }
     };
-    socket.onclose = () => this.#lost();
+    socket.onclose = ({ code }) => {
+      if (MAYBE_OVER.includes(code)) this.#failures = Math.max(this.#failures, DOUBTFUL - 1);
+      this.#lost(CLOSE_SENTENCES[code]);
+    };
   }
 
   #take(socket: Socket, data: unknown): void {
     if (typeof data === "string") {
       this.traffic.bytes += data.length;
       const message = decodeText(data);
-      if (!message) return;
       if (message.type === "hello") {
         this.#failures = 0;
         this.status.value = "live";
+        this.trouble.value = null;
       }
       this.#receiver.receive(message);
       return;
@@ -181,10 +204,27 @@ export class Stream {
     });
   }
 
-  #lost(): void {
+  #isFinal(): boolean {
+    const status = this.status.peek();
+    return status === "gone" || status === "outdated";
+  }
+
+  #end(status: "gone" | "outdated", sentence: string): void {
+    batch(() => {
+      this.status.value = status;
+      this.trouble.value = sentence;
+    });
+    this.stop();
+  }
+
+  #lost(why = "The server does not answer."): void {
     this.#disconnect();
     if (this.#stopped || this.#around.hidden()) return;
-    this.status.value = "reconnecting";
+    batch(() => {
+      this.status.value = "reconnecting";
+      // The first cause stays until the server answers again.
+      this.trouble.value ??= `${why} The page tries again by itself.`;
+    });
     const wait = Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures);
     this.#failures++;
     this.#cancelWait = this.#around.later(() => void this.#retry(), wait);
@@ -193,8 +233,7 @@ export class Stream {
   async #retry(): Promise<void> {
     this.#cancelWait = null;
     if (this.#failures >= DOUBTFUL && (await this.#isGone())) {
-      this.status.value = "gone";
-      this.stop();
+      this.#end("gone", "This session has ended.");
       return;
     }
     if (!this.#stopped && !this.#socket && !this.#around.hidden()) this.#connect();

@@ -1,7 +1,8 @@
 import { decompress } from "fzstd";
 import { describe, expect, test } from "vitest";
-import { decodeText } from "./decodeText";
+import { decodeText, OutdatedPageError } from "./decodeText";
 import { decodeTiles } from "./decodeTiles";
+import { FIELDS } from "./messages";
 import { type Command, encodeCommand, ProtocolError } from "./protocol";
 import vectors from "./protocol.vectors.json";
 
@@ -41,6 +42,26 @@ describe("what the server writes is read", () => {
   });
 });
 
+describe("each message of the server", () => {
+  const messages = vectors.messages.map((text) => [JSON.parse(text).type as string, text] as const);
+
+  test("has a vector", () => {
+    expect(new Set(messages.map(([type]) => type))).toEqual(new Set(Object.keys(FIELDS)));
+  });
+
+  test.each(messages)("%s is read", (_, text) => {
+    expect(decodeText(text)).toEqual(JSON.parse(text));
+  });
+
+  test.each(messages)("%s is refused with any of its fields broken", (type, text) => {
+    for (const key of Object.keys(JSON.parse(text)).filter((name) => name !== "type")) {
+      const broken = { ...JSON.parse(text), [key]: { no: "such value" } };
+      if (type === "parameters" && ["values", "sensor", "faults"].includes(key)) broken[key] = [1];
+      expect(() => decodeText(JSON.stringify(broken))).toThrow(expect.objectContaining({ code: `${type}.${key}` }));
+    }
+  });
+});
+
 describe("text frames", () => {
   const frame = {
     type: "frame",
@@ -64,9 +85,22 @@ describe("text frames", () => {
     expect(decodeText(JSON.stringify({ ...frame, newer: 1 }))).toEqual({ ...frame, newer: 1 });
   });
 
-  test("a type of a newer server is passed over", () => {
-    expect(decodeText('{"type":"weather","rain":true}')).toBeNull();
-    expect(decodeText('{"type":"toString"}')).toBeNull();
+  const hello = JSON.parse(vectors.messages[0] ?? "");
+
+  test.each([
+    ["a message", '{"type":"weather","rain":true}', "message.unknown"],
+    ["a message named as a method", '{"type":"toString"}', "message.unknown"],
+    ["a session kind", JSON.stringify({ ...hello, kind: "slam" }), "hello.kind"],
+    ["a protocol", JSON.stringify({ ...hello, protocol: "gridbloom.v2" }), "hello.protocol"],
+  ])("%s of a newer server means that the page is outdated", (_, text, code) => {
+    let thrown: unknown;
+    try {
+      decodeText(text);
+    } catch (error) {
+      thrown = error;
+    }
+    expect(thrown).toBeInstanceOf(OutdatedPageError);
+    expect(thrown).toHaveProperty("code", code);
   });
 
   test.each([

@@ -8,18 +8,22 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
+import msgspec
 import numpy as np
 import pytest
 import zstandard
+from msgspec import UNSET
 
 from mapper.core.se2 import compose
 from mapper.grid import GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.traversal import bresenham
+from server.stream import commands, messages
 from server.stream.protocol import (
     HEADER,
+    SUBPROTOCOL,
     ProtocolError,
     TilePayload,
     decode_command,
@@ -45,6 +49,140 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "map": "second"},
+    {"type": "pause"},
+    {"type": "restart"},
+    {"type": "speed", "value": 2.5},
+    {"type": "seek", "index": 0},
+    {"type": "sensor", "values": {"n_beams": 360}},
+    {"type": "drive", "linear": 0.3, "angular": -0.5},
+    {"type": "auto", "value": True},
+    {"type": "trajectory", "name": "odometry"},
+    {"type": "ping", "id": 1},
+)
+_ROW = messages.Parameter(
+    name="window",
+    label="Window",
+    group="model",
+    kind="number",
+    initial=0.2,
+    sentence="Half the width.",
+    unit="m",
+    low=0.0,
+    high=1.0,
+    step=0.01,
+    choices=(),
+    only_for=("step_window",),
+)
+_NUMBERS = messages.Numbers(
+    cells=45,
+    states=((1, 2, 3), (4, 5, 6), (7, 8, 9)),
+    same=15,
+    only=(3.0, 4.0),
+    both=38,
+    entropy_bits=(12.5, 11.0),
+    contrast=(0.7, 0.8),
+    mean_difference=0.05,
+    max_difference=0.9,
+    max_at=None,
+)
+_TOUCH = messages.Touch(
+    n=1,
+    scan=0,
+    stamp=0.1,
+    beam=17,
+    pose=(1.0, 2.0, 0.5),
+    bearing=-0.1,
+    range=None,
+    hit=False,
+    increment=-0.4,
+    log_odds=-0.4,
+)
+#: with every type of message, and the fields that are not always sent both there and missing
+MESSAGES: tuple[messages.ServerMessage, ...] = (
+    messages.Hello(
+        protocol=SUBPROTOCOL,
+        session="abc",
+        kind="world",
+        title="Büro",
+        epoch_id="0f",
+        speeds=(0.25, 4.0),
+        parameters=messages.Table([_ROW], {"window": 0.2, "model": "step_window", "clamp": True}),
+        sensor=messages.Table([], {}),
+        log=None,
+        world="office",
+        seed=3,
+    ),
+    messages.Hello(
+        protocol=SUBPROTOCOL,
+        session="abc",
+        kind="log",
+        title="t",
+        epoch_id="0f",
+        speeds=(0.25, 64.0),
+        parameters=messages.Table([], {}),
+        sensor=None,
+        log=messages.LogInfo(
+            "i", "true", [messages.TrajectoryInfo("true", "ground truth")], 360, 12, 0.0, "CARMEN", ["No times."]
+        ),
+    ),
+    messages.Geometry(1, 0.05, 320, 640, (-1.5, 2.0, 0.0), -2.0, 3.5, 64),
+    messages.FrameMessage(
+        t=12.5,
+        playing=True,
+        speed=1.0,
+        index=3,
+        count=3,
+        stamp=0.3,
+        pose=(0, 0, 0),
+        sensor_pose=(0.1, 0, 0),
+        auto=False,
+    ),
+    messages.FrameMessage(
+        t=12.5,
+        playing=True,
+        speed=1.0,
+        index=3,
+        count=3,
+        stamp=0.3,
+        pose=(0.0, 0.0, 3.1),
+        sensor_pose=(0.1, 0.0, 3.1),
+        auto=True,
+        believed_pose=(0.2, 0.0, 3.0),
+        remade_ms=4.25,
+        scan_pose=(0.1, 0.0, 3.1),
+        believed_scan_pose=(0.3, 0.0, 3.0),
+        ranges=[1.25, None],
+        angle_min=0.0,
+        angle_increment=0.0,
+        bearings=[-0.5, 0.5],
+        beam_width=0.26,
+        range_max=4.0,
+    ),
+    messages.Trajectory("odometry", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
+    messages.ParametersMessage({"window": 0.2}, None),
+    messages.ParametersMessage({}, {"n_beams": 360}, {"drift": True}, messages.Compared({"clamp": False}, True)),
+    messages.ParametersMessage({}, None, UNSET, messages.Compared({}, True, "true", None, None, "this log")),
+    messages.ComparisonMessage(7, None, _NUMBERS),
+    messages.ComparisonMessage(7, "A has cells of 0.1 m and B of 0.05 m.", None),
+    messages.WorldMessage(
+        name="room",
+        title="Room",
+        names=["room", "maze"],
+        bounds=(0.0, 0.0, 8.0, 6.0),
+        polygons=[[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]],
+        ids=[-1],
+        edits=messages.Edits([("wall", 0, 0, 100, 250)], [2]),
+        polished=[(0.0, 0.0, 1.0, 0.0)],
+    ),
+    messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
+    messages.WorkingMessage(0.55, 0.2),
+    messages.WorkingMessage(None, None),
+    messages.NoticeMessage("log.end", "The log has come to its end."),
+    messages.ErrorMessage("command.x", "Not a number."),
+    messages.CellMessage(1, 2, 3, 0.075, 0.125, True, 0.85, 0.7, "occupied"),
+    messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second"),
+    messages.WhyMessage(1, 2, 3, 10, -0.4, 0.0, None, None, False, 1, 0, 0, [(1, -0.4)], [_TOUCH]),
+    messages.Pong(1, 12.5),
 )
 
 
@@ -148,6 +286,7 @@ def vectors() -> dict[str, Any]:
     made = {
         "frames": frames(),
         "broken": broken(),
+        "messages": [encode_text(message) for message in MESSAGES],
         "commands": [encode_text(command) for command in COMMANDS],
         "lattices": lattices(),
         "compose": [
@@ -178,6 +317,22 @@ def test_what_the_pages_are_tested_with_is_what_the_server_does() -> None:
 def test_the_commands_of_the_vectors_are_commands_to_the_server() -> None:
     kept = json.loads(VECTORS.read_text(encoding="utf-8"))
     assert [decode_command(text) for text in kept["commands"]] == list(COMMANDS)
+
+
+def tags(union: Any) -> set[Any]:
+    return {cls.__struct_config__.tag for cls in get_args(union)}
+
+
+def test_the_vectors_have_every_message_and_command() -> None:
+    kept = json.loads(VECTORS.read_text(encoding="utf-8"))
+    assert {json.loads(text)["type"] for text in kept["messages"]} == tags(messages.ServerMessage)
+    assert {json.loads(text)["type"] for text in kept["commands"]} == tags(commands.Command)
+
+
+def test_the_messages_of_the_vectors_are_read_back() -> None:
+    kept = json.loads(VECTORS.read_text(encoding="utf-8"))
+    for text, message in zip(kept["messages"], MESSAGES, strict=True):
+        assert msgspec.json.decode(text, type=messages.ServerMessage) == message
 
 
 if __name__ == "__main__" and "--write" in sys.argv:

@@ -1,5 +1,5 @@
-import type { ReadonlySignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
 import type { Status } from "../../store/stream";
 import { Steps } from "../../tools/steps/Steps";
@@ -107,17 +107,18 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 const WORDS: Readonly<Record<Status, string>> = {
   connecting: "connecting",
   live: "live",
-  reconnecting: "The server does not answer. The page tries again by itself.",
+  reconnecting: "reconnecting",
   away: "asleep",
   gone: "ended",
+  outdated: "outdated",
 };
 
-/** Whether the page hears from its session. */
-export function Connected({ status }: { readonly status: ReadonlySignal<Status> | null }) {
-  const now = status?.value ?? "connecting";
+/** The state of the page's connection to its session, and what is wrong with it. */
+export function Connected({ connection }: { readonly connection: Connection | null }) {
+  const now = connection?.status.value ?? "connecting";
   return (
     <span class={`lab-status ${now}`} role="status">
-      {WORDS[now]}
+      {connection?.trouble.value ?? WORDS[now]}
     </span>
   );
 }

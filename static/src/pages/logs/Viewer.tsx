@@ -50,7 +50,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
     connection.start();
     return () => connection.stop();
   }, [connection]);
-  const { store, status } = connection;
+  const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   useSignalEffect(() => {
     if (status.value !== "gone" || !returns) return;
@@ -107,14 +107,14 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
           }}
         />
         <BothMaps store={store} comparison={comparison} />
-        {!hello && (
+        {!hello && !trouble.value && (
           <p class="viewer-over" role="status">
             Opening the log …
           </p>
         )}
-        {hello && status.value !== "live" && status.value !== "away" && (
+        {trouble.value && (
           <p class="viewer-over" role="status">
-            <Icon name="warning" /> The server does not answer. The page reconnects by itself.
+            <Icon name="warning" /> {trouble.value}
           </p>
         )}
       </div>

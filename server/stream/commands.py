@@ -1,0 +1,177 @@
+"""The commands from the browser to the server, each stated once; see :mod:`server.stream.messages`.
+
+Fields with a default may be left out. Fields that are not stated here are ignored.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from server.stream.messages import Drawn, Values, Which
+
+Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
+
+
+class AckCommand(Struct, tag_field="type", tag="ack"):
+    """The binary frames up to `seq` were painted."""
+
+    seq: Annotated[Whole, Meta(description="number of the newest such frame")]
+
+
+class ResumeCommand(Struct, tag_field="type", tag="resume"):
+    """First message after a reconnect: which tiles are still there. The server then sends only newer ones."""
+
+    epoch_id: Annotated[str, Meta(description="of the `hello` of the earlier connection")]
+    epoch: Annotated[Whole, Meta(description="epoch of the tiles")]
+    revision: Annotated[Whole, Meta(description="all tiles up to this revision were received")]
+
+
+class PlayCommand(Struct, tag_field="type", tag="play"):
+    """Let time pass."""
+
+
+class PauseCommand(Struct, tag_field="type", tag="pause"):
+    """Stop time."""
+
+
+class RestartCommand(Struct, tag_field="type", tag="restart"):
+    """Begin again with an empty map."""
+
+
+class StepCommand(Struct, tag_field="type", tag="step"):
+    """Pause, and go forward or back by some scans."""
+
+    scans: Annotated[Whole, Meta(description="number of scans; negative: back")] = 1
+
+
+class SpeedCommand(Struct, tag_field="type", tag="speed"):
+    """Set the playback speed."""
+
+    value: Annotated[Number, Meta(description="within `speeds` of `hello`; 1 is real time")]
+
+
+class SeekCommand(Struct, tag_field="type", tag="seek"):
+    """Log sessions: go to the map after some scans."""
+
+    index: Annotated[Whole, Meta(description="scans in the map, 0 to their number")]
+
+
+class ParametersCommand(Struct, tag_field="type", tag="parameters"):
+    """Change mapping parameters and recompute the map."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
+class SensorCommand(Struct, tag_field="type", tag="sensor"):
+    """World sessions: change the simulated sensor."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
+class FaultsCommand(Struct, tag_field="type", tag="faults"):
+    """World sessions: which faults of the robot enter the map. The whole map is recomputed."""
+
+    values: Annotated[Values, Meta(description="`drift`, `specular`: true or false")]
+
+
+class CompareCommand(Struct, tag_field="type", tag="compare"):
+    """World sessions: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`."""
+
+    values: Annotated[Values | None, Meta(description="parameters in which it differs; null: no second map")] = None
+
+
+class TeleportCommand(Struct, tag_field="type", tag="teleport"):
+    """World sessions: put the robot somewhere; it moves to the nearest free place."""
+
+    x: Annotated[Number, Meta(description="x in the map frame, m")]
+    y: Annotated[Number, Meta(description="y in the map frame, m")]
+    yaw: Annotated[Number | None, Meta(description="heading, rad; null: as it is")] = None
+
+
+class DriveCommand(Struct, tag_field="type", tag="drive"):
+    """World sessions: drive by hand. The speed is held for 0.5 s."""
+
+    linear: Annotated[Number, Meta(description="forward speed, m/s")]
+    angular: Annotated[Number, Meta(description="turn rate, rad/s, positive to the left")]
+
+
+class AutoCommand(Struct, tag_field="type", tag="auto"):
+    """World sessions: let the robot explore by itself, or not."""
+
+    value: Annotated[bool, Meta(description="whether it explores")] = False
+
+
+class EditCommand(Struct, tag_field="type", tag="edit"):
+    """World sessions: all changes to the world as it was built; they replace the earlier ones."""
+
+    added: Annotated[list[Drawn], Meta(description="walls and boxes to draw")] = []
+    erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
+    watch: Annotated[bool, Meta(description="send `forgetting` about what this erases")] = False
+
+
+class WorldCommand(Struct, tag_field="type", tag="world"):
+    """World sessions: begin in another world."""
+
+    name: Annotated[str, Meta(description="one of `names` of the message `world`")]
+    added: Annotated[list[Drawn], Meta(description="walls and boxes to draw")] = []
+    erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
+
+
+class TrajectoryCommand(Struct, tag_field="type", tag="trajectory"):
+    """Log sessions: make the map with another trajectory."""
+
+    name: Annotated[str, Meta(description="one of the `trajectories` of `hello`")]
+
+
+class InspectCommand(Struct, tag_field="type", tag="inspect"):
+    """Ask for one cell; answered with `cell`."""
+
+    row: Annotated[Whole, Meta(description="row of the cell")]
+    col: Annotated[Whole, Meta(description="column of the cell")]
+    epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
+    map: Annotated[Which, Meta(description="which map")] = "first"
+
+
+class WhyCommand(Struct, tag_field="type", tag="why"):
+    """Ask which beams touched a cell; answered with `why`. Of several that wait only the newest is answered."""
+
+    row: Annotated[Whole, Meta(description="row of the cell")]
+    col: Annotated[Whole, Meta(description="column of the cell")]
+    epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
+    until: Annotated[Whole | None, Meta(description="last touch to describe, from 1; null: the newest")] = None
+    map: Annotated[Which, Meta(description="which map")] = "first"
+
+
+class PingCommand(Struct, tag_field="type", tag="ping"):
+    """Ask for a `pong`."""
+
+    id: Annotated[Whole, Meta(description="returned in the answer")]
+
+
+Command = (
+    AckCommand
+    | ResumeCommand
+    | PlayCommand
+    | PauseCommand
+    | RestartCommand
+    | StepCommand
+    | SpeedCommand
+    | SeekCommand
+    | ParametersCommand
+    | SensorCommand
+    | FaultsCommand
+    | CompareCommand
+    | TeleportCommand
+    | DriveCommand
+    | AutoCommand
+    | EditCommand
+    | WorldCommand
+    | TrajectoryCommand
+    | InspectCommand
+    | WhyCommand
+    | PingCommand
+)

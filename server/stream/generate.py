@@ -1,0 +1,326 @@
+"""Write what follows from the messages: TypeScript types and validators, the JSON Schema, and the documentation page.
+
+``python -m server.stream.generate`` writes the files; with ``--check`` it only fails where one is out of date.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import sys
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+from msgspec import inspect as types
+
+from server.stream import messages, protocol
+from server.stream.close_codes import CLOSE_CODES
+from server.stream.commands import Command
+from server.stream.messages import ServerMessage
+
+ROOT = Path(__file__).parents[2]
+COMMAND = "python -m server.stream.generate"
+_SCALARS: dict[type[types.Type], tuple[str, str]] = {  # type in TypeScript, and validator
+    types.IntType: ("number", "isInteger"),
+    types.FloatType: ("number", "isNumber"),
+    types.StrType: ("string", "isText"),
+    types.BoolType: ("boolean", "isFlag"),
+    types.NoneType: ("null", "isNull"),
+}
+
+
+def _structs(union: object) -> list[types.StructType]:
+    """Return the classes of a union in their order."""
+    found = [types.type_info(cls) for cls in get_args(union)]
+    return [one for one in found if isinstance(one, types.StructType)]
+
+
+MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
+
+
+#: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
+ALIASES: dict[str, str] = {
+    meta.title: meta.description or ""
+    for alias in vars(messages).values()
+    for meta in getattr(alias, "__metadata__", ())
+    if isinstance(meta, msgspec.Meta) and meta.title is not None
+}
+
+
+def _children(of: types.Type) -> tuple[types.Type, ...]:
+    match of:
+        case types.Metadata(type=inner):
+            return (inner,)
+        case types.UnionType(types=inner) | types.TupleType(item_types=inner):
+            return tuple(inner)
+        case types.ListType(item_type=inner) | types.VarTupleType(item_type=inner):
+            return (inner,)
+        case types.DictType(value_type=inner):
+            return (inner,)
+        case types.StructType(fields=fields):
+            return tuple(field.type for field in fields)
+    return ()
+
+
+def _alias(of: types.Type) -> str | None:
+    """Return the name that a type has by the title of its ``Meta``."""
+    return (of.extra_json_schema or {}).get("title") if isinstance(of, types.Metadata) else None
+
+
+def _named_parts(roots: Iterable[types.Type]) -> dict[str, types.Type]:
+    """Return the aliases and the objects inside messages by name, each after those that it is made of."""
+    found: dict[str, types.Type] = {}
+
+    def visit(one: types.Type, *, is_root: bool) -> None:
+        for child in _children(one):
+            visit(child, is_root=False)
+        name = one.cls.__name__ if isinstance(one, types.StructType) else _alias(one)
+        if name is not None and not is_root:
+            found.setdefault(name, one)
+
+    for root in roots:
+        visit(root, is_root=True)
+    return found
+
+
+def _description(of: types.Type) -> str:
+    """Return the description of a field's type, else the first one inside it."""
+    own = (of.extra_json_schema or {}).get("description", "") if isinstance(of, types.Metadata) else ""
+    return own or next((text for text in map(_description, _children(of)) if text), "")
+
+
+def _doc(of: types.StructType) -> str:
+    return " ".join((inspect.getdoc(of.cls) or "").split())
+
+
+def _typescript(of: types.Type, *, expand: bool = False) -> str:
+    """Return a type in TypeScript; ``expand`` writes out an alias."""
+    name = _alias(of)
+    if name is not None and not expand:
+        return name
+    match of:
+        case types.Metadata(type=inner, extra=extra):
+            if isinstance(inner, types.TupleType) and extra:
+                items = zip(extra["labels"], inner.item_types, strict=True)
+                return f"readonly [{', '.join(f'{label}: {_typescript(item)}' for label, item in items)}]"
+            return _typescript(inner)
+        case types.UnionType(types=options):
+            return " | ".join(_typescript(option) for option in options)
+        case types.LiteralType(values=values):
+            return " | ".join(json.dumps(value) for value in values)
+        case types.TupleType(item_types=items):
+            return f"readonly [{', '.join(map(_typescript, items))}]"
+        case types.ListType(item_type=item) | types.VarTupleType(item_type=item):
+            inner_text = _typescript(item)
+            return f"readonly ({inner_text})[]" if " " in inner_text else f"readonly {inner_text}[]"
+        case types.DictType(value_type=value):
+            return f"Readonly<Record<string, {_typescript(value)}>>"
+        case types.StructType(cls=cls):
+            return cls.__name__
+    return _SCALARS[type(of)][0]
+
+
+def _validator(of: types.Type, *, expand: bool = False) -> str:
+    """Return the expression that checks a value of a type; ``expand`` writes out an alias."""
+    name = of.cls.__name__ if isinstance(of, types.StructType) else _alias(of)
+    if name is not None and not expand:
+        return f"is{name}"
+    match of:
+        case types.Metadata(type=inner):
+            return _validator(inner)
+        case types.UnionType(types=options):
+            return f"oneOf({', '.join(map(_validator, options))})"
+        case types.LiteralType(values=values):
+            return f"isLiteral({', '.join(json.dumps(value) for value in values)})"
+        case types.TupleType(item_types=items):
+            return f"isTuple({', '.join(map(_validator, items))})"
+        case types.ListType(item_type=item) | types.VarTupleType(item_type=item):
+            return f"isListOf({_validator(item)})"
+        case types.DictType(value_type=value):
+            return f"isRecordOf({_validator(value)})"
+        case types.StructType(fields=fields):
+            return f"isObject({_fields(fields)})"
+        case types.FloatType(gt=0):
+            return "isPositive"
+    return _SCALARS[type(of)][1]
+
+
+def _fields(fields: Iterable[types.Field], indent: str = "") -> str:
+    lines = [
+        f"{indent}  {field.encode_name}: "
+        + (_validator(field.type) if field.required else f"optional({_validator(field.type)})")
+        + ","
+        for field in fields
+    ]
+    return "\n".join(["{", *lines, f"{indent}}}"])
+
+
+def _comment(text: str, indent: str = "") -> list[str]:
+    one = f"{indent}/** {text} */"
+    if len(one) <= 120:
+        return [one]
+    return [f"{indent}/**", *textwrap.wrap(text, 118, initial_indent=f"{indent} * ", subsequent_indent=f"{indent} * "),
+            f"{indent} */"]  # fmt: skip
+
+
+def _interface(struct: types.StructType) -> list[str]:
+    lines = [*_comment(_doc(struct)), f"export interface {struct.cls.__name__} {{"]
+    if struct.tag_field is not None:
+        lines.append(f"  readonly {struct.tag_field}: {json.dumps(struct.tag)};")
+    for field in struct.fields:
+        mark = "" if field.required else "?"
+        lines += _comment(_description(field.type), "  ")
+        lines.append(f"  readonly {field.encode_name}{mark}: {_typescript(field.type)};")
+    return [*lines, "}", ""]
+
+
+def typescript() -> str:
+    """Return ``static/src/wire/messages.ts``."""
+    parts = _named_parts([*MESSAGES, *COMMANDS])
+    read = _named_parts(MESSAGES)
+    lines = [
+        f"// Written by `{COMMAND}` from server/stream/messages.py and commands.py: change those.",
+        "",
+        "import {",
+        "  type Check,",
+        *(f"  {name}," for name in sorted(_CHECKS)),
+        '} from "./checks";',
+        "",
+        "/** Version of the protocol, as the WebSocket's subprotocol. */",
+        f"export const SUBPROTOCOL = {json.dumps(protocol.SUBPROTOCOL)};",
+        "",
+    ]
+    for name, part in parts.items():
+        if isinstance(part, types.StructType):
+            lines += _interface(part)
+        else:
+            lines += [*_comment(ALIASES[name]), f"export type {name} = {_typescript(part, expand=True)};", ""]
+    for struct in (*MESSAGES, *COMMANDS):
+        lines += _interface(struct)
+    for union, structs in (("ServerMessage", MESSAGES), ("Command", COMMANDS)):
+        lines += [f"export type {union} =", *(f"  | {struct.cls.__name__}" for struct in structs)]
+        lines[-1] += ";"
+        lines.append("")
+    lines += [f"const is{name}: Check = {_validator(part, expand=True)};" for name, part in read.items()]
+    lines += [
+        "",
+        "/** The check of each field of each message from the server; a message may have more fields. */",
+        'export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {',
+        *(f"  {struct.tag}: {_fields(struct.fields, '  ')}," for struct in MESSAGES),
+        "};",
+        "",
+        "/** What a person reads when the server closes the connection with one of these codes. */",
+        "export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {",
+        *(f"  {code.code}: {json.dumps(code.sentence)}," for code in CLOSE_CODES),
+        "};",
+        "",
+        "/** Close codes after which the session may not exist any more. */",
+        f"export const MAYBE_OVER: readonly number[] = {[code.code for code in CLOSE_CODES if code.may_be_over]};",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+_CHECKS = (
+    "isFlag", "isInteger", "isListOf", "isLiteral", "isNull", "isNumber", "isObject", "isPositive", "isRecordOf",
+    "isText", "isTuple", "oneOf", "optional",
+)  # fmt: skip
+
+
+def schema() -> str:
+    """Return ``docs/wire.schema.json``, with the definitions ``ServerMessage`` and ``Command``."""
+    (message, command), parts = msgspec.json.schema_components((ServerMessage, Command), ref_template="#/$defs/{name}")
+    whole = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": protocol.SUBPROTOCOL,
+        "$defs": {"ServerMessage": message, "Command": command} | parts,
+    }
+    return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
+
+
+def _words(of: types.Type) -> str:
+    """Return a type as the documentation has it."""
+    if (name := _alias(of)) is not None:
+        return f"[{name}](#{name.lower()})"
+    match of:
+        case types.Metadata(type=inner):
+            return _words(inner)
+        case types.UnionType(types=options):
+            return " or ".join(map(_words, options))
+        case types.LiteralType(values=values):
+            return " or ".join(f"`{json.dumps(value)}`" for value in values)
+        case types.TupleType(item_types=items):
+            return f"[{', '.join(map(_words, items))}]"
+        case types.ListType(item_type=item) | types.VarTupleType(item_type=item):
+            return f"list of ({_words(item)})" if isinstance(item, types.UnionType) else f"list of {_words(item)}"
+        case types.DictType(value_type=value):
+            return f"object of {_words(value)}"
+        case types.StructType(cls=cls):
+            return f"[{cls.__name__}](#{cls.__name__.lower()})"
+        case types.IntType():
+            return "integer"
+    return _SCALARS[type(of)][0]
+
+
+def _table(fields: Iterable[types.Field]) -> list[str]:
+    rows = [
+        f"| `{field.encode_name}` | {_words(field.type)}{'' if field.required else ', optional'} "
+        f"| {_description(field.type)} |"
+        for field in fields
+    ]
+    return ["", "| field | type | |", "| --- | --- | --- |", *rows] if rows else []
+
+
+def page() -> str:
+    """Return ``docs/wire.md``."""
+    lines = [f"<!-- Written by `{COMMAND}`: change server/stream/*.py instead. -->", "", "# Wire protocol", ""]
+    lines += [inspect.cleandoc(protocol.__doc__ or ""), ""]
+    lines += ["The schema of all text messages: [wire.schema.json](wire.schema.json).", ""]
+    for title, structs in (("Messages from the server", MESSAGES), ("Commands from the browser", COMMANDS)):
+        lines += [f"## {title}", ""]
+        for struct in structs:
+            lines += [f"### `{struct.tag}`", "", _doc(struct), *_table(struct.fields), ""]
+    lines += ["## Parts of messages", ""]
+    for name, part in _named_parts([*MESSAGES, *COMMANDS]).items():
+        if isinstance(part, types.StructType):
+            lines += [f"### {name}", "", _doc(part), *_table(part.fields), ""]
+        else:
+            shape = _typescript(part, expand=True).replace("readonly ", "")
+            lines += [f"### {name}", "", f"`{shape}`: {ALIASES[name]}.", ""]
+    lines += ["## Close codes", "", "| code | cause | what the page says |", "| --- | --- | --- |"]
+    lines += [f"| {code.code} | {code.cause} | {code.sentence} |" for code in CLOSE_CODES]
+    return "\n".join([*lines, ""])
+
+
+def outputs() -> dict[Path, str]:
+    """Return the text of each generated file by its path."""
+    return {
+        ROOT / "static" / "src" / "wire" / "messages.ts": typescript(),
+        ROOT / "docs" / "wire.schema.json": schema(),
+        ROOT / "docs" / "wire.md": page(),
+    }
+
+
+def stale() -> list[Path]:
+    """Return the generated files that are missing or out of date."""
+    return [path for path, text in outputs().items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
+
+
+def main(arguments: list[str]) -> int:
+    """Write the files that are out of date, or with ``--check`` name them; return the exit code."""
+    late = stale()
+    if "--check" in arguments:
+        for path in late:
+            print(f"{path.relative_to(ROOT)} is out of date: run {COMMAND}", file=sys.stderr)
+        return 1 if late else 0
+    made = outputs()
+    for path in late:
+        path.write_text(made[path], encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,369 @@
+"""The text messages from the server to the browser, each stated once.
+
+:mod:`server.stream.generate` writes the JSON Schema, the TypeScript types and validators, and ``docs/wire.md`` from
+these classes. A field whose default is ``UNSET`` may be left out of the message. Angles are in radians, lengths in
+metres, times in seconds; poses are ``[x, y, yaw]`` in the map frame.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+Pose = Annotated[
+    tuple[float, float, float],
+    Meta(title="Pose", description="[x, y, yaw] in m, m, rad", extra={"labels": ("x", "y", "yaw")}),
+]
+Point = Annotated[tuple[float, float], Meta(title="Point", description="[x, y] in m", extra={"labels": ("x", "y")})]
+Value = Annotated[float | str | bool, Meta(title="Value", description="value of a parameter")]
+Values = Annotated[dict[str, Value], Meta(title="Values", description="parameters by name")]
+CellState = Annotated[
+    Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
+]
+Which = Annotated[Literal["first", "second"], Meta(title="Which", description="one of the maps of a session")]
+SessionKind = Annotated[Literal["world", "log"], Meta(title="SessionKind", description="what a session maps")]
+Drawn = Annotated[
+    tuple[Literal["wall", "box"], int, int, int, int],
+    Meta(
+        title="Drawn",
+        description="wall from corner to corner, or axis-aligned box between two corners; cm in the map frame",
+        extra={"labels": ("kind", "x0", "y0", "x1", "y1")},
+    ),
+]
+Segment = Annotated[
+    tuple[float, float, float, float],
+    Meta(title="Segment", description="[ax, ay, bx, by] in m", extra={"labels": ("ax", "ay", "bx", "by")}),
+]
+Sides = Annotated[
+    tuple[float, float],
+    Meta(title="Sides", description="one number for each of two maps: [A, B]", extra={"labels": ("a", "b")}),
+]
+StateCounts = Annotated[tuple[int, int, int], Meta(title="StateCounts", description="cells by state in B")]
+
+
+class Part(Struct):
+    """Base of the objects that messages contain."""
+
+
+class Parameter(Part):
+    """One row of a parameter table."""
+
+    name: Annotated[str, Meta(description="key in the values")]
+    label: Annotated[str, Meta(description="short name on the page")]
+    group: Annotated[str, Meta(description="panel that shows it")]
+    kind: Annotated[Literal["number", "choice", "flag"], Meta(description="which of the other fields apply")]
+    initial: Annotated[Value, Meta(description="value with which such a session begins")]
+    sentence: Annotated[str, Meta(description="explanation, one sentence")]
+    unit: Annotated[str, Meta(description="unit of a number; may be empty")]
+    low: Annotated[float, Meta(description="least value of a number")]
+    high: Annotated[float, Meta(description="greatest value of a number")]
+    step: Annotated[float, Meta(description="step of a number's slider")]
+    choices: Annotated[tuple[str, ...], Meta(description="values of a choice")]
+    only_for: Annotated[tuple[str, ...], Meta(description="sensor models to which it applies; empty: all")]
+
+
+class Table(Part):
+    """A parameter table and its present values."""
+
+    table: Annotated[list[Parameter], Meta(description="one row for each parameter")]
+    values: Annotated[Values, Meta(description="present values")]
+
+
+class TrajectoryInfo(Part):
+    """A trajectory of a log."""
+
+    name: Annotated[str, Meta(description="name, as the command `trajectory` takes it")]
+    description: Annotated[str, Meta(description="where the poses come from")]
+
+
+class LogInfo(Part):
+    """The log of a log session."""
+
+    id: Annotated[str, Meta(description="id in the library")]
+    trajectory: Annotated[str, Meta(description="trajectory with which the map is made")]
+    trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
+    n_beams: Annotated[int, Meta(description="beams of each scan")]
+    n_scans: Annotated[int, Meta(description="scans of the log")]
+    duration_s: Annotated[
+        float, Meta(description="recorded time from the earliest stamp to the latest, s; 0 for a log without times")
+    ]
+    format: Annotated[str, Meta(description="file format of the log")]
+    notes: Annotated[list[str], Meta(description="remarks of the reader, one sentence each")]
+
+
+class Edits(Part):
+    """Changes to a world as it was built."""
+
+    added: Annotated[list[Drawn], Meta(description="solids that were drawn")]
+    erased: Annotated[list[int], Meta(description="indices of the built solids that were erased")]
+
+
+class Compared(Part):
+    """How the second map of a session differs from the first in what it is made with."""
+
+    values: Annotated[Values, Meta(description="parameters in which it differs")]
+    with_faults: Annotated[bool, Meta(description="whether the robot's faults enter it")]
+    trajectory: Annotated[
+        str | UnsetType, Meta(description="log sessions: trajectory with which the second map is made")
+    ] = UNSET
+    log: Annotated[
+        str | UnsetType | None, Meta(description="log sessions: id of its log; null for the session's own log")
+    ] = UNSET
+    topic: Annotated[str | UnsetType | None, Meta(description="log sessions: topic of its scans")] = UNSET
+    title: Annotated[str | UnsetType, Meta(description="log sessions: title of its log")] = UNSET
+
+
+class Numbers(Part):
+    """Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`."""
+
+    cells: Annotated[int, Meta(description="cells compared")]
+    states: Annotated[
+        tuple[StateCounts, StateCounts, StateCounts],
+        Meta(description="states[i][j]: cells with state i in A and j in B; order free, occupied, unknown"),
+    ]
+    same: Annotated[int, Meta(description="cells with the same state in A and B")]
+    only: Annotated[Sides, Meta(description="cells observed only in A, only in B")]
+    both: Annotated[int, Meta(description="cells observed in both")]
+    entropy_bits: Annotated[Sides, Meta(description="entropy of each map, bits")]
+    contrast: Annotated[Sides, Meta(description="contrast of each map")]
+    mean_difference: Annotated[float, Meta(description="mean absolute difference of the probabilities")]
+    max_difference: Annotated[float, Meta(description="greatest absolute difference of the probabilities")]
+    max_at: Annotated[Point | None, Meta(description="centre of that cell; null where the maps do not differ")]
+
+
+class Touch(Part):
+    """One beam that changed a cell."""
+
+    n: Annotated[int, Meta(description="number of the touch, from 1")]
+    scan: Annotated[int, Meta(description="index of the scan, from 0")]
+    stamp: Annotated[float, Meta(description="recorded time of the scan, s")]
+    beam: Annotated[int, Meta(description="index of the beam, from 0")]
+    pose: Annotated[Pose, Meta(description="T_map_laser with the mount correction of the parameters")]
+    bearing: Annotated[float, Meta(description="angle of the beam from the sensor's x axis, rad")]
+    range: Annotated[float | None, Meta(description="reading, m; null for no return")]
+    hit: Annotated[bool, Meta(description="whether it raised the log-odds")]
+    increment: Annotated[float, Meta(description="log-odds added")]
+    log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
+
+
+class Hello(Struct, tag_field="type", tag="hello"):
+    """First message of a connection: what the session is."""
+
+    protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v1`")]
+    session: Annotated[str, Meta(description="id of the session")]
+    kind: Annotated[SessionKind, Meta(description="`world`: a simulated robot; `log`: a recording")]
+    title: Annotated[str, Meta(description="title of the world or log")]
+    epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is made anew")]
+    speeds: Annotated[
+        tuple[float, float],
+        Meta(description="least and greatest playback speed", extra={"labels": ("least", "greatest")}),
+    ]
+    parameters: Annotated[Table, Meta(description="mapping parameters")]
+    sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null in a log session")]
+    log: Annotated[LogInfo | None, Meta(description="the log; null in a world session")]
+    world: Annotated[str | UnsetType, Meta(description="world sessions: name of the world")] = UNSET
+    seed: Annotated[
+        int | UnsetType,
+        Meta(description="world sessions: seed; the same seed and commands give the same scans"),
+    ] = UNSET
+
+
+class Geometry(Struct, tag_field="type", tag="geometry"):
+    """The grid to which the tiles of an epoch belong. Tiles of another epoch are void."""
+
+    epoch: Annotated[int, Meta(description="number of the epoch; grows with each new geometry")]
+    resolution: Annotated[float, Meta(gt=0, description="side of a cell, m")]
+    rows: Annotated[int, Meta(description="cells along y")]
+    cols: Annotated[int, Meta(description="cells along x")]
+    origin: Annotated[Pose, Meta(description="pose of the outer corner of cell (0, 0) in the map frame")]
+    log_odds_min: Annotated[float, Meta(description="log-odds of the tile value -127")]
+    log_odds_max: Annotated[float, Meta(description="log-odds of the tile value +127")]
+    tile: Annotated[Literal[64], Meta(description="cells along the side of a tile")]
+
+
+class FrameMessage(Struct, tag_field="type", tag="frame"):
+    """Newest state of the session, sent directly before the tiles of the same instant.
+
+    The fields of the scan (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`,
+    `beam_width`, `range_max`) are sent only with a new scan: where `ranges` is missing, all of them are unchanged.
+    """
+
+    t: Annotated[float, Meta(description="monotonic clock of the server, s; for measuring the age of the frame")]
+    playing: Annotated[bool, Meta(description="whether time passes")]
+    speed: Annotated[float, Meta(description="playback speed; 1 is real time")]
+    index: Annotated[int, Meta(description="scans in the map")]
+    count: Annotated[int, Meta(description="scans that there are")]
+    stamp: Annotated[float, Meta(description="time of the state in the world or the recording, s")]
+    pose: Annotated[Pose, Meta(description="T_map_base now")]
+    sensor_pose: Annotated[
+        Pose, Meta(description="T_map_laser now, without the mount correction that the parameters hold")
+    ]
+    auto: Annotated[bool, Meta(description="whether the robot explores by itself")]
+    believed_pose: Annotated[
+        Pose | UnsetType, Meta(description="`pose` as the map has it; only while the odometry drifts")
+    ] = UNSET
+    remade_ms: Annotated[
+        float | UnsetType, Meta(description="time in which the map was last recomputed with other parameters, ms")
+    ] = UNSET
+    scan_pose: Annotated[
+        Pose | UnsetType, Meta(description="T_map_laser at the newest scan, without the mount correction")
+    ] = UNSET
+    believed_scan_pose: Annotated[
+        Pose | UnsetType, Meta(description="`scan_pose` as the map has it; only while the odometry drifts")
+    ] = UNSET
+    ranges: Annotated[
+        list[float | None] | UnsetType,
+        Meta(description="readings of the newest scan, m; null for no return or no valid reading"),
+    ] = UNSET
+    angle_min: Annotated[float | UnsetType, Meta(description="bearing of the first beam, rad")] = UNSET
+    angle_increment: Annotated[float | UnsetType, Meta(description="angle between two beams, rad")] = UNSET
+    bearings: Annotated[
+        list[float] | UnsetType, Meta(description="bearing of each beam where they are uneven (sonars), rad")
+    ] = UNSET
+    beam_width: Annotated[float | UnsetType, Meta(description="full angle of a sonar's cone, rad")] = UNSET
+    range_max: Annotated[float | UnsetType, Meta(description="greatest range that is used, m")] = UNSET
+
+
+class Trajectory(Struct, tag_field="type", tag="trajectory"):
+    """Log sessions: the robot's path. Sent at the start and after a change of the trajectory."""
+
+    name: Annotated[str, Meta(description="name of the trajectory")]
+    every: Annotated[int, Meta(description="a point for each `every`-th scan")]
+    poses: Annotated[list[Point], Meta(description="position of the base at those scans")]
+    stamps: Annotated[list[float], Meta(description="recorded time passed at those scans, s")]
+
+
+class ParametersMessage(Struct, tag_field="type", tag="parameters"):
+    """Present parameters: after a change by anyone, and as an answer to a refused change."""
+
+    values: Annotated[Values, Meta(description="mapping parameters")]
+    sensor: Annotated[Values | None, Meta(description="simulated sensor; null in a log session")]
+    faults: Annotated[Values | UnsetType, Meta(description="world sessions: faults that enter the map")] = UNSET
+    compare: Annotated[Compared | UnsetType | None, Meta(description="the second map; null where there is none")] = (
+        UNSET
+    )
+
+
+class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
+    """Log sessions: how the map, B, differs from the second one, A. Both fields null: nothing is compared."""
+
+    index: Annotated[int, Meta(description="scans in the map")]
+    refused: Annotated[str | None, Meta(description="why the maps cannot be compared, one sentence")]
+    numbers: Annotated[Numbers | None, Meta(description="the comparison")]
+
+
+class WorldMessage(Struct, tag_field="type", tag="world"):
+    """World sessions: the true walls and boxes. Sent at the start and after a change."""
+
+    name: Annotated[str, Meta(description="name of the world")]
+    title: Annotated[str, Meta(description="title of the world")]
+    names: Annotated[list[str], Meta(description="all worlds, as the command `world` takes them")]
+    bounds: Annotated[
+        tuple[float, float, float, float],
+        Meta(description="[x0, y0, x1, y1], m", extra={"labels": ("x0", "y0", "x1", "y1")}),
+    ]
+    polygons: Annotated[list[list[Point]], Meta(description="outlines of the solids")]
+    ids: Annotated[
+        list[int], Meta(description="of each polygon: index of the built solid, or -1 - its index in `added`")
+    ]
+    edits: Annotated[Edits, Meta(description="changes to the world as it was built")]
+    polished: Annotated[list[Segment], Meta(description="faces that return nothing while the fault `specular` is on")]
+
+
+class Forgetting(Struct, tag_field="type", tag="forgetting"):
+    """World sessions: how two maps, with and without clamping, forget what an `edit` with `watch` erased."""
+
+    cells: Annotated[int, Meta(description="cells that held what was erased; 0: nothing is watched")]
+    scans: Annotated[int, Meta(description="scans since then")]
+    with_clamp: Annotated[
+        int | None, Meta(description="scans after which 9 in 10 of the cells were free with clamping; null: not yet")
+    ]
+    without_clamp: Annotated[int | None, Meta(description="the same without clamping")]
+    free_with_clamp: Annotated[float, Meta(description="share of the cells that are free with clamping, 0 to 1")]
+    free_without_clamp: Annotated[float, Meta(description="the same without clamping")]
+
+
+class WorkingMessage(Struct, tag_field="type", tag="working"):
+    """A computation takes more than 0.3 s. Repeated four times a second until it has ended."""
+
+    elapsed_s: Annotated[float | None, Meta(description="time since its start, s; null: it has ended")]
+    fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null where not known")]
+
+
+class NoticeMessage(Struct, tag_field="type", tag="notice"):
+    """Something that the person should know, such as the end of the log."""
+
+    code: Annotated[str, Meta(description="stable name of the notice")]
+    message: Annotated[str, Meta(description="one sentence")]
+
+
+class ErrorMessage(Struct, tag_field="type", tag="error"):
+    """The last command was refused, or the session had an error. The connection stays open."""
+
+    code: Annotated[str, Meta(description="stable name of the error")]
+    message: Annotated[str, Meta(description="one sentence")]
+    detail: Annotated[None, Meta(description="reserved")] = None
+
+
+class CellMessage(Struct, tag_field="type", tag="cell"):
+    """Answer to `inspect`: one cell."""
+
+    row: Annotated[int, Meta(description="row of the cell")]
+    col: Annotated[int, Meta(description="column of the cell")]
+    epoch: Annotated[int, Meta(description="epoch of the geometry")]
+    x: Annotated[float, Meta(description="x of the cell's centre in the map frame, m")]
+    y: Annotated[float, Meta(description="y of the cell's centre in the map frame, m")]
+    observed: Annotated[bool, Meta(description="whether any beam has touched the cell")]
+    log_odds: Annotated[float, Meta(description="log-odds of being occupied")]
+    p_occ: Annotated[float, Meta(description="probability of being occupied")]
+    state: Annotated[CellState, Meta(description="state by the thresholds of the map")]
+    map: Annotated[Which | UnsetType, Meta(description="which map; missing: the first")] = UNSET
+
+
+class WhyMessage(Struct, tag_field="type", tag="why"):
+    """Answer to `why`: the beams that touched a cell, from the map of `index` scans."""
+
+    row: Annotated[int, Meta(description="row of the cell")]
+    col: Annotated[int, Meta(description="column of the cell")]
+    epoch: Annotated[int, Meta(description="epoch of the geometry")]
+    index: Annotated[int, Meta(description="scans in the map")]
+    log_odds: Annotated[float, Meta(description="log-odds of the cell")]
+    prior: Annotated[float, Meta(description="log-odds of a cell before any scan")]
+    log_odds_min: Annotated[float | None, Meta(description="lower clamping limit; null without clamping")]
+    log_odds_max: Annotated[float | None, Meta(description="upper clamping limit; null without clamping")]
+    per_scan: Annotated[bool, Meta(description="whether each scan counts once")]
+    total: Annotated[int, Meta(description="beams that touched the cell")]
+    hits: Annotated[int, Meta(description="those that raised its log-odds")]
+    first_scan: Annotated[int | None, Meta(description="index of the first scan that touched it")]
+    curve: Annotated[
+        list[tuple[int, float]],
+        Meta(description="[n, log-odds] over all touches, at most 600 points; extremes are kept"),
+    ]
+    touches: Annotated[list[Touch], Meta(description="at most 300 touches, up to the one asked for")]
+    map: Annotated[Which | UnsetType, Meta(description="which map; missing: the first")] = UNSET
+
+
+class Pong(Struct, tag_field="type", tag="pong"):
+    """Answer to `ping`."""
+
+    id: Annotated[int, Meta(description="id of the ping")]
+    t: Annotated[float, Meta(description="monotonic clock of the server, s")]
+
+
+ServerMessage = (
+    Hello
+    | Geometry
+    | FrameMessage
+    | Trajectory
+    | ParametersMessage
+    | ComparisonMessage
+    | WorldMessage
+    | Forgetting
+    | WorkingMessage
+    | NoticeMessage
+    | ErrorMessage
+    | CellMessage
+    | WhyMessage
+    | Pong
+)

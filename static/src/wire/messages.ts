@@ -1,0 +1,893 @@
+// Written by `python -m server.stream.generate` from server/stream/messages.py and commands.py: change those.
+
+import {
+  type Check,
+  isFlag,
+  isInteger,
+  isListOf,
+  isLiteral,
+  isNull,
+  isNumber,
+  isObject,
+  isPositive,
+  isRecordOf,
+  isText,
+  isTuple,
+  oneOf,
+  optional,
+} from "./checks";
+
+/** Version of the protocol, as the WebSocket's subprotocol. */
+export const SUBPROTOCOL = "gridbloom.v1";
+
+/** what a session maps */
+export type SessionKind = "log" | "world";
+
+/** value of a parameter */
+export type Value = number | string | boolean;
+
+/** One row of a parameter table. */
+export interface Parameter {
+  /** key in the values */
+  readonly name: string;
+  /** short name on the page */
+  readonly label: string;
+  /** panel that shows it */
+  readonly group: string;
+  /** which of the other fields apply */
+  readonly kind: "choice" | "flag" | "number";
+  /** value with which such a session begins */
+  readonly initial: Value;
+  /** explanation, one sentence */
+  readonly sentence: string;
+  /** unit of a number; may be empty */
+  readonly unit: string;
+  /** least value of a number */
+  readonly low: number;
+  /** greatest value of a number */
+  readonly high: number;
+  /** step of a number's slider */
+  readonly step: number;
+  /** values of a choice */
+  readonly choices: readonly string[];
+  /** sensor models to which it applies; empty: all */
+  readonly only_for: readonly string[];
+}
+
+/** parameters by name */
+export type Values = Readonly<Record<string, Value>>;
+
+/** A parameter table and its present values. */
+export interface Table {
+  /** one row for each parameter */
+  readonly table: readonly Parameter[];
+  /** present values */
+  readonly values: Values;
+}
+
+/** A trajectory of a log. */
+export interface TrajectoryInfo {
+  /** name, as the command `trajectory` takes it */
+  readonly name: string;
+  /** where the poses come from */
+  readonly description: string;
+}
+
+/** The log of a log session. */
+export interface LogInfo {
+  /** id in the library */
+  readonly id: string;
+  /** trajectory with which the map is made */
+  readonly trajectory: string;
+  /** all trajectories of the log */
+  readonly trajectories: readonly TrajectoryInfo[];
+  /** beams of each scan */
+  readonly n_beams: number;
+  /** scans of the log */
+  readonly n_scans: number;
+  /** recorded time from the earliest stamp to the latest, s; 0 for a log without times */
+  readonly duration_s: number;
+  /** file format of the log */
+  readonly format: string;
+  /** remarks of the reader, one sentence each */
+  readonly notes: readonly string[];
+}
+
+/** [x, y, yaw] in m, m, rad */
+export type Pose = readonly [x: number, y: number, yaw: number];
+
+/** [x, y] in m */
+export type Point = readonly [x: number, y: number];
+
+/** How the second map of a session differs from the first in what it is made with. */
+export interface Compared {
+  /** parameters in which it differs */
+  readonly values: Values;
+  /** whether the robot's faults enter it */
+  readonly with_faults: boolean;
+  /** log sessions: trajectory with which the second map is made */
+  readonly trajectory?: string;
+  /** log sessions: id of its log; null for the session's own log */
+  readonly log?: string | null;
+  /** log sessions: topic of its scans */
+  readonly topic?: string | null;
+  /** log sessions: title of its log */
+  readonly title?: string;
+}
+
+/** cells by state in B */
+export type StateCounts = readonly [number, number, number];
+
+/** one number for each of two maps: [A, B] */
+export type Sides = readonly [a: number, b: number];
+
+/** Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`. */
+export interface Numbers {
+  /** cells compared */
+  readonly cells: number;
+  /** states[i][j]: cells with state i in A and j in B; order free, occupied, unknown */
+  readonly states: readonly [StateCounts, StateCounts, StateCounts];
+  /** cells with the same state in A and B */
+  readonly same: number;
+  /** cells observed only in A, only in B */
+  readonly only: Sides;
+  /** cells observed in both */
+  readonly both: number;
+  /** entropy of each map, bits */
+  readonly entropy_bits: Sides;
+  /** contrast of each map */
+  readonly contrast: Sides;
+  /** mean absolute difference of the probabilities */
+  readonly mean_difference: number;
+  /** greatest absolute difference of the probabilities */
+  readonly max_difference: number;
+  /** centre of that cell; null where the maps do not differ */
+  readonly max_at: Point | null;
+}
+
+/** wall from corner to corner, or axis-aligned box between two corners; cm in the map frame */
+export type Drawn = readonly [kind: "box" | "wall", x0: number, y0: number, x1: number, y1: number];
+
+/** Changes to a world as it was built. */
+export interface Edits {
+  /** solids that were drawn */
+  readonly added: readonly Drawn[];
+  /** indices of the built solids that were erased */
+  readonly erased: readonly number[];
+}
+
+/** [ax, ay, bx, by] in m */
+export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
+
+/** state of a cell by its probability */
+export type CellState = "free" | "occupied" | "unknown";
+
+/** one of the maps of a session */
+export type Which = "first" | "second";
+
+/** One beam that changed a cell. */
+export interface Touch {
+  /** number of the touch, from 1 */
+  readonly n: number;
+  /** index of the scan, from 0 */
+  readonly scan: number;
+  /** recorded time of the scan, s */
+  readonly stamp: number;
+  /** index of the beam, from 0 */
+  readonly beam: number;
+  /** T_map_laser with the mount correction of the parameters */
+  readonly pose: Pose;
+  /** angle of the beam from the sensor's x axis, rad */
+  readonly bearing: number;
+  /** reading, m; null for no return */
+  readonly range: number | null;
+  /** whether it raised the log-odds */
+  readonly hit: boolean;
+  /** log-odds added */
+  readonly increment: number;
+  /** log-odds of the cell afterwards, clamped */
+  readonly log_odds: number;
+}
+
+/** First message of a connection: what the session is. */
+export interface Hello {
+  readonly type: "hello";
+  /** name of the protocol, `gridbloom.v1` */
+  readonly protocol: string;
+  /** id of the session */
+  readonly session: string;
+  /** `world`: a simulated robot; `log`: a recording */
+  readonly kind: SessionKind;
+  /** title of the world or log */
+  readonly title: string;
+  /** changes when the server restarts or the session is made anew */
+  readonly epoch_id: string;
+  /** least and greatest playback speed */
+  readonly speeds: readonly [least: number, greatest: number];
+  /** mapping parameters */
+  readonly parameters: Table;
+  /** parameters of the simulated sensor; null in a log session */
+  readonly sensor: Table | null;
+  /** the log; null in a world session */
+  readonly log: LogInfo | null;
+  /** world sessions: name of the world */
+  readonly world?: string;
+  /** world sessions: seed; the same seed and commands give the same scans */
+  readonly seed?: number;
+}
+
+/** The grid to which the tiles of an epoch belong. Tiles of another epoch are void. */
+export interface Geometry {
+  readonly type: "geometry";
+  /** number of the epoch; grows with each new geometry */
+  readonly epoch: number;
+  /** side of a cell, m */
+  readonly resolution: number;
+  /** cells along y */
+  readonly rows: number;
+  /** cells along x */
+  readonly cols: number;
+  /** pose of the outer corner of cell (0, 0) in the map frame */
+  readonly origin: Pose;
+  /** log-odds of the tile value -127 */
+  readonly log_odds_min: number;
+  /** log-odds of the tile value +127 */
+  readonly log_odds_max: number;
+  /** cells along the side of a tile */
+  readonly tile: 64;
+}
+
+/**
+ * Newest state of the session, sent directly before the tiles of the same instant. The fields of the scan
+ * (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`, `beam_width`,
+ * `range_max`) are sent only with a new scan: where `ranges` is missing, all of them are unchanged.
+ */
+export interface FrameMessage {
+  readonly type: "frame";
+  /** monotonic clock of the server, s; for measuring the age of the frame */
+  readonly t: number;
+  /** whether time passes */
+  readonly playing: boolean;
+  /** playback speed; 1 is real time */
+  readonly speed: number;
+  /** scans in the map */
+  readonly index: number;
+  /** scans that there are */
+  readonly count: number;
+  /** time of the state in the world or the recording, s */
+  readonly stamp: number;
+  /** T_map_base now */
+  readonly pose: Pose;
+  /** T_map_laser now, without the mount correction that the parameters hold */
+  readonly sensor_pose: Pose;
+  /** whether the robot explores by itself */
+  readonly auto: boolean;
+  /** `pose` as the map has it; only while the odometry drifts */
+  readonly believed_pose?: Pose;
+  /** time in which the map was last recomputed with other parameters, ms */
+  readonly remade_ms?: number;
+  /** T_map_laser at the newest scan, without the mount correction */
+  readonly scan_pose?: Pose;
+  /** `scan_pose` as the map has it; only while the odometry drifts */
+  readonly believed_scan_pose?: Pose;
+  /** readings of the newest scan, m; null for no return or no valid reading */
+  readonly ranges?: readonly (number | null)[];
+  /** bearing of the first beam, rad */
+  readonly angle_min?: number;
+  /** angle between two beams, rad */
+  readonly angle_increment?: number;
+  /** bearing of each beam where they are uneven (sonars), rad */
+  readonly bearings?: readonly number[];
+  /** full angle of a sonar's cone, rad */
+  readonly beam_width?: number;
+  /** greatest range that is used, m */
+  readonly range_max?: number;
+}
+
+/** Log sessions: the robot's path. Sent at the start and after a change of the trajectory. */
+export interface Trajectory {
+  readonly type: "trajectory";
+  /** name of the trajectory */
+  readonly name: string;
+  /** a point for each `every`-th scan */
+  readonly every: number;
+  /** position of the base at those scans */
+  readonly poses: readonly Point[];
+  /** recorded time passed at those scans, s */
+  readonly stamps: readonly number[];
+}
+
+/** Present parameters: after a change by anyone, and as an answer to a refused change. */
+export interface ParametersMessage {
+  readonly type: "parameters";
+  /** mapping parameters */
+  readonly values: Values;
+  /** simulated sensor; null in a log session */
+  readonly sensor: Values | null;
+  /** world sessions: faults that enter the map */
+  readonly faults?: Values;
+  /** the second map; null where there is none */
+  readonly compare?: Compared | null;
+}
+
+/** Log sessions: how the map, B, differs from the second one, A. Both fields null: nothing is compared. */
+export interface ComparisonMessage {
+  readonly type: "comparison";
+  /** scans in the map */
+  readonly index: number;
+  /** why the maps cannot be compared, one sentence */
+  readonly refused: string | null;
+  /** the comparison */
+  readonly numbers: Numbers | null;
+}
+
+/** World sessions: the true walls and boxes. Sent at the start and after a change. */
+export interface WorldMessage {
+  readonly type: "world";
+  /** name of the world */
+  readonly name: string;
+  /** title of the world */
+  readonly title: string;
+  /** all worlds, as the command `world` takes them */
+  readonly names: readonly string[];
+  /** [x0, y0, x1, y1], m */
+  readonly bounds: readonly [x0: number, y0: number, x1: number, y1: number];
+  /** outlines of the solids */
+  readonly polygons: readonly (readonly Point[])[];
+  /** of each polygon: index of the built solid, or -1 - its index in `added` */
+  readonly ids: readonly number[];
+  /** changes to the world as it was built */
+  readonly edits: Edits;
+  /** faces that return nothing while the fault `specular` is on */
+  readonly polished: readonly Segment[];
+}
+
+/** World sessions: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
+export interface Forgetting {
+  readonly type: "forgetting";
+  /** cells that held what was erased; 0: nothing is watched */
+  readonly cells: number;
+  /** scans since then */
+  readonly scans: number;
+  /** scans after which 9 in 10 of the cells were free with clamping; null: not yet */
+  readonly with_clamp: number | null;
+  /** the same without clamping */
+  readonly without_clamp: number | null;
+  /** share of the cells that are free with clamping, 0 to 1 */
+  readonly free_with_clamp: number;
+  /** the same without clamping */
+  readonly free_without_clamp: number;
+}
+
+/** A computation takes more than 0.3 s. Repeated four times a second until it has ended. */
+export interface WorkingMessage {
+  readonly type: "working";
+  /** time since its start, s; null: it has ended */
+  readonly elapsed_s: number | null;
+  /** share that is done, 0 to 1; null where not known */
+  readonly fraction: number | null;
+}
+
+/** Something that the person should know, such as the end of the log. */
+export interface NoticeMessage {
+  readonly type: "notice";
+  /** stable name of the notice */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+}
+
+/** The last command was refused, or the session had an error. The connection stays open. */
+export interface ErrorMessage {
+  readonly type: "error";
+  /** stable name of the error */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+  /** reserved */
+  readonly detail?: null;
+}
+
+/** Answer to `inspect`: one cell. */
+export interface CellMessage {
+  readonly type: "cell";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of the geometry */
+  readonly epoch: number;
+  /** x of the cell's centre in the map frame, m */
+  readonly x: number;
+  /** y of the cell's centre in the map frame, m */
+  readonly y: number;
+  /** whether any beam has touched the cell */
+  readonly observed: boolean;
+  /** log-odds of being occupied */
+  readonly log_odds: number;
+  /** probability of being occupied */
+  readonly p_occ: number;
+  /** state by the thresholds of the map */
+  readonly state: CellState;
+  /** which map; missing: the first */
+  readonly map?: Which;
+}
+
+/** Answer to `why`: the beams that touched a cell, from the map of `index` scans. */
+export interface WhyMessage {
+  readonly type: "why";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of the geometry */
+  readonly epoch: number;
+  /** scans in the map */
+  readonly index: number;
+  /** log-odds of the cell */
+  readonly log_odds: number;
+  /** log-odds of a cell before any scan */
+  readonly prior: number;
+  /** lower clamping limit; null without clamping */
+  readonly log_odds_min: number | null;
+  /** upper clamping limit; null without clamping */
+  readonly log_odds_max: number | null;
+  /** whether each scan counts once */
+  readonly per_scan: boolean;
+  /** beams that touched the cell */
+  readonly total: number;
+  /** those that raised its log-odds */
+  readonly hits: number;
+  /** index of the first scan that touched it */
+  readonly first_scan: number | null;
+  /** [n, log-odds] over all touches, at most 600 points; extremes are kept */
+  readonly curve: readonly (readonly [number, number])[];
+  /** at most 300 touches, up to the one asked for */
+  readonly touches: readonly Touch[];
+  /** which map; missing: the first */
+  readonly map?: Which;
+}
+
+/** Answer to `ping`. */
+export interface Pong {
+  readonly type: "pong";
+  /** id of the ping */
+  readonly id: number;
+  /** monotonic clock of the server, s */
+  readonly t: number;
+}
+
+/** The binary frames up to `seq` were painted. */
+export interface AckCommand {
+  readonly type: "ack";
+  /** number of the newest such frame */
+  readonly seq: number;
+}
+
+/** First message after a reconnect: which tiles are still there. The server then sends only newer ones. */
+export interface ResumeCommand {
+  readonly type: "resume";
+  /** of the `hello` of the earlier connection */
+  readonly epoch_id: string;
+  /** epoch of the tiles */
+  readonly epoch: number;
+  /** all tiles up to this revision were received */
+  readonly revision: number;
+}
+
+/** Let time pass. */
+export interface PlayCommand {
+  readonly type: "play";
+}
+
+/** Stop time. */
+export interface PauseCommand {
+  readonly type: "pause";
+}
+
+/** Begin again with an empty map. */
+export interface RestartCommand {
+  readonly type: "restart";
+}
+
+/** Pause, and go forward or back by some scans. */
+export interface StepCommand {
+  readonly type: "step";
+  /** number of scans; negative: back */
+  readonly scans?: number;
+}
+
+/** Set the playback speed. */
+export interface SpeedCommand {
+  readonly type: "speed";
+  /** within `speeds` of `hello`; 1 is real time */
+  readonly value: number;
+}
+
+/** Log sessions: go to the map after some scans. */
+export interface SeekCommand {
+  readonly type: "seek";
+  /** scans in the map, 0 to their number */
+  readonly index: number;
+}
+
+/** Change mapping parameters and recompute the map. */
+export interface ParametersCommand {
+  readonly type: "parameters";
+  /** new values; the others stay */
+  readonly values: Values;
+}
+
+/** World sessions: change the simulated sensor. */
+export interface SensorCommand {
+  readonly type: "sensor";
+  /** new values; the others stay */
+  readonly values: Values;
+}
+
+/** World sessions: which faults of the robot enter the map. The whole map is recomputed. */
+export interface FaultsCommand {
+  readonly type: "faults";
+  /** `drift`, `specular`: true or false */
+  readonly values: Values;
+}
+
+/** World sessions: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`. */
+export interface CompareCommand {
+  readonly type: "compare";
+  /** parameters in which it differs; null: no second map */
+  readonly values?: Values | null;
+}
+
+/** World sessions: put the robot somewhere; it moves to the nearest free place. */
+export interface TeleportCommand {
+  readonly type: "teleport";
+  /** x in the map frame, m */
+  readonly x: number;
+  /** y in the map frame, m */
+  readonly y: number;
+  /** heading, rad; null: as it is */
+  readonly yaw?: number | null;
+}
+
+/** World sessions: drive by hand. The speed is held for 0.5 s. */
+export interface DriveCommand {
+  readonly type: "drive";
+  /** forward speed, m/s */
+  readonly linear: number;
+  /** turn rate, rad/s, positive to the left */
+  readonly angular: number;
+}
+
+/** World sessions: let the robot explore by itself, or not. */
+export interface AutoCommand {
+  readonly type: "auto";
+  /** whether it explores */
+  readonly value?: boolean;
+}
+
+/** World sessions: all changes to the world as it was built; they replace the earlier ones. */
+export interface EditCommand {
+  readonly type: "edit";
+  /** walls and boxes to draw */
+  readonly added?: readonly Drawn[];
+  /** indices of the built solids to erase */
+  readonly erased?: readonly number[];
+  /** send `forgetting` about what this erases */
+  readonly watch?: boolean;
+}
+
+/** World sessions: begin in another world. */
+export interface WorldCommand {
+  readonly type: "world";
+  /** one of `names` of the message `world` */
+  readonly name: string;
+  /** walls and boxes to draw */
+  readonly added?: readonly Drawn[];
+  /** indices of the built solids to erase */
+  readonly erased?: readonly number[];
+}
+
+/** Log sessions: make the map with another trajectory. */
+export interface TrajectoryCommand {
+  readonly type: "trajectory";
+  /** one of the `trajectories` of `hello` */
+  readonly name: string;
+}
+
+/** Ask for one cell; answered with `cell`. */
+export interface InspectCommand {
+  readonly type: "inspect";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of that map's geometry */
+  readonly epoch: number;
+  /** which map */
+  readonly map?: Which;
+}
+
+/** Ask which beams touched a cell; answered with `why`. Of several that wait only the newest is answered. */
+export interface WhyCommand {
+  readonly type: "why";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of that map's geometry */
+  readonly epoch: number;
+  /** last touch to describe, from 1; null: the newest */
+  readonly until?: number | null;
+  /** which map */
+  readonly map?: Which;
+}
+
+/** Ask for a `pong`. */
+export interface PingCommand {
+  readonly type: "ping";
+  /** returned in the answer */
+  readonly id: number;
+}
+
+export type ServerMessage =
+  | Hello
+  | Geometry
+  | FrameMessage
+  | Trajectory
+  | ParametersMessage
+  | ComparisonMessage
+  | WorldMessage
+  | Forgetting
+  | WorkingMessage
+  | NoticeMessage
+  | ErrorMessage
+  | CellMessage
+  | WhyMessage
+  | Pong;
+
+export type Command =
+  | AckCommand
+  | ResumeCommand
+  | PlayCommand
+  | PauseCommand
+  | RestartCommand
+  | StepCommand
+  | SpeedCommand
+  | SeekCommand
+  | ParametersCommand
+  | SensorCommand
+  | FaultsCommand
+  | CompareCommand
+  | TeleportCommand
+  | DriveCommand
+  | AutoCommand
+  | EditCommand
+  | WorldCommand
+  | TrajectoryCommand
+  | InspectCommand
+  | WhyCommand
+  | PingCommand;
+
+const isSessionKind: Check = isLiteral("log", "world");
+const isValue: Check = oneOf(isNumber, isText, isFlag);
+const isParameter: Check = isObject({
+  name: isText,
+  label: isText,
+  group: isText,
+  kind: isLiteral("choice", "flag", "number"),
+  initial: isValue,
+  sentence: isText,
+  unit: isText,
+  low: isNumber,
+  high: isNumber,
+  step: isNumber,
+  choices: isListOf(isText),
+  only_for: isListOf(isText),
+});
+const isValues: Check = isRecordOf(isValue);
+const isTable: Check = isObject({
+  table: isListOf(isParameter),
+  values: isValues,
+});
+const isTrajectoryInfo: Check = isObject({
+  name: isText,
+  description: isText,
+});
+const isLogInfo: Check = isObject({
+  id: isText,
+  trajectory: isText,
+  trajectories: isListOf(isTrajectoryInfo),
+  n_beams: isInteger,
+  n_scans: isInteger,
+  duration_s: isNumber,
+  format: isText,
+  notes: isListOf(isText),
+});
+const isPose: Check = isTuple(isNumber, isNumber, isNumber);
+const isPoint: Check = isTuple(isNumber, isNumber);
+const isCompared: Check = isObject({
+  values: isValues,
+  with_faults: isFlag,
+  trajectory: optional(isText),
+  log: optional(oneOf(isText, isNull)),
+  topic: optional(oneOf(isText, isNull)),
+  title: optional(isText),
+});
+const isStateCounts: Check = isTuple(isInteger, isInteger, isInteger);
+const isSides: Check = isTuple(isNumber, isNumber);
+const isNumbers: Check = isObject({
+  cells: isInteger,
+  states: isTuple(isStateCounts, isStateCounts, isStateCounts),
+  same: isInteger,
+  only: isSides,
+  both: isInteger,
+  entropy_bits: isSides,
+  contrast: isSides,
+  mean_difference: isNumber,
+  max_difference: isNumber,
+  max_at: oneOf(isPoint, isNull),
+});
+const isDrawn: Check = isTuple(isLiteral("box", "wall"), isInteger, isInteger, isInteger, isInteger);
+const isEdits: Check = isObject({
+  added: isListOf(isDrawn),
+  erased: isListOf(isInteger),
+});
+const isSegment: Check = isTuple(isNumber, isNumber, isNumber, isNumber);
+const isCellState: Check = isLiteral("free", "occupied", "unknown");
+const isWhich: Check = isLiteral("first", "second");
+const isTouch: Check = isObject({
+  n: isInteger,
+  scan: isInteger,
+  stamp: isNumber,
+  beam: isInteger,
+  pose: isPose,
+  bearing: isNumber,
+  range: oneOf(isNumber, isNull),
+  hit: isFlag,
+  increment: isNumber,
+  log_odds: isNumber,
+});
+
+/** The check of each field of each message from the server; a message may have more fields. */
+export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {
+  hello: {
+    protocol: isText,
+    session: isText,
+    kind: isSessionKind,
+    title: isText,
+    epoch_id: isText,
+    speeds: isTuple(isNumber, isNumber),
+    parameters: isTable,
+    sensor: oneOf(isTable, isNull),
+    log: oneOf(isLogInfo, isNull),
+    world: optional(isText),
+    seed: optional(isInteger),
+  },
+  geometry: {
+    epoch: isInteger,
+    resolution: isPositive,
+    rows: isInteger,
+    cols: isInteger,
+    origin: isPose,
+    log_odds_min: isNumber,
+    log_odds_max: isNumber,
+    tile: isLiteral(64),
+  },
+  frame: {
+    t: isNumber,
+    playing: isFlag,
+    speed: isNumber,
+    index: isInteger,
+    count: isInteger,
+    stamp: isNumber,
+    pose: isPose,
+    sensor_pose: isPose,
+    auto: isFlag,
+    believed_pose: optional(isPose),
+    remade_ms: optional(isNumber),
+    scan_pose: optional(isPose),
+    believed_scan_pose: optional(isPose),
+    ranges: optional(isListOf(oneOf(isNumber, isNull))),
+    angle_min: optional(isNumber),
+    angle_increment: optional(isNumber),
+    bearings: optional(isListOf(isNumber)),
+    beam_width: optional(isNumber),
+    range_max: optional(isNumber),
+  },
+  trajectory: {
+    name: isText,
+    every: isInteger,
+    poses: isListOf(isPoint),
+    stamps: isListOf(isNumber),
+  },
+  parameters: {
+    values: isValues,
+    sensor: oneOf(isValues, isNull),
+    faults: optional(isValues),
+    compare: optional(oneOf(isCompared, isNull)),
+  },
+  comparison: {
+    index: isInteger,
+    refused: oneOf(isText, isNull),
+    numbers: oneOf(isNumbers, isNull),
+  },
+  world: {
+    name: isText,
+    title: isText,
+    names: isListOf(isText),
+    bounds: isTuple(isNumber, isNumber, isNumber, isNumber),
+    polygons: isListOf(isListOf(isPoint)),
+    ids: isListOf(isInteger),
+    edits: isEdits,
+    polished: isListOf(isSegment),
+  },
+  forgetting: {
+    cells: isInteger,
+    scans: isInteger,
+    with_clamp: oneOf(isInteger, isNull),
+    without_clamp: oneOf(isInteger, isNull),
+    free_with_clamp: isNumber,
+    free_without_clamp: isNumber,
+  },
+  working: {
+    elapsed_s: oneOf(isNumber, isNull),
+    fraction: oneOf(isNumber, isNull),
+  },
+  notice: {
+    code: isText,
+    message: isText,
+  },
+  error: {
+    code: isText,
+    message: isText,
+    detail: optional(isNull),
+  },
+  cell: {
+    row: isInteger,
+    col: isInteger,
+    epoch: isInteger,
+    x: isNumber,
+    y: isNumber,
+    observed: isFlag,
+    log_odds: isNumber,
+    p_occ: isNumber,
+    state: isCellState,
+    map: optional(isWhich),
+  },
+  why: {
+    row: isInteger,
+    col: isInteger,
+    epoch: isInteger,
+    index: isInteger,
+    log_odds: isNumber,
+    prior: isNumber,
+    log_odds_min: oneOf(isNumber, isNull),
+    log_odds_max: oneOf(isNumber, isNull),
+    per_scan: isFlag,
+    total: isInteger,
+    hits: isInteger,
+    first_scan: oneOf(isInteger, isNull),
+    curve: isListOf(isTuple(isInteger, isNumber)),
+    touches: isListOf(isTouch),
+    map: optional(isWhich),
+  },
+  pong: {
+    id: isInteger,
+    t: isNumber,
+  },
+};
+
+/** What a person reads when the server closes the connection with one of these codes. */
+export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
+  1008: "The server closed the connection because this page sent something that is not allowed or too much of it.",
+  1009: "The server closed the connection because this page sent a message that is too long.",
+  1011: "The server closed the connection because of a defect in the service.",
+  1012: "The server is restarting.",
+  4404: "The server refused the connection: the session does not exist any more, or too many browsers watch it.",
+  4408: "The server closed the connection because this page did not answer for a long time.",
+  4410: "This session has ended.",
+};
+
+/** Close codes after which the session may not exist any more. */
+export const MAYBE_OVER: readonly number[] = [4404, 4410];

@@ -1,0 +1,64 @@
+"""Real sessions send every message that is stated, and nothing else (which the Watcher checks as it reads)."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import get_args
+
+import pytest
+
+from server.stream.messages import ServerMessage
+from tests.server.service import Service, Watcher
+
+
+async def messages_of_a_world(service: Service) -> set[str]:
+    session_id = service.begin(kind="world", world="room", seed=8)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.settle()
+        await watcher.send("why", row=60, col=60, epoch=watcher.epoch)
+        await watcher.answer("why")
+        await watcher.send("parameters", values={"window": "wide"})
+        await watcher.answer("error")
+        await watcher.send("teleport", x=-50.0, y=-50.0)
+        await watcher.answer("notice")
+        await watcher.send("faults", values={"drift": True, "specular": True})
+        await watcher.send("compare", values={"clamp": False})
+        await watcher.send("sensor", values={"kind": "sonar_ring"})
+        await watcher.send("edit", added=[["wall", 100, 100, 200, 100], ["box", 300, 300, 350, 350]], erased=[])
+        await watcher.answer("world")
+        await watcher.send("edit", added=[], erased=[], watch=True)
+        await watcher.answer("forgetting")
+        await watcher.send("ping", id=1)
+        await watcher.answer("pong")
+        await watcher.send("play")
+        of_a_drifting_sonar = {"believed_pose", "believed_scan_pose", "beam_width"}
+        await watcher.until(lambda: of_a_drifting_sonar <= set(watcher.newest["frame"]))
+        async with service.connect(session_id, query="?map=second") as second_socket:
+            second = Watcher(second_socket)
+            await second.until(lambda: second.frames > 0)
+        return set(watcher.newest) | set(second.newest)
+
+
+async def messages_of_a_log(service: Service) -> set[str]:
+    session_id = await asyncio.to_thread(service.begin, kind="log", log="sample-office")
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("pause")
+        await watcher.send("seek", index=20)
+        await watcher.until(lambda: watcher.newest.get("frame", {"index": 0})["index"] == 20)
+        answer = await asyncio.to_thread(
+            service.http.put, f"/api/sessions/{session_id}/compare", json={"trajectory": "odometry"}
+        )
+        assert answer.status_code < 300, answer.text
+        await watcher.until(lambda: (watcher.newest.get("comparison") or {}).get("numbers") is not None)
+        await watcher.settle()
+        await watcher.send("why", row=10, col=10, epoch=watcher.epoch)
+        await watcher.answer("why")
+        return set(watcher.newest)
+
+
+async def test_every_message_is_as_it_is_stated(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.sessions.session.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
+    seen = await messages_of_a_world(service) | await messages_of_a_log(service)
+    assert seen == {cls.__struct_config__.tag for cls in get_args(ServerMessage)}
