@@ -6,14 +6,14 @@ Each row names the parameter, its unit, its first value, its bounds, the step of
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.grid import probability
 from mapper.mapping.sensor_model import (
     BeamModel,
@@ -24,49 +24,6 @@ from mapper.mapping.sensor_model import (
     SonarCone,
     StepWindow,
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """One row: ``kind`` says which of the other fields count.
-
-    ``number`` has low ≤ value ≤ high in ``unit`` and a slider ``step``; ``choice`` is one of ``choices``; ``flag``
-    is true or false. ``group`` is the panel that shows it; ``only_for`` names the models (values of ``model``) that
-    it concerns, empty for all.
-    """
-
-    name: str
-    label: str
-    group: Literal["model", "update", "map", "mount", "sensor"]
-    kind: Literal["number", "choice", "flag"]
-    initial: float | str | bool
-    sentence: str
-    unit: str = ""
-    low: float = 0.0
-    high: float = 0.0
-    step: float = 0.0
-    choices: tuple[str, ...] = ()
-    only_for: tuple[str, ...] = ()
-
-    def check(self, value: object) -> float | str | bool:
-        """Return ``value`` as the row's type; raise :class:`ConfigError` that names the row for one it refuses."""
-        if self.kind == "flag":
-            if isinstance(value, bool):
-                return value
-            raise self._refused(value, "true or false")
-        if self.kind == "choice":
-            if isinstance(value, str) and value in self.choices:
-                return value
-            raise self._refused(value, "one of " + ", ".join(self.choices))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-            raise self._refused(value, "a finite number")
-        if not self.low <= value <= self.high:
-            raise self._refused(value, f"between {self.low:g} and {self.high:g} {self.unit}".rstrip())
-        return float(value)
-
-    def _refused(self, value: object, wanted: str) -> ConfigError:
-        return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
-
 
 MODELS = ("fixed_increments", "step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting")
 CONES = ("sonar_cone", "moravec_elfes")  #: models of a beam that is wide, whatever cells its axis crosses
@@ -232,8 +189,7 @@ class MappingConfig:
     mount_upside_down: bool = False
 
     def __post_init__(self) -> None:
-        for row in PARAMETERS:
-            object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
+        check_fields(self, PARAMETERS)
         if self.log_odds_min >= self.log_odds_max:
             raise ConfigError("parameter.clamp", "The lower clamp must lie below the upper clamp.")
         self.beam_model()  # the models check what concerns two parameters at once
@@ -273,11 +229,8 @@ class MappingConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> MappingConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        unknown = [name for name in values if name not in BY_NAME]
-        if unknown:
-            raise ConfigError("parameter.unknown", f"There is no parameter {unknown[0]!r:.80}.")
+        check_names(values, PARAMETERS)
         return MappingConfig(**(asdict(self) | dict(values)))
 
 
-if {f.name: f.default for f in fields(MappingConfig)} != {row.name: row.initial for row in PARAMETERS}:
-    raise AssertionError("MappingConfig and PARAMETERS must name the same parameters with the same first values")
+check_table(MappingConfig, PARAMETERS)

@@ -26,7 +26,7 @@ meanwhile waits as a *set* of dirty tiles and as the newest ``frame`` message: n
                  log: {id, trajectory, trajectories: [{name, description}], n_beams, n_scans, duration_s, format,
                  notes}|null}
                 first message; ``duration_s`` is the recorded time, from the earliest stamp to the latest, 0 where the
-                log has no times; ``table`` is rows of mapper.mapping.parameters.Parameter as objects, whose ``initial``
+                log has no times; ``table`` is rows of mapper.core.parameter.Parameter as objects, whose ``initial``
                 is what such a session begins with; ``epoch_id`` changes when the server restarts or the session is made
                 anew
 ``geometry``    {epoch, resolution, rows, cols, origin: [x, y, yaw], log_odds_min, log_odds_max, tile: 64}
