@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.cell_statistics import STATISTICS_MODELS, begin, shown
-from mapper.mapping.integrate import scan_batch_of_log
+from mapper.mapping.cell_statistics import begin, shown
+from mapper.mapping.certainty_update import update_certainties
+from mapper.mapping.contributions import contributions
 from mapper.mapping.kernels.contributions import running_sum
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import ScanBatch, log_odds_update_of
+from mapper.mapping.prepare_scans import scan_batch_of_log
+from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.scan import ScanLog
 
 
@@ -26,7 +29,7 @@ class Provenance:
 
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
     (beyond the max range: no return); ``hits`` (n,) bool whether it argued for occupied; ``increments`` (n,) float32
-    is its evidence (for models that keep tallies: what it changed) and ``log_odds`` (n,) float32 what the cell held
+    is its evidence (for models that keep statistics: what it changed) and ``log_odds`` (n,) float32 what the cell held
     after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
     what such a model goes on from.
     """
@@ -73,19 +76,21 @@ def provenance(
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")
-    batch = scan_batch_of_log(log, config, trajectory, 0, stop)
+    plan = plan_update(config, log.range_min, log.range_max)
+    batch = scan_batch_of_log(log, plan, trajectory, 0, stop)
     if before is None:
         before = _nothing(config.log_odds_prior if prior is None else prior)
-    if config.model in STATISTICS_MODELS:
-        contributions, log_odds, cell_statistics = _tallied(batch, geometry, config, (row, col), before)
+    if plan.strategy.statistics != "none":
+        of_statistics = _of_certainties if plan.strategy.statistics == "certainties" else _of_counts
+        touches, log_odds, cell_statistics = of_statistics(batch, geometry, plan, (row, col), before)
         increments = np.diff(log_odds, prepend=np.float32(before.after))
     else:
-        contributions, increments = batch.contributions(geometry, config, row, col)
+        touches, increments = contributions(batch, geometry, plan, (row, col))
         log_odds, cell_statistics = np.empty_like(increments), None
-        _, _, low, high = log_odds_update_of(config)
+        low, high = plan.log_odds_update.low, plan.log_odds_update.high
         running_sum(increments, np.float32(before.after), low, high, log_odds)
-    scans, beams = np.divmod(contributions[:, 0], max(1, log.n_beams))
-    ranges, hits = log.ranges[scans, beams], contributions[:, 1] == 1
+    scans, beams = np.divmod(touches[:, 0], max(1, log.n_beams))
+    ranges, hits = log.ranges[scans, beams], touches[:, 1] == 1
     return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, cell_statistics)
 
 
@@ -95,27 +100,29 @@ def _nothing(prior: float) -> Provenance:
     return Provenance(none, none, values, np.empty(0, dtype=np.bool_), values, values, prior, prior)
 
 
-def _tallied(
-    batch: ScanBatch, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], before: Provenance
+def _of_certainties(
+    batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Return touches, log-odds after each, and the tallies at the end, of a model whose evidence does not add up."""
-    if config.model == "moravec_elfes":
-        # What an arc says of a cell depends on the whole arc, so the map is made again and the cell watched.
-        grid = OccupancyGrid(geometry, before.prior)
-        begin(grid, config)
-        if before.cell_statistics is not None:
-            grid.cell_statistics = before.cell_statistics.copy()
-        box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-        _, contributions, certainties = batch.watch_certainties(grid, config, box, number)
-        assert grid.cell_statistics is not None  # noqa: S101 - begun above
-        return contributions, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
-    contributions, _ = batch.contributions(geometry, config, *cell)
+    """Return the touches (n, 2), the log-odds (n,) after each, and the certainties at the end.
+
+    What an arc says of a cell depends on the whole arc, so the map is made again and the cell is watched.
+    """
+    grid = OccupancyGrid(geometry, before.prior)
+    begin(grid, plan.strategy)
+    if before.cell_statistics is not None:
+        grid.cell_statistics = before.cell_statistics.copy()
+    box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
+    _, touches, certainties = update_certainties(grid, batch, plan, box, number)
+    assert grid.cell_statistics is not None  # noqa: S101 - begun above
+    return touches, shown(plan, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
+
+
+def _of_counts(
+    batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+    """Return the touches (n, 2), the log-odds (n,) after each, and the hits and misses (2,) at the end."""
+    touches, _ = contributions(batch, geometry, plan, cell)
     counted = np.zeros(2, dtype=np.float32) if before.cell_statistics is None else before.cell_statistics
-    counts = counted[:, np.newaxis] + np.array(
-        [np.cumsum(contributions[:, 1] == kind) for kind in (1, 0)], dtype=np.float32
-    )
-    return (
-        contributions,
-        shown(config, counts[0], counts[1], before.prior),
-        counts[:, -1] if len(contributions) else counted,
-    )
+    counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)
+    log_odds = shown(plan, counts[0], counts[1], before.prior)
+    return touches, log_odds, counts[:, -1] if len(touches) else counted

@@ -13,10 +13,10 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Evidence, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -49,7 +49,7 @@ def plan_rays(
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         for k in range(ranges.shape[1]):
             ray = rays[first + t * ranges.shape[1] + k]
             ray[Z] = nan
@@ -63,11 +63,11 @@ def plan_rays(
                 continue
             half = 0.5 * (window + growth * z)
             px, py = z * beams[k, 0], z * beams[k, 1]
-            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             end_u, end_v = hit_u, hit_v
             if half > 0.0 and not no_return:
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
-                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
             ray[Z], ray[HALF] = inf if no_return else z, half
             row, end_row = int(_cell_of(v)), int(_cell_of(end_v))

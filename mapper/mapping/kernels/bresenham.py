@@ -18,9 +18,9 @@ from numpy import uint64
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -113,7 +113,7 @@ def plan_lines(
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         row, col = int(_cell_of(v)), int(_cell_of(u))
         too_far = max(abs(row), abs(col)) > _FAR_OUT
         for k in range(ranges.shape[1]):
@@ -131,7 +131,7 @@ def plan_lines(
             if too_far:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
             end_row, end_col = hit_row, hit_col
             steps = max(abs(hit_row - row), abs(hit_col - col))
@@ -141,7 +141,7 @@ def plan_lines(
             elif window > 0.0:
                 half = 0.5 * (window + growth * z)
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
                 end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
                 near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
                 far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)

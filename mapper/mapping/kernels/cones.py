@@ -14,9 +14,9 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Cone, Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -96,9 +96,8 @@ def _angle_off(d_u: float, d_v: float, axis_u: float, axis_v: float) -> float:
 @jit
 def _cone_evidence(s: float, z: float, half: float, theta: float, cone: Cone, evidence: Evidence) -> float:
     """Return the evidence of a reading ``z`` for s ≤ z + ``half``; metres and radians."""
-    profile, opening = cone
     miss, hit = evidence
-    if profile == RAMP:
+    if cone.profile == RAMP:
         return _ramp(s, z, half, miss, hit)
     if s < z - half:
         weight = 1.0 - (s / (z - half)) ** 2
@@ -106,8 +105,8 @@ def _cone_evidence(s: float, z: float, half: float, theta: float, cone: Cone, ev
     else:
         weight = 1.0 - ((s - z) / half) ** 2
         value = hit
-    if profile == GAUSSIAN:
-        off = theta / opening
+    if cone.profile == GAUSSIAN:
+        off = theta / cone.opening
         return value * weight * exp(-8.0 * off * off)
     return value
 
@@ -133,7 +132,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
     ends = np.full(n_beams if mark_endpoints else 0, -1, dtype=np.int64)
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         for k in range(len(ends)):
             ends[k] = -1
@@ -141,7 +140,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
             if _kind_of(z, reading_filter) != RETURN:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             r, c = int(_cell_of(ev)), int(_cell_of(eu))
             if row_low <= r < row_high and 0 <= c < cols:
                 ends[k] = r * cols + c
@@ -206,7 +205,7 @@ def contributions_of_cones(ranges: Float32Array, sensors: Float64Array, beams: F
     count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         d_u, d_v = col + 0.5 - u, row + 0.5 - v
         s = sqrt(d_u * d_u + d_v * d_v) * resolution
@@ -217,7 +216,7 @@ def contributions_of_cones(ranges: Float32Array, sensors: Float64Array, beams: F
                 if _kind_of(z, reading_filter) != RETURN or abs(s - z) > 2.0 * resolution:
                     continue
                 px, py = z * beams[k, 0], z * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
                 if int(_cell_of(ev)) == row and int(_cell_of(eu)) == col:
                     ended = k
                     break

@@ -14,12 +14,12 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels import amanatides_woo as crossings
 from mapper.mapping.kernels import bresenham as lines
 from mapper.mapping.kernels.amanatides_woo import _crosses
 from mapper.mapping.kernels.bresenham import _step_at
-from mapper.mapping.kernels.types import Frame, ReadingFilter
+from mapper.mapping.kernels.types import ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -125,7 +125,7 @@ def contributions_of_fields(ranges: Float32Array, sensors: Float64Array, beams: 
     count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         d_u, d_v = col + 0.5 - u, row + 0.5 - v
         s = sqrt(d_u * d_u + d_v * d_v) * resolution
@@ -135,7 +135,7 @@ def contributions_of_fields(ranges: Float32Array, sensors: Float64Array, beams: 
             if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell lies elsewhere
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             if int(_cell_of(ev)) == row and int(_cell_of(eu)) == col:
                 beam, kind = k, HIT
                 break

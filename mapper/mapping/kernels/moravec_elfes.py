@@ -10,7 +10,7 @@ from math import sqrt
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import to_lattice
+from mapper.grid.kernels.lattice import Frame, to_lattice
 from mapper.mapping.kernels.cones import (
     NO_RETURN,
     NOTHING,
@@ -22,7 +22,7 @@ from mapper.mapping.kernels.cones import (
     _lies_in,
     _rows_of,
 )
-from mapper.mapping.kernels.types import Frame, ReadingFilter
+from mapper.mapping.kernels.types import ReadingFilter
 
 _to_lattice = jit(to_lattice)
 
@@ -86,7 +86,7 @@ def add_certainties(occupied: Float32Array, empty: Float32Array, observed: BoolA
     half, resolution, n_beams = 0.5 * window, frame[4], ranges.shape[1]
     count, noted = 0, 0
     for t in range(ranges.shape[0]):
-        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         for what in (_EMPTY, _OCCUPIED):  # all that is empty comes first, as in 1985
             for k in range(n_beams):

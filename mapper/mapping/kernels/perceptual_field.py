@@ -16,7 +16,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.bitmask_fill import (
     FREE,
     HITS,
@@ -50,7 +50,7 @@ from mapper.mapping.kernels.field_boundary import (
     _walk_edges,
 )
 from mapper.mapping.kernels.sectors import _ring, _sector
-from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -92,7 +92,7 @@ def plan_fields(
     toggles = np.empty(8 * ranges.size, dtype=np.uint32)
     done = 0
     for t in range(ranges.shape[0]):
-        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
         farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, reading_filter, rows, cols, radii, ends)
         starts[t, :] = done
         _see(views[t], u, v, farthest / resolution, rows, cols)
@@ -172,7 +172,7 @@ def _read(
             free, outer = max(z - half, 0.0), min(z + half, range_max)
             farthest = max(farthest, outer, z)
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             r, c = int(_cell_of(ev)), int(_cell_of(eu))
             if 0 <= r < rows and 0 <= c < cols:
                 ends[np.uint64(n_ends)] = (r << 32) | c
@@ -228,7 +228,7 @@ def draw_fields(
             a, b = starts[t, plane], starts[t, plane + 1]
             _note(planes[plane], own, shift, plane == HITS, toggles[a:b], first_row)
         if not sure[t]:
-            u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+            u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
             turn_u, turn_v = headings[t, 0], headings[t, 1]
             _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, reading_filter, frame[4])
         bordered = windows and sure[t]

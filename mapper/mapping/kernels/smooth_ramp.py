@@ -12,7 +12,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import to_lattice
+from mapper.grid.kernels.lattice import Frame, to_lattice
 from mapper.mapping.kernels.bresenham import (
     AT,
     COL,
@@ -27,7 +27,7 @@ from mapper.mapping.kernels.bresenham import (
     _crossing,
 )
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Evidence, LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
 
@@ -75,7 +75,7 @@ def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
         if first < stop:
             near, at = int(lines[NEAR, j]), int(lines[AT, j])
             x, y = sensors[j // n_beams, 0], sensors[j // n_beams, 1]
-            u, v = _to_lattice(x, y, *frame)
+            u, v = _to_lattice(x, y, frame)
             z = float(ranges[j // n_beams, j % n_beams])
             half = 0.5 * (window + growth * z)
             for i in range(first, stop):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import mapper.mapping.scan_batch
+import mapper.mapping.update
 from mapper.core.parallel import bands, cores, in_parallel, scratch, single_threaded
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
@@ -26,7 +26,7 @@ def test_the_number_of_threads_does_not_show(
     geometry = geometry_for(office_log, config)
     maps = []
     for threads in (1, 2, 3, 7):
-        monkeypatch.setattr(mapper.mapping.scan_batch, "cores", lambda threads=threads: threads)
+        monkeypatch.setattr(mapper.mapping.update, "cores", lambda threads=threads: threads)
         grid = OccupancyGrid(geometry)
         maps.append((integrate_log(grid, office_log, config), grid.log_odds.tobytes(), grid.observed.tobytes()))
     assert all(other == maps[0] for other in maps[1:])
