@@ -25,7 +25,7 @@ def update_certainties(
     room = 2 * batch.ranges.size if watched >= 0 else 0
     touches, certainties = np.empty((room, 2), np.int64), np.empty((room, 2), np.float32)
     count, n = add_certainties(
-        occupied, empty, grid.observed.reshape(-1), grid.geometry.cols, *batch.scans_on(grid.geometry),
+        occupied, empty, grid.observed.reshape(-1), grid.geometry.cols, batch.scans_on(grid.geometry),
         grid.geometry.frame, plan.reading_filter, plan.cone.opening, box, watched, touches, certainties,
     )  # fmt: skip
     return count, touches[:n], certainties[:n]

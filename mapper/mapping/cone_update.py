@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mapper.grid import OccupancyGrid
 from mapper.mapping.bands import draw_in_bands
 from mapper.mapping.kernels.cones import draw_cones
-from mapper.mapping.kernels.types import LogOddsUpdate
+from mapper.mapping.kernels.types import Cells, LogOddsUpdate
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.update_plan import UpdatePlan
 
@@ -26,15 +26,12 @@ def draw_cone_evidence(
     """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
     draw = partial(
         draw_cones,
-        grid.log_odds.reshape(-1),
-        grid.observed.reshape(-1),
-        grid.geometry.cols,
-        *batch.scans_on(grid.geometry),
+        Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols),
+        batch.scans_on(grid.geometry),
         grid.geometry.frame,
         plan.reading_filter,
         plan.cone,
         plan.evidence,
-        plan.cone.mark_endpoints,
         np.zeros(grid.log_odds.size if plan.cone.mark_endpoints else 0, dtype=np.bool_),
         log_odds_update,
     )

@@ -38,14 +38,14 @@ def _in_cones(
     batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int]
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     out, increments = np.empty((batch.ranges.size, 2), np.int64), np.empty(batch.ranges.size, np.float32)
-    view = (geometry.frame, plan.reading_filter, plan.cone, plan.evidence, plan.cone.mark_endpoints)
-    n = contributions_of_cones(*batch.scans_on(geometry), *view, *cell, out, increments)
+    view = (geometry.frame, plan.reading_filter, plan.cone, plan.evidence)
+    n = contributions_of_cones(batch.scans_on(geometry), *view, *cell, out, increments)
     return out[:n], increments[:n]
 
 
 def _in_fields(batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int]) -> NDArray[np.int64]:
     out = np.empty((len(batch.ranges), 2), dtype=np.int64)
-    n = contributions_of_fields(*batch.scans_on(geometry), geometry.frame, plan.reading_filter, *cell, out)
+    n = contributions_of_fields(batch.scans_on(geometry), geometry.frame, plan.reading_filter, *cell, out)
     return out[:n]
 
 
@@ -53,7 +53,7 @@ def _on_beams(batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: 
     """Return the touches (n, 2); only the beams that come near the cell are planned."""
     scans = batch.scans_on(geometry)
     sifted, near = np.empty_like(scans.ranges), np.empty(len(scans.ranges), dtype=np.bool_)
-    filter_readings_near_cell(*scans[:3], geometry.frame, plan.reading_filter, *cell, sifted, near)
+    filter_readings_near_cell(scans, geometry.frame, plan.reading_filter, *cell, sifted, near)
     chosen = scans._replace(ranges=sifted[near], sensors=scans.sensors[near], headings=scans.headings[near])
     planned = plan_beams(chosen, geometry, plan, 1).planned
     out = np.empty((chosen.ranges.size, 2), dtype=np.int64)

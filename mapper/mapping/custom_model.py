@@ -73,7 +73,7 @@ def crossed_cells(
     """
     n = batch.ranges.size
     work, box = np.zeros(geometry.rows + 1), np.zeros(4, dtype=np.int64)
-    beams = (batch.ranges, batch.sensors, batch.beams, geometry.frame, reading_filter, 0)
+    beams = (batch.scans_on(geometry), geometry.frame, reading_filter, 0)
     z = batch.ranges[0].astype(np.float64)
     z[z > batch.range_max] = np.inf
     if exact_rays:

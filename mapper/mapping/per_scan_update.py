@@ -87,7 +87,7 @@ def plan_of_fields(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threa
 
     def planned(a: int, b: int, own_work: NDArray[np.float64]) -> PlannedScans:
         part, own = part_of(scans, a, b), (starts[a:b], sure[a:b], views[a:b])
-        toggles = plan_fields(*part, frame, reading_filter, geometry.cols, own, own_work)
+        toggles = plan_fields(part, frame, reading_filter, geometry.cols, own, own_work)
         return PlannedScans(part, frame, reading_filter, own, toggles)
 
     parts = in_parallel(
@@ -111,8 +111,7 @@ def drawer_of_fields(planned: PlannedFields, grid: OccupancyGrid, log_odds_updat
             used, planes = store[:rows], store[rows : rows + prod(shape)].reshape(shape)
             for part in planned.parts:
                 count += draw_fields(
-                    grid.log_odds, seen, seen_place, part.scans.ranges, part.scans.sensors, part.scans.fields,
-                    part.scans.headings, part.frame, part.reading_filter, part.plan,
+                    grid.log_odds, seen, seen_place, part.scans, part.frame, part.reading_filter, part.plan,
                     part.toggles, planes, used, log_odds_update, row_low, row_high,
                 )  # fmt: skip
         observe(grid.observed, seen, seen_place, row_low, row_high, box)

@@ -17,7 +17,7 @@ from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_ra
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
-from mapper.mapping.kernels.types import LogOddsUpdate, Scans
+from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
 from mapper.mapping.scan_batch import ScanBatch, part_of
 from mapper.mapping.update_plan import UpdatePlan
 
@@ -50,7 +50,7 @@ def plan_beams(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: 
     parts = zip(shares(len(scans.ranges), threads), work, boxes, strict=True)
     in_parallel(
         [
-            partial(kernel, *part_of(scans, a, b)[:3], *view, a * n_beams, planned, own, own_box)
+            partial(kernel, part_of(scans, a, b), *view, a * n_beams, planned, own, own_box)
             for (a, b), own, own_box in parts
         ]
     )
@@ -67,19 +67,19 @@ def draw_beam_evidence(
     box: NDArray[np.int64],
 ) -> int:
     """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
-    cells = (grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
+    cells = Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
     frame, smooth, evidence = grid.geometry.frame, plan.strategy.smooth, plan.evidence
     count = 0
     for scans in batch.chunks_on(grid.geometry):
         beams = plan_beams(scans, grid.geometry, plan, threads)
         if plan.exact_rays:
-            draw = partial(draw_rays, *cells, beams.planned, frame[4], smooth, evidence, log_odds_update)
+            draw = partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)
         elif smooth:
             draw = partial(
-                draw_ramps, *cells, beams.planned, *scans[:2], frame, plan.reading_filter, evidence, log_odds_update
+                draw_ramps, cells, beams.planned, scans, frame, plan.reading_filter, evidence, log_odds_update
             )
         else:
-            draw = partial(draw_lines, *cells, beams.planned, log_odds_update)
+            draw = partial(draw_lines, cells, beams.planned, log_odds_update)
         band = partial(_draw_with_observed, grid, beams, draw)
         count += draw_in_bands(band, beams.work, (0, len(beams.work)), threads, box)
     return count

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mapper.core.se2 import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
+from mapper.sensors.scan import RangeScan, ScanLog, Trajectory, is_angle_step
 
 STEPS = ("fixed_increments", "step_window")  #: models of three zones
 QUARTERS = [k * np.pi / 4 for k in range(-4, 5)]
@@ -124,10 +124,11 @@ def mapping_cases(draw: st.DrawFn, update: str, models: tuple[str, ...] = STEPS)
     bearing = some(0.0, *QUARTERS, low=-7, high=7)
     uneven = draw(st.none() | st.lists(bearing, min_size=n_beams, max_size=n_beams))
     full_turn = 2 * np.pi / n_beams
+    steps = some(full_turn, -full_turn, np.pi / 180, np.pi / 4, np.pi / 2, 3.0, low=-1, high=1)
     log = ScanLog(
         np.array(ranges, dtype=np.float32).reshape(n_scans, n_beams),
         draw(some(0.0, *QUARTERS, low=-4, high=4)),
-        draw(some(full_turn, -full_turn, 0.0, np.pi / 180, np.pi / 4, np.pi / 2, 3.0, low=-1, high=1)),
+        draw(steps.filter(lambda step: is_angle_step(step, n_beams))),
         range_min,
         range_max,
         np.zeros(n_scans, dtype=np.int64),
