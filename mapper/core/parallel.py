@@ -22,15 +22,15 @@ _here = local()
 
 def cores() -> int:
     """Return how many cores this process may use, within :func:`single_threaded` 1."""
-    if getattr(_here, "alone", False):
+    if getattr(_here, "single_threaded", False):
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def single_threaded() -> Iterator[None]:
-    """Let this thread work by itself in the block: for what is not to take the cores from anybody."""
-    before, _here.single_threaded = getattr(_here, "alone", False), True
+    """Run the block on this thread only: inside it :func:`cores` returns 1 to this thread."""
+    before, _here.single_threaded = getattr(_here, "single_threaded", False), True
     try:
         yield
     finally:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import transform_points
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
 TILE = 64  #: cells along the side of a tile: growth keeps tile borders where they are
 
@@ -106,15 +106,13 @@ class GridGeometry:
         The centre of cell (row, col) has lattice coordinates (col + 0.5, row + 0.5).
         """
         p = np.asarray(points_xy, dtype=np.float64)
-        return np.stack(to_lattice(p[..., 0], p[..., 1], *self.frame), axis=-1)
+        return np.stack(to_lattice(p[..., 0], p[..., 1], self.frame), axis=-1)
 
     @property
-    def frame(self) -> tuple[float, float, float, float, float]:
-        """Origin x, y, cosine and sine of its yaw, resolution: as :func:`mapper.grid.kernels.lattice.to_lattice`
-        takes.
-        """
+    def frame(self) -> Frame:
+        """The lattice's place in the map, as :func:`mapper.grid.kernels.lattice.to_lattice` takes it."""
         x, y, yaw = self.origin
-        return (x, y, float(np.cos(yaw)), float(np.sin(yaw)), self.resolution)
+        return Frame(x, y, float(np.cos(yaw)), float(np.sin(yaw)), self.resolution)
 
     def world_to_cell(self, points_xy: ArrayLike) -> NDArray[np.int64]:
         """Return the cells (..., 2), (row, col), that hold map points (..., 2); they may lie outside the grid.

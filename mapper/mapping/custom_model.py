@@ -13,9 +13,9 @@ from mapper.mapping.kernels.amanatides_woo import END_U, END_V, RAY_FIELDS, U, V
 from mapper.mapping.kernels.beam_cells import add_increments, cells_of_lines, cells_of_rays
 from mapper.mapping.kernels.bresenham import FAR, LINE_FIELDS, plan_lines, reach
 from mapper.mapping.kernels.types import ReadingFilter
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import ScanBatch, check_beam_length
+from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
+from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,15 +32,15 @@ class CrossedCells:
 
 
 def add_with_model(
-    grid: OccupancyGrid, batch: ScanBatch, config: MappingConfig, model: InverseSensorModel
+    grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, model: InverseSensorModel
 ) -> tuple[int, tuple[int, int, int, int], bool]:
     """Add one scan by ``model``; the grid grows first where the scan reaches beyond it.
 
     Return the number of cell updates, the box (row0, row1, col0, col1) that was touched, half-open and empty where
-    nothing was, and whether the grid grew. Raises :class:`ConfigError` for a model or a configuration that does not
-    fit, with the grid unchanged.
+    nothing was, and whether the grid grew. Raises :class:`ConfigError` for a model or a plan that does not fit, with
+    the grid unchanged.
     """
-    if config.update != "per_beam":
+    if plan.update != "per_beam":
         raise ConfigError("model.update", "A sensor model of your own updates per beam; set update to per_beam.")
     if grid.cell_statistics is not None:
         raise ConfigError(
@@ -48,15 +48,15 @@ def add_with_model(
         )
     behind = _checked_reach(model)
     check_beam_length(batch.range_max + behind, grid.geometry.resolution)
-    reading_filter = (batch.range_min, batch.range_max, 2.0 * behind, 0.0, config.no_return == "free")
+    reading_filter = plan.reading_filter._replace(window=2.0 * behind, growth=0.0)
     out = np.array([np.inf, np.inf, -np.inf, -np.inf])
     reach(batch.ranges, batch.sensors, batch.beams, reading_filter, out)
     # The model is evaluated on the grid as it will be, which changes only once the answer is known to be good.
     geometry, _, _ = grid.geometry.grown_to_include(out[:2], out[2:])
-    crossed = crossed_cells(geometry, batch, reading_filter, config.traversal)
+    crossed = crossed_cells(geometry, batch, reading_filter, exact_rays=plan.exact_rays)
     increments = _checked_increments(model, crossed, batch.range_max)
     grown = grid.grow_to_include(out[:2], out[2:])
-    low, high = (np.float32(limit) for limit in config.clamp_limits)
+    low, high = plan.log_odds_update.low, plan.log_odds_update.high
     add_increments(grid.log_odds.reshape(-1), grid.observed.reshape(-1), crossed.cells, increments, low, high)
     if not len(crossed.cells):
         return 0, (0, 0, 0, 0), grown
@@ -66,17 +66,17 @@ def add_with_model(
 
 
 def crossed_cells(
-    geometry: GridGeometry, batch: ScanBatch, reading_filter: ReadingFilter, traversal: str
+    geometry: GridGeometry, batch: ScanBatch, reading_filter: ReadingFilter, *, exact_rays: bool
 ) -> CrossedCells:
     """Return the cells that the beams of one scan cross up to their readings and half the window of ``reading_filter``
     more.
     """
     n = batch.ranges.size
     work, box = np.zeros(geometry.rows + 1), np.zeros(4, dtype=np.int64)
-    beams = (batch.ranges, batch.sensors, batch.beams, geometry.frame, reading_filter, 0)
+    beams = (batch.scans_on(geometry), geometry.frame, reading_filter, 0)
     z = batch.ranges[0].astype(np.float64)
     z[z > batch.range_max] = np.inf
-    if traversal == "amanatides_woo":
+    if exact_rays:
         rays = np.empty((n, RAY_FIELDS))
         plan_rays(*beams, rays, work, box)
         spoken = rays[~np.isnan(rays[:, Z])]
@@ -86,13 +86,13 @@ def crossed_cells(
         plan_lines(*beams, lines, work, box)
         most = int(lines[FAR].sum(dtype=np.int64)) + n
     cells, beam, s = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
-    if traversal == "amanatides_woo":
+    if exact_rays:
         count = cells_of_rays(rays, geometry.resolution, geometry.shape, cells, beam, s)
     else:
         u, v = geometry.to_lattice(batch.sensor_poses[0, :2]).tolist()
         count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, s)
     z, s = z[beam[:count]], s[:count]
-    if reading_filter[2] == 0.0:
+    if reading_filter.window == 0.0:
         # Without a window a cell before the endpoint's lies before the reading, also where its centre does not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
         s = np.where(ends, s, np.minimum(s, np.nextafter(z, 0.0)))

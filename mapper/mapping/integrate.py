@@ -17,13 +17,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.core.se2 import compose
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
-from mapper.mapping.parameters import CONES, MappingConfig
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.prepare_scans import scan_batch_of_log, scan_batch_of_scan
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
-from mapper.sensors.scan import RangeScan, ScanLog, check_poses, cones
+from mapper.mapping.update import update_grid
+from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.sensors.scan import RangeScan, ScanLog, check_poses
 
 Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
 BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]
@@ -64,42 +66,17 @@ class Change:
     cells_updated: int
 
 
-def _add(grid: OccupancyGrid, batch: ScanBatch, config: MappingConfig) -> Change:
-    count, box = batch.add_to(grid, config)
+def _add(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> Change:
+    count, box = update_grid(grid, batch, plan)
     touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
     return Change(touched, geometry_changed=False, cells_updated=count)
 
 
-def scan_batch_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int) -> ScanBatch:
-    """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount."""
-    poses = log.trajectory(trajectory).poses[start:stop]
-    return _sweep(log, log.ranges[start:stop], compose(poses, np.array(log.mount)), config)
-
-
-def _sweep(
-    sensor: RangeScan | ScanLog, ranges: NDArray[np.float32], poses: NDArray[np.float64], config: MappingConfig
-) -> ScanBatch:
-    turned_over = config.mount_upside_down
-    angles = -sensor.angles if turned_over else sensor.angles
-    if config.model in CONES and (config.model == "moravec_elfes" or config.update == "per_beam"):
-        fields = cones(angles, config.opening)
-    else:
-        widest = config.opening / 2.0 if config.model in CONES else np.pi / 4.0
-        fields = sensor.fields(widest, turned_over=turned_over)
-    range_max = min(sensor.range_max, config.range_max)
-    if config.no_return == "hit":
-        # The mistake: what nothing returned is read as the greatest range there is.
-        # NumPy compares a float32 with a Python float as two float32, hence the float().
-        greatest = np.float32(range_max)
-        if float(greatest) > range_max:
-            greatest = np.nextafter(greatest, np.float32(0.0))
-        ranges = np.where(ranges > greatest, greatest, ranges)
-    return ScanBatch(ranges, compose(poses, np.array(config.mount)), angles, fields, sensor.range_min, range_max)
-
-
 def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:
     """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
-    return scan_batch_of_log(log, config, trajectory, 0, log.n_scans).bounds(config)
+    plan = plan_update(config, log.range_min, log.range_max)
+    batch = scan_batch_of_log(log, plan, trajectory, 0, log.n_scans)
+    return batch.bounds(plan.reading_filter, fields=plan.sees_fields)
 
 
 def geometry_for(
@@ -178,12 +155,13 @@ def integrate_scan(
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
     check_poses(pose, (3,), grid.geometry.limits)
-    batch = _sweep(scan, scan.ranges[np.newaxis], pose[np.newaxis], config)
+    plan = plan_update(config, scan.range_min, scan.range_max)
+    batch = scan_batch_of_scan(scan, pose, plan)
     if model is not None:
-        count, box, grown = add_with_model(grid, batch, config, model)
+        count, box, grown = add_with_model(grid, batch, plan, model)
         return Change(CellBox(*box) if count else None, grown, count)
-    grown = grid.grow_to_include(*batch.bounds(config))
-    change = _add(grid, batch, config)
+    grown = grid.grow_to_include(*batch.bounds(plan.reading_filter, fields=plan.sees_fields))
+    change = _add(grid, batch, plan)
     return Change(change.box, grown, change.cells_updated)
 
 
@@ -191,7 +169,13 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    return _add(grid, scan_batch_of_log(log, config, trajectory, start, stop), config)
+    return _integrate(grid, log, plan_update(config, log.range_min, log.range_max), trajectory, start, stop)
+
+
+def _integrate(
+    grid: OccupancyGrid, log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
+) -> Change:
+    return _add(grid, scan_batch_of_log(log, plan, trajectory, start, stop), plan)
 
 
 def integrate_parts(
@@ -199,15 +183,15 @@ def integrate_parts(
 ) -> Iterator[tuple[int, Change]]:
     """Add the scans [start, stop) of a log in parts of about :data:`PART_S`.
 
-    Yield after each part how many scans of the log are in the map, and what the part changed.
-
-    The map is the same as that of :func:`integrate_scans`, bit for bit.
+    Yield after each part the number of scans of the log that are in the map, and the change that the part made. The
+    map is the same as that of :func:`integrate_scans`, bit for bit.
     """
+    plan = plan_update(config, log.range_min, log.range_max)
     count = 1  # a scan of wide cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()
-        change = integrate_scans(grid, log, config, trajectory, start, last)
+        change = _integrate(grid, log, plan, trajectory, start, last)
         count = scans_at_once(last - start, time.thread_time() - began)
         start = last
         yield start, change
@@ -238,10 +222,11 @@ def integrate_log(
         raise ConfigError("log.scans", f"The log has no scans {start} to {stop}; it has {log.n_scans}.")
     if progress is None:
         return integrate_scans(grid, log, config, trajectory, start, stop).cells_updated
+    plan = plan_update(config, log.range_min, log.range_max)
     count = 0
     step = max(1, _CHUNK_READINGS // max(1, log.n_beams))
     for first in range(start, stop, step):
         last = min(first + step, stop)
-        count += integrate_scans(grid, log, config, trajectory, first, last).cells_updated
+        count += _integrate(grid, log, plan, trajectory, first, last).cells_updated
         progress(last - start, stop - start)
     return count

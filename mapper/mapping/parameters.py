@@ -6,14 +6,14 @@ Each row names the parameter, its unit, its first value, its bounds, the step of
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.grid import probability
 from mapper.mapping.sensor_model import (
     BeamModel,
@@ -25,53 +25,58 @@ from mapper.mapping.sensor_model import (
     StepWindow,
 )
 
+Statistics = Literal["none", "counts", "certainties"]
+
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
-    """One row: ``kind`` says which of the other fields count.
+class ModelStrategy:
+    """What differs between the values of ``model``; everything else is the same for all.
 
-    ``number`` has low ≤ value ≤ high in ``unit`` and a slider ``step``; ``choice`` is one of ``choices``; ``flag``
-    is true or false. ``group`` is the panel that shows it; ``only_for`` names the models (values of ``model``) that
-    it concerns, empty for all.
+    ``build`` makes the inverse sensor model. With ``cone`` a beam is a cone of ``opening`` radians, otherwise a thin
+    line. With ``smooth`` the evidence changes continuously in a hit window that widens with the range. ``statistics``
+    are the numbers that are kept for each cell: none (the map is a sum of log-odds), counts of hits and misses, or
+    certainties of occupied and empty. ``per_scan`` says whether the per-scan update exists for the model.
     """
 
     name: str
-    label: str
-    group: Literal["model", "update", "map", "mount", "sensor"]
-    kind: Literal["number", "choice", "flag"]
-    initial: float | str | bool
-    sentence: str
-    unit: str = ""
-    low: float = 0.0
-    high: float = 0.0
-    step: float = 0.0
-    choices: tuple[str, ...] = ()
-    only_for: tuple[str, ...] = ()
-
-    def check(self, value: object) -> float | str | bool:
-        """Return ``value`` as the row's type; raise :class:`ConfigError` that names the row for one it refuses."""
-        if self.kind == "flag":
-            if isinstance(value, bool):
-                return value
-            raise self._refused(value, "true or false")
-        if self.kind == "choice":
-            if isinstance(value, str) and value in self.choices:
-                return value
-            raise self._refused(value, "one of " + ", ".join(self.choices))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-            raise self._refused(value, "a finite number")
-        if not self.low <= value <= self.high:
-            raise self._refused(value, f"between {self.low:g} and {self.high:g} {self.unit}".rstrip())
-        return float(value)
-
-    def _refused(self, value: object, wanted: str) -> ConfigError:
-        return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
+    build: Callable[[MappingConfig], BeamModel]
+    cone: bool = False
+    smooth: bool = False
+    statistics: Statistics = "none"
+    per_scan: bool = True
 
 
-MODELS = ("fixed_increments", "step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting")
-CONES = ("sonar_cone", "moravec_elfes")  #: models of a beam that is wide, whatever cells its axis crosses
-_STEPPED = tuple(model for model in MODELS if model != "smooth_ramp")
-_THIN = tuple(model for model in MODELS if model not in CONES)
+def _sonar_cone(config: MappingConfig) -> SonarCone:
+    profile: Literal["flat", "gaussian"] = "gaussian" if config.cone_profile == "gaussian" else "flat"
+    return SonarCone(config.log_odds_miss, config.log_odds_hit, config.cone_window, config.opening, profile)
+
+
+STRATEGIES: Mapping[str, ModelStrategy] = {
+    strategy.name: strategy
+    for strategy in (
+        ModelStrategy("fixed_increments", lambda c: FixedIncrements(c.log_odds_miss, c.log_odds_hit, c.window)),
+        ModelStrategy("step_window", lambda c: StepWindow(c.p_free, c.p_prior, c.p_occ, c.window)),
+        ModelStrategy(
+            "smooth_ramp",
+            lambda c: SmoothRamp(c.log_odds_miss, c.log_odds_hit, c.sigma, c.sigma_growth),
+            smooth=True,
+        ),
+        ModelStrategy("sonar_cone", _sonar_cone, cone=True),
+        ModelStrategy(
+            "moravec_elfes",
+            lambda c: MoravecElfes(c.cone_window, c.opening),
+            cone=True,
+            statistics="certainties",
+            per_scan=False,
+        ),
+        ModelStrategy("hit_counting", lambda c: HitCounting(c.prior_weight, c.p_prior, c.window), statistics="counts"),
+    )
+}
+MODELS = tuple(STRATEGIES)  #: values of ``model``
+CONES = tuple(name for name, strategy in STRATEGIES.items() if strategy.cone)
+_STEPPED = tuple(name for name, strategy in STRATEGIES.items() if not strategy.smooth)
+_THIN = tuple(name for name, strategy in STRATEGIES.items() if not strategy.cone)
+_PER_SCAN = tuple(name for name, strategy in STRATEGIES.items() if strategy.per_scan)
 
 PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
@@ -137,7 +142,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "update", "Update", "update", "choice", "per_beam",
         "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
-        choices=("per_beam", "per_scan"), only_for=tuple(model for model in MODELS if model != "moravec_elfes"),
+        choices=("per_beam", "per_scan"), only_for=_PER_SCAN,
     ),
     Parameter(
         "traversal", "Traversal", "update", "choice", "bresenham",
@@ -232,34 +237,29 @@ class MappingConfig:
     mount_upside_down: bool = False
 
     def __post_init__(self) -> None:
-        for row in PARAMETERS:
-            object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
+        check_fields(self, PARAMETERS)
         if self.log_odds_min >= self.log_odds_max:
             raise ConfigError("parameter.clamp", "The lower clamp must lie below the upper clamp.")
         self.beam_model()  # the models check what concerns two parameters at once
 
-    def beam_model(self) -> BeamModel:
-        """Return the inverse sensor model that the parameters describe.
+    @property
+    def strategy(self) -> ModelStrategy:
+        """The row of :data:`STRATEGIES` that ``model`` names."""
+        return STRATEGIES[self.model]
 
-        A cone's window is at least one cell wide: a thinner arc would slip between the cells' centres.
-        """
-        p_prior = float(probability(self.log_odds_prior))
-        evidence = (self.log_odds_miss, self.log_odds_hit)
-        wide = max(self.window, self.resolution)
-        match self.model:
-            case "step_window":
-                return StepWindow(self.p_free, p_prior, self.p_occ, self.window)
-            case "smooth_ramp":
-                return SmoothRamp(*evidence, self.sigma, self.sigma_growth)
-            case "sonar_cone":
-                profile: Literal["flat", "gaussian"] = "gaussian" if self.cone_profile == "gaussian" else "flat"
-                return SonarCone(*evidence, wide, self.opening, profile)
-            case "moravec_elfes":
-                return MoravecElfes(wide, self.opening)
-            case "hit_counting":
-                return HitCounting(self.prior_weight, p_prior, self.window)
-            case _:
-                return FixedIncrements(*evidence, self.window)
+    def beam_model(self) -> BeamModel:
+        """Return the inverse sensor model that the parameters describe."""
+        return self.strategy.build(self)
+
+    @property
+    def p_prior(self) -> float:
+        """The prior as a probability."""
+        return float(probability(self.log_odds_prior))
+
+    @property
+    def cone_window(self) -> float:
+        """The hit window of a cone, metres: at least one cell, as a thinner arc would slip between cells' centres."""
+        return max(self.window, self.resolution)
 
     @property
     def clamp_limits(self) -> tuple[float, float]:
@@ -273,11 +273,8 @@ class MappingConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> MappingConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        unknown = [name for name in values if name not in BY_NAME]
-        if unknown:
-            raise ConfigError("parameter.unknown", f"There is no parameter {unknown[0]!r:.80}.")
+        check_names(values, PARAMETERS)
         return MappingConfig(**(asdict(self) | dict(values)))
 
 
-if {f.name: f.default for f in fields(MappingConfig)} != {row.name: row.initial for row in PARAMETERS}:
-    raise AssertionError("MappingConfig and PARAMETERS must name the same parameters with the same first values")
+check_table(MappingConfig, PARAMETERS)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,22 +12,22 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.parallel import in_parallel, scratch, shares
 from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid.kernels.lattice import Frame
+from mapper.mapping.bands import Draw, draw_in_bands
 from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
 from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fields
-from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
-from mapper.mapping.parameters import MappingConfig
-
-if TYPE_CHECKING:
-    from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
+from mapper.mapping.scan_batch import ScanBatch, part_of
+from mapper.mapping.update_plan import UpdatePlan
 
 Span = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedScans:
-    """What some scans will draw: the scans as the kernel takes them, and what was planned of them."""
+    """What some scans will draw: the scans, and what was planned of them."""
 
-    scans: tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+    scans: Scans
     frame: Frame
     reading_filter: ReadingFilter
     plan: Plan
@@ -51,10 +49,29 @@ class PlannedFields:
     words: Span
 
 
-def plan_of_fields(
-    batch: ScanBatch, part: slice, geometry: GridGeometry, config: MappingConfig, threads: int
-) -> PlannedFields:
-    """Plan some scans of a sweep for the per-scan update.
+def draw_field_evidence(
+    grid: OccupancyGrid,
+    batch: ScanBatch,
+    plan: UpdatePlan,
+    log_odds_update: LogOddsUpdate,
+    threads: int,
+    box: NDArray[np.int64],
+) -> int:
+    """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched.
+
+    Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
+    """
+    count = 0
+    for scans in batch.chunks_on(grid.geometry):
+        fields = plan_of_fields(scans, grid.geometry, plan, threads)
+        if fields.rows[0] < fields.rows[1] and fields.words[0] < fields.words[1]:
+            draw = drawer_of_fields(fields, grid, log_odds_update)
+            count += draw_in_bands(draw, fields.work, fields.rows, threads, box)
+    return count
+
+
+def plan_of_fields(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: int) -> PlannedFields:
+    """Plan the fields of some scans, in the order of the log.
 
     Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
     """
@@ -63,17 +80,15 @@ def plan_of_fields(
             "grid.size",
             f"The per-scan update takes grids of less than {MAX_SIDE} rows and columns; choose larger cells.",
         )
-    ranges, sensors, headings = batch.ranges[part], batch.sensors[part], batch.headings(geometry)[part]
-    frame, reading_filter, n = geometry.frame, batch.reading_filter(config), len(ranges)
+    frame, reading_filter, n = geometry.frame, plan.reading_filter, len(scans.ranges)
     starts, sure = np.empty((n, PLANES + 1), dtype=np.int64), np.empty(n, dtype=np.bool_)
     views = np.empty((n, 4), dtype=np.int64)
     work = np.zeros((threads, geometry.rows + 1))
 
     def planned(a: int, b: int, own_work: NDArray[np.float64]) -> PlannedScans:
-        plan = (starts[a:b], sure[a:b], views[a:b])
-        scans, sees = (ranges[a:b], sensors[a:b]), (batch.fields, headings[a:b])
-        toggles = plan_fields(*scans, batch.beams, *sees, frame, reading_filter, geometry.cols, plan, own_work)
-        return PlannedScans((*scans, *sees), frame, reading_filter, plan, toggles)
+        part, own = part_of(scans, a, b), (starts[a:b], sure[a:b], views[a:b])
+        toggles = plan_fields(part, frame, reading_filter, geometry.cols, own, own_work)
+        return PlannedScans(part, frame, reading_filter, own, toggles)
 
     parts = in_parallel(
         [partial(planned, a, b, own) for (a, b), own in zip(shares(n, threads), work, strict=True)]
@@ -81,10 +96,8 @@ def plan_of_fields(
     return PlannedFields(parts, views, np.cumsum(work.sum(axis=0))[:-1], *_seen(views))
 
 
-def drawer_of_fields(
-    planned: PlannedFields, grid: OccupancyGrid, log_odds_update: LogOddsUpdate
-) -> Callable[[int, int, NDArray[np.int64]], int]:
-    """Return what draws them into rows [row_low, row_high), which lie in ``planned.rows``, and widens a box."""
+def drawer_of_fields(planned: PlannedFields, grid: OccupancyGrid, log_odds_update: LogOddsUpdate) -> Draw:
+    """Return the function that draws the fields into rows that lie in ``planned.rows``."""
     (row, row_stop), (word, word_stop) = planned.rows, planned.words
     seen = np.zeros((row_stop - row, word_stop - word), dtype=np.int64)
     seen_place = (row, word, word_stop - word, 0)
@@ -98,7 +111,7 @@ def drawer_of_fields(
             used, planes = store[:rows], store[rows : rows + prod(shape)].reshape(shape)
             for part in planned.parts:
                 count += draw_fields(
-                    grid.log_odds, seen, seen_place, *part.scans, part.frame, part.reading_filter, part.plan,
+                    grid.log_odds, seen, seen_place, part.scans, part.frame, part.reading_filter, part.plan,
                     part.toggles, planes, used, log_odds_update, row_low, row_high,
                 )  # fmt: skip
         observe(grid.observed, seen, seen_place, row_low, row_high, box)

@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.cell_statistics import STATISTICS_MODELS, begin, shown
-from mapper.mapping.integrate import scan_batch_of_log, scans_at_once
+from mapper.mapping.cell_statistics import begin, shown
+from mapper.mapping.certainty_update import update_certainties
+from mapper.mapping.contributions import contributions
+from mapper.mapping.integrate import scans_at_once
 from mapper.mapping.kernels.contributions import running_sum
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import ScanBatch, log_odds_update_of
+from mapper.mapping.prepare_scans import scan_batch_of_log
+from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.scan import ScanLog
 
 _FIRST_READINGS = 1 << 11  # of the first part, before it is known how long it takes to look through a scan
@@ -30,7 +34,7 @@ class Provenance:
 
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
     (beyond the max range: no return); ``hits`` (n,) bool whether it argued for occupied; ``increments`` (n,) float32
-    is its evidence (for models that keep tallies: what it changed) and ``log_odds`` (n,) float32 what the cell held
+    is its evidence (for models that keep statistics: what it changed) and ``log_odds`` (n,) float32 what the cell held
     after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
     what such a model goes on from.
     """
@@ -73,23 +77,26 @@ def provenance(
     row, col = (int(n) for n in cell)
     if not geometry.contains((row, col)):
         raise ConfigError(
-            "provenance.cell", f"Cell ({row}, {col}) lies outside the grid of {geometry.rows} × {geometry.cols}."
+            "provenance.cell",
+            f"Cell (row {row}, column {col}) lies outside the grid of {geometry.size_text} cells (width × height).",
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")
-    batches = _Batches(log, config, trajectory, stop, pause)
+    plan = plan_update(config, log.range_min, log.range_max)
+    batches = _Batches(log, plan, trajectory, stop, pause)
     if before is None:
         before = _nothing(config.log_odds_prior if prior is None else prior)
-    if config.model in STATISTICS_MODELS:
-        contributions, log_odds, cell_statistics = _tallied(batches, geometry, config, (row, col), before)
+    if plan.strategy.statistics != "none":
+        of_statistics = _of_certainties if plan.strategy.statistics == "certainties" else _of_counts
+        touches, log_odds, cell_statistics = of_statistics(batches, geometry, plan, (row, col), before)
         increments = np.diff(log_odds, prepend=np.float32(before.after))
     else:
-        contributions, increments = batches.joined(lambda batch: batch.contributions(geometry, config, row, col))
+        touches, increments = batches.joined(lambda batch: contributions(batch, geometry, plan, (row, col)))
         log_odds, cell_statistics = np.empty_like(increments), None
-        _, _, low, high = log_odds_update_of(config)
+        low, high = plan.log_odds_update.low, plan.log_odds_update.high
         running_sum(increments, np.float32(before.after), low, high, log_odds)
-    scans, beams = np.divmod(contributions[:, 0], max(1, log.n_beams))
-    ranges, hits = log.ranges[scans, beams], contributions[:, 1] == 1
+    scans, beams = np.divmod(touches[:, 0], max(1, log.n_beams))
+    ranges, hits = log.ranges[scans, beams], touches[:, 1] == 1
     return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, cell_statistics)
 
 
@@ -104,7 +111,7 @@ class _Batches:
     """The first ``stop`` scans of a log, in parts; ``pause`` is called after each."""
 
     log: ScanLog
-    config: MappingConfig
+    plan: UpdatePlan
     trajectory: str | None
     stop: int
     pause: Callable[[], object]
@@ -113,45 +120,45 @@ class _Batches:
         self, look: Callable[[ScanBatch], tuple[NDArray[np.int64], NDArray[np.float32]]]
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         """Return what ``look`` returns of each part, touches and a value for each, as of the whole log."""
-        contributions: list[NDArray[np.int64]] = []
+        touches: list[NDArray[np.int64]] = []
         values: list[NDArray[np.float32]] = []
         start, count = 0, max(1, _FIRST_READINGS // max(1, self.log.n_beams))
-        while start < self.stop or not contributions:  # of a log without scans one part, to have the right shapes
+        while start < self.stop or not touches:  # of a log without scans one part, to have the right shapes
             last = min(start + count, self.stop)
             began = time.thread_time()
-            part, value = look(scan_batch_of_log(self.log, self.config, self.trajectory, start, last))
+            part, value = look(scan_batch_of_log(self.log, self.plan, self.trajectory, start, last))
             count = scans_at_once(max(1, last - start), time.thread_time() - began)
             part[:, 0] += start * self.log.n_beams
-            contributions.append(part)
+            touches.append(part)
             values.append(value)
             start = last
             self.pause()
-        return np.concatenate(contributions), np.concatenate(values)
+        return np.concatenate(touches), np.concatenate(values)
 
 
-def _tallied(
-    batches: _Batches, geometry: GridGeometry, config: MappingConfig, cell: tuple[int, int], before: Provenance
+def _of_certainties(
+    batches: _Batches, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Return touches, log-odds after each, and the tallies at the end, of a model whose evidence does not add up."""
-    if config.model == "moravec_elfes":
-        # What an arc says of a cell depends on the whole arc, so the map is made again and the cell watched.
-        grid = OccupancyGrid(geometry, before.prior)
-        begin(grid, config)
-        if before.cell_statistics is not None:
-            grid.cell_statistics = before.cell_statistics.copy()
-        box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-        contributions, certainties = batches.joined(
-            lambda batch: batch.watch_certainties(grid, config, box, number)[1:]
-        )
-        assert grid.cell_statistics is not None  # noqa: S101 - begun above
-        return contributions, shown(config, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
-    contributions, _ = batches.joined(lambda batch: batch.contributions(geometry, config, *cell))
+    """Return the touches (n, 2), the log-odds (n,) after each, and the certainties at the end.
+
+    What an arc says of a cell depends on the whole arc, so the map is made again and the cell is watched.
+    """
+    grid = OccupancyGrid(geometry, before.prior)
+    begin(grid, plan.strategy)
+    if before.cell_statistics is not None:
+        grid.cell_statistics = before.cell_statistics.copy()
+    box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
+    touches, certainties = batches.joined(lambda batch: update_certainties(grid, batch, plan, box, number)[1:])
+    assert grid.cell_statistics is not None  # noqa: S101 - begun above
+    return touches, shown(plan, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
+
+
+def _of_counts(
+    batches: _Batches, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+    """Return the touches (n, 2), the log-odds (n,) after each, and the hits and misses (2,) at the end."""
+    touches, _ = batches.joined(lambda batch: contributions(batch, geometry, plan, cell))
     counted = np.zeros(2, dtype=np.float32) if before.cell_statistics is None else before.cell_statistics
-    counts = counted[:, np.newaxis] + np.array(
-        [np.cumsum(contributions[:, 1] == kind) for kind in (1, 0)], dtype=np.float32
-    )
-    return (
-        contributions,
-        shown(config, counts[0], counts[1], before.prior),
-        counts[:, -1] if len(contributions) else counted,
-    )
+    counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)
+    log_odds = shown(plan, counts[0], counts[1], before.prior)
+    return touches, log_odds, counts[:, -1] if len(touches) else counted

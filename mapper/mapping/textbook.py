@@ -2,9 +2,9 @@
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
 (occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses stands in
-:mod:`mapper.mapping.traversal`. This is the readable statement of what :mod:`mapper.kernels` compute fast; the two
-agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is always
-``T_map_laser``, metres and radians.
+:mod:`mapper.mapping.traversal`. This is the readable statement of what :mod:`mapper.mapping.kernels` compute fast;
+the two agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is
+always ``T_map_laser``, metres and radians.
 """
 
 from __future__ import annotations

@@ -122,13 +122,13 @@ class Checkpoints:
                 changed[tile] |= any(low < kept <= high for kept in versions)
             tiles = _listed(changed)
             found = [self._version(tile, moment) for tile in tiles]
-        cell_statistics.begin(grid, self.config)
+        cell_statistics.begin(grid, self.config.strategy)
         decompressor = zstandard.ZstdDecompressor()
         # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
         unpacked = [None if data is None else decompressor.decompress(data) for data in found]
         for tile, data in zip(tiles, unpacked, strict=True):
             if data is None:
-                cell_statistics.forget(grid, self.config, _cells_of(tile))
+                cell_statistics.forget(grid, self.config.strategy, _cells_of(tile))
             else:
                 _fill(grid, _cells_of(tile), data)
         return _box_of(tiles, grid)

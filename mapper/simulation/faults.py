@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.simulation.lidar import SensorConfig, true_ranges
 from mapper.simulation.sonar import ranges_in_cones, rays_of_cone
 from mapper.simulation.worlds import Float64Array, World
@@ -25,38 +25,47 @@ POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished
 ON_WALL = 1e-6  # metres by which the end of a beam may miss the face that ended it
 
 
+FAULT_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter(
+        "drift", "Odometry drift", "faults", "flag", False,
+        "Make the map with the poses that the wheels report, which drift, instead of the true ones.",
+    ),
+    Parameter(
+        "specular", "Polished walls", "faults", "flag", False,
+        "Long straight walls reflect a slanting beam away, so that it does not return.",
+    ),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """Which faults the map is made with.
+    """One value for each row of :data:`FAULT_PARAMETERS`: the faults that the map is made with.
 
-    ``drift``: with the poses that :class:`~mapper.simulation.odometry.Odometer` reports, not the true ones.
-    ``specular``:
-    with the polished walls of :func:`polished_faces`, which send a slanting beam away like a mirror: nothing returns to
-    a lidar, and to a sonar only what else is in its cone. Raises :class:`ConfigError` for a value that is not true or
-    false.
+    ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`. ``specular`` uses the walls of
+    :func:`polished_faces`: a lidar's slanting beam does not return, a sonar hears only what else is in its cone.
+    Raises :class:`mapper.core.errors.ConfigError` for a value that is not true or false.
     """
 
     drift: bool = False
     specular: bool = False
 
     def __post_init__(self) -> None:
-        for row in fields(self):
-            if not isinstance(getattr(self, row.name), bool):
-                raise ConfigError(
-                    "faults.value", f"The fault {row.name} is true or false, not {getattr(self, row.name)!r:.80}."
-                )
+        check_fields(self, FAULT_PARAMETERS)
 
     def with_values(self, values: Mapping[str, Any]) -> Faults:
-        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        unknown = [name for name in values if name not in Faults.__slots__]
-        if unknown:
-            raise ConfigError("faults.unknown", f"There is no fault {unknown[0]!r:.80}.")
+        """Return a copy with some values replaced; raise :class:`mapper.core.errors.ConfigError` for an unknown name
+        or an invalid value.
+        """
+        check_names(values, FAULT_PARAMETERS, "fault")
         return Faults(**(asdict(self) | dict(values)))
 
     @property
     def trajectory(self) -> str:
         """The trajectory of a :class:`~mapper.simulation.recording.Recording` that the map is made with."""
         return "odometry" if self.drift else "true"
+
+
+check_table(Faults, FAULT_PARAMETERS)
 
 
 @lru_cache(maxsize=16)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mapper.core.errors import ConfigError
-from mapper.mapping.parameters import Parameter
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.kernels.raycast import cast_rays
 from mapper.simulation.sonar import ranges_in_cones
@@ -82,8 +82,7 @@ class SensorConfig:
     scan_rate: float = 10.0
 
     def __post_init__(self) -> None:
-        for row in SENSOR_PARAMETERS:
-            object.__setattr__(self, row.name, row.check(getattr(self, row.name)))
+        check_fields(self, SENSOR_PARAMETERS)
         for name, label in (("n_beams", "Beams"), ("n_sonars", "Sonars")):
             value = getattr(self, name)
             if value != int(value):
@@ -117,14 +116,11 @@ class SensorConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        unknown = [name for name in values if name not in BY_NAME]
-        if unknown:
-            raise ConfigError("parameter.unknown", f"There is no sensor parameter {unknown[0]!r:.80}.")
+        check_names(values, SENSOR_PARAMETERS, "sensor parameter")
         return SensorConfig(**(asdict(self) | dict(values)))
 
 
-if {f.name: f.default for f in fields(SensorConfig)} != {row.name: row.initial for row in SENSOR_PARAMETERS}:
-    raise AssertionError("SensorConfig and SENSOR_PARAMETERS must name the same parameters with the same first values")
+check_table(SensorConfig, SENSOR_PARAMETERS)
 
 
 def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:

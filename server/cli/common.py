@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from mapper.core.errors import MapperError
-from mapper.mapping.parameters import BY_NAME, MappingConfig, Parameter
+from mapper.core.parameter import Parameter
+from mapper.mapping.parameters import BY_NAME, MappingConfig
 
 if TYPE_CHECKING:
     from mapper.sensors.scan import ScanLog

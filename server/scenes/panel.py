@@ -13,7 +13,7 @@ from typing import Any
 
 import viser
 
-from mapper.mapping.parameters import Parameter
+from mapper.core.parameter import Parameter
 
 PATIENCE_S = 1.5  #: seconds for which the session may disagree with what a person chose here
 Post = Callable[[dict[str, Any]], None]

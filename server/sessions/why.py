@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import scan_batch_of_log
 from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.prepare_scans import scan_batch_of_log
 from mapper.mapping.provenance import Provenance, provenance
+from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
@@ -86,16 +87,17 @@ def _touches(
     source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[dict[str, Any]]:
     """Return the touches ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
-    sweep = scan_batch_of_log(source.log, config, source.trajectory, 0, source.stop)
+    plan = plan_update(config, source.log.range_min, source.log.range_max)
+    batch = scan_batch_of_log(source.log, plan, source.trajectory, 0, source.stop)
     scans, beams = part.scans[inside], part.beams[inside]
     ranges = part.ranges[inside].astype(np.float64)
-    returned = (ranges >= sweep.range_min) & (ranges <= sweep.range_max)
+    returned = (ranges >= batch.range_min) & (ranges <= batch.range_max)
     columns = zip(
         scans.tolist(),
         np.round(source.stamps_s[scans], 3).tolist(),
         beams.tolist(),
-        np.round(sweep.sensor_poses[scans], 4).tolist(),
-        np.round(sweep.angles[beams], 5).tolist(),
+        np.round(batch.sensor_poses[scans], 4).tolist(),
+        np.round(batch.angles[beams], 5).tolist(),
         np.round(np.where(returned, ranges, 0.0), 3).tolist(),
         returned.tolist(),
         part.hits[inside].tolist(),

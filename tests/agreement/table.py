@@ -23,6 +23,7 @@ from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
+from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
 from tests.agreement.asking import (
     provenance_by_kernel,
     provenance_by_textbook,
@@ -89,8 +90,8 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     box = np.array([rows, 0, cols, 0])
     line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
-    flat = drawn.reshape(-1), observed.reshape(-1)
-    draw_lines(*flat, cols, line, (one, nothing, low, high), 0, rows, box, True)
+    cells = Cells(drawn.reshape(-1), observed.reshape(-1), cols)
+    draw_lines(cells, line, LogOddsUpdate(one, nothing, low, high), 0, rows, box, True)
     return drawn, observed, box if drawn.any() else None
 
 
@@ -109,8 +110,9 @@ def ray_by_kernel(case: RayCase) -> tuple[Any, ...]:
     rows, cols = case.shape
     ray = np.array([[*case.start, *case.end, *case.end, np.inf, 0.0]])
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
-    flat, box = (drawn.reshape(-1), observed.reshape(-1)), np.array([rows, 0, cols, 0])
-    draw_rays(*flat, cols, ray, 1.0, False, (1.0, 0.0), (one, nothing, low, high), 0, rows, box, True)
+    cells, box = Cells(drawn.reshape(-1), observed.reshape(-1), cols), np.array([rows, 0, cols, 0])
+    update = LogOddsUpdate(one, nothing, low, high)
+    draw_rays(cells, ray, 1.0, False, Evidence(1.0, 0.0), update, 0, rows, box, True)
     for row, col in np.ndindex(case.shape):
         touched[row, col] = contributions_of_rays(ray, 1.0, row, col, np.empty((1, 2), dtype=np.int64))
     return drawn, observed, touched, box if drawn.any() else None

@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from mapper.mapping.parameters import PARAMETERS, Parameter
+from mapper.core.parameter import Parameter
+from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS
 from server.serving import listen
 from tests.server.service import PATIENCE_S, Service, Watcher, eventually, running, settings_for, until_closed

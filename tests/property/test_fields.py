@@ -10,10 +10,11 @@ from mapper.core.limits import Limits
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping import per_scan_update as fields
 from mapper.mapping import textbook
-from mapper.mapping.integrate import scan_batch_of_log
+from mapper.mapping.integrate import integrate_log
 from mapper.mapping.kernels.bitmask_fill import HITS
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import log_odds_update_of
+from mapper.mapping.prepare_scans import scan_batch_of_log
+from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, Trajectory
 
 
@@ -35,14 +36,15 @@ def decline(planned: fields.PlannedFields) -> None:
 
 def draw(log: ScanLog, config: MappingConfig, *, exactly: bool) -> tuple[OccupancyGrid, int]:
     grid = OccupancyGrid(GridGeometry(0.1, 80, 75, (-4.0, -3.0, 0.3)))
-    sweep = scan_batch_of_log(log, config, None, 0, 1)
-    planned = fields.plan_of_fields(sweep, slice(0, 1), grid.geometry, config, 1)
+    plan = plan_update(config, log.range_min, log.range_max)
+    batch = scan_batch_of_log(log, plan, None, 0, 1)
+    planned = fields.plan_of_fields(batch.scans_on(grid.geometry), grid.geometry, plan, 1)
     if exactly:
         decline(planned)
     box = np.array([80, 0, 75, 0])
     if planned.rows[0] >= planned.rows[1] or planned.words[0] >= planned.words[1]:
         return grid, 0
-    count = fields.drawer_of_fields(planned, grid, log_odds_update_of(config))(*planned.rows, box)
+    count = fields.drawer_of_fields(planned, grid, plan.log_odds_update)(*planned.rows, box)
     rows, cols = np.nonzero(grid.observed)
     if count:
         assert box.tolist() == [rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]
@@ -84,8 +86,7 @@ def test_grids_of_every_width_are_clipped_alike(cols, rows, corner, seed, window
     ours = OccupancyGrid(GridGeometry(0.1, rows, cols, (*corner, 0.0)))
     book = OccupancyGrid(ours.geometry)
     n_book = textbook.update_per_scan(book, log.scan(0), log.sensor_poses()[0], config)
-    sweep = scan_batch_of_log(log, config, None, 0, 1)
-    n_ours, _ = sweep.add_to(ours, config)
+    n_ours = integrate_log(ours, log, config)
     assert n_ours == n_book
     np.testing.assert_allclose(ours.log_odds, book.log_odds, atol=1e-6)
     np.testing.assert_array_equal(ours.observed, book.observed)
@@ -94,9 +95,9 @@ def test_grids_of_every_width_are_clipped_alike(cols, rows, corner, seed, window
 @pytest.mark.parametrize(("rows", "cols"), [(65_504, 1), (1, 65_504)])
 def test_a_grid_too_long_for_a_sheet_is_refused_and_stays_as_it_was(rows, cols) -> None:
     grid = OccupancyGrid(GridGeometry(0.1, rows, cols, limits=Limits(max_side=1 << 17)))
-    sweep = scan_batch_of_log(log_of(1, 60, np.pi / 30, (0.0, 0.0, 0.0)), MappingConfig(), None, 0, 1)
+    log = log_of(1, 60, np.pi / 30, (0.0, 0.0, 0.0))
     with pytest.raises(ConfigError, match="65504 rows and columns; choose larger cells"):
-        sweep.add_to(grid, MappingConfig(update="per_scan"))
+        integrate_log(grid, log, MappingConfig(update="per_scan"))
     assert not grid.observed.any()
 
 
@@ -106,6 +107,6 @@ def test_a_grid_that_a_sheet_just_holds_is_mapped_to_its_far_end() -> None:
     ours = OccupancyGrid(GridGeometry(0.1, 2, 65_503, limits=Limits(max_side=1 << 17)))
     book = OccupancyGrid(ours.geometry)
     textbook.update_per_scan(book, log.scan(0), log.sensor_poses()[0], config)
-    scan_batch_of_log(log, config, None, 0, 1).add_to(ours, config)
+    integrate_log(ours, log, config)
     np.testing.assert_allclose(ours.log_odds, book.log_odds, atol=1e-6)
     assert ours.observed[:, -4:].any()

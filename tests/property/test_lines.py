@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mapper.mapping.kernels.bresenham import MAX_STEPS, draw_lines
+from mapper.mapping.kernels.types import Cells, LogOddsUpdate
 from mapper.mapping.traversal import bresenham
 
 
@@ -15,9 +16,9 @@ def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) 
     visits, observed = np.zeros(shape, np.float32), np.zeros(shape, np.bool_)
     steps = max(abs(end[0] - start[0]), abs(end[1] - start[1]))
     line = np.array([[*start, *end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
-    rule = (np.float32(1), np.float32(0), np.float32(-100), np.float32(100))
+    update = LogOddsUpdate(np.float32(1), np.float32(0), np.float32(-100), np.float32(100))
     box = np.array([shape[0], 0, shape[1], 0])
-    draw_lines(visits.reshape(-1), observed.reshape(-1), shape[1], line, rule, 0, shape[0], box, True)
+    draw_lines(Cells(visits.reshape(-1), observed.reshape(-1), shape[1]), line, update, 0, shape[0], box, True)
     return visits
 
 

@@ -82,7 +82,8 @@ def _part(log: ScanLog, start: int, stop: int) -> ScanLog:
 
 def test_a_cell_that_is_not_there(office_log: ScanLog) -> None:
     replay = Replay(office_log, MappingConfig(resolution=0.2))
-    with pytest.raises(ConfigError, match="outside the grid"):
+    geometry = replay.grid.geometry
+    with pytest.raises(ConfigError, match=rf"outside the grid of {geometry.cols} × {geometry.rows} cells"):
         replay.provenance(-1, 0)
     with pytest.raises(ConfigError, match="outside the grid"):
         replay.provenance(0, replay.grid.geometry.cols)

@@ -6,27 +6,35 @@ these two with arrays, the kernels compile them for scalars, so both round alike
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+
+class Frame(NamedTuple):
+    """Where a lattice lies in the map: its corner, the direction of its columns' axis, and the side of a cell."""
+
+    origin_x: float  #: m
+    origin_y: float  #: m
+    cos_yaw: float
+    sin_yaw: float
+    resolution: float  #: m
 
 
 def to_lattice(
     x: Any,  # noqa: ANN401 - a float or an array of them, and the like comes back
     y: Any,  # noqa: ANN401 - as above
-    origin_x: float,
-    origin_y: float,
-    cos_yaw: float,
-    sin_yaw: float,
-    resolution: float,
+    frame: Frame,
 ) -> tuple[Any, Any]:
     """Return lattice coordinates (u along columns, v along rows), in cells, of the map point (x, y) in metres.
 
     The lattice's axes are the map's turned by the origin's yaw; its unit is one cell.
     """
-    dx = x - origin_x
-    dy = y - origin_y
-    return (cos_yaw * dx + sin_yaw * dy) / resolution, (cos_yaw * dy - sin_yaw * dx) / resolution
+    dx = x - frame.origin_x
+    dy = y - frame.origin_y
+    u = (frame.cos_yaw * dx + frame.sin_yaw * dy) / frame.resolution
+    v = (frame.cos_yaw * dy - frame.sin_yaw * dx) / frame.resolution
+    return u, v
 
 
 def cell_of(coordinate: Any) -> Any:  # noqa: ANN401 - as above

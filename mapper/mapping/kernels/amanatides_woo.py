@@ -11,12 +11,12 @@ from math import inf, isnan, nan, sqrt
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -29,9 +29,7 @@ RAY_FIELDS = 8
 
 @jit
 def plan_rays(
-    ranges: Float32Array,
-    sensors: Float64Array,
-    beams: Float64Array,
+    scans: Scans,
     frame: Frame,
     reading_filter: ReadingFilter,
     first: int,
@@ -44,12 +42,13 @@ def plan_rays(
     As :func:`mapper.mapping.kernels.bresenham.plan_lines`, but the rows from ``first`` of ``rays`` (n, 8) float64 are
     written.
     """
+    ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     range_min, range_max, window, growth, no_return_free = reading_filter
     rows = len(work) - 1
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         for k in range(ranges.shape[1]):
             ray = rays[first + t * ranges.shape[1] + k]
             ray[Z] = nan
@@ -63,11 +62,11 @@ def plan_rays(
                 continue
             half = 0.5 * (window + growth * z)
             px, py = z * beams[k, 0], z * beams[k, 1]
-            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            hit_u, hit_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             end_u, end_v = hit_u, hit_v
             if half > 0.0 and not no_return:
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
-                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                end_u, end_v = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             ray[U], ray[V], ray[END_U], ray[END_V], ray[HIT_U], ray[HIT_V] = u, v, end_u, end_v, hit_u, hit_v
             ray[Z], ray[HALF] = inf if no_return else z, half
             row, end_row = int(_cell_of(v)), int(_cell_of(end_v))
@@ -83,15 +82,24 @@ def plan_rays(
 
 
 @jit
-def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Float64Array, resolution: float,
-              smooth: bool, evidence: Evidence, log_odds_update: LogOddsUpdate, row_low: int, row_high: int, box:
-              Int64Array, mark: bool) -> int:  # fmt: skip
+def draw_rays(
+    cells: Cells,
+    rays: Float64Array,
+    resolution: float,
+    smooth: bool,
+    evidence: Evidence,
+    log_odds_update: LogOddsUpdate,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+    mark: bool,
+) -> int:
     """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
     The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
-    cell. With
-    ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
+    cell. With ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
     """
+    log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
@@ -117,7 +125,7 @@ def draw_rays(log_odds: Float32Array, observed: BoolArray, cols: int, rays: Floa
                     c_u, c_v = col + 0.5 - u, row + 0.5 - v
                     s = sqrt(c_u * c_u + c_v * c_v) * resolution
                     if s >= z - half:
-                        increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]) + 0.0) if smooth else hit
+                        increment = np.float32(_ramp(s, z, half, evidence.miss, evidence.hit) + 0.0) if smooth else hit
                         counts = s <= z + half
                 if counts:
                     cell = row * cols + col

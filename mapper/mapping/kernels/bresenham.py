@@ -16,11 +16,11 @@ from math import sqrt
 import numpy as np
 from numpy import uint64
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
+from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -88,9 +88,7 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 @jit
 def plan_lines(
-    ranges: Float32Array,
-    sensors: Float64Array,
-    beams: Float64Array,
+    scans: Scans,
     frame: Frame,
     reading_filter: ReadingFilter,
     first: int,
@@ -100,20 +98,19 @@ def plan_lines(
 ) -> None:
     """Write the line of each beam, scan after scan.
 
-    ``ranges`` (n_scans, n_beams) float32, metres; ``sensors`` (n_scans, 4) float64: x, y, cos θ, sin θ of
-    ``T_map_laser``; ``beams`` (n_beams, 2) float64: cosine and sine of each bearing; ``frame`` and ``reading_filter``:
-    see :mod:`mapper.mapping.kernels.types`. The columns [first, first + n_scans · n_beams) of ``lines`` (9, n) int32
-    are written; to ``work`` (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added;
-    ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold the lines, also where they leave the
-    grid.
+    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. The columns
+    [first, first + n_scans · n_beams) of ``lines`` (9, n) int32 are written; to ``work`` (rows + 1,) float64 the
+    differences, from row to row, of the cost of drawing are added; ``box`` (4,) int64 (row0, row1, col0, col1),
+    half-open, is widened to hold the lines, also where they leave the grid.
     """
+    ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     range_min, range_max, window, growth, no_return_free = reading_filter
-    resolution = frame[4]
+    resolution = frame.resolution
     rows = len(work) - 1
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         row, col = int(_cell_of(v)), int(_cell_of(u))
         too_far = max(abs(row), abs(col)) > _FAR_OUT
         for k in range(ranges.shape[1]):
@@ -131,7 +128,7 @@ def plan_lines(
             if too_far:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
             end_row, end_col = hit_row, hit_col
             steps = max(abs(hit_row - row), abs(hit_col - col))
@@ -141,7 +138,7 @@ def plan_lines(
             elif window > 0.0:
                 half = 0.5 * (window + growth * z)
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
                 end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
                 near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
                 far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)
@@ -203,9 +200,7 @@ def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
 
 @jit
 def draw_lines(
-    log_odds: Float32Array,
-    observed: BoolArray,
-    cols: int,
+    cells: Cells,
     lines: Int32Array,
     log_odds_update: LogOddsUpdate,
     row_low: int,
@@ -215,10 +210,11 @@ def draw_lines(
 ) -> int:
     """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
-    ``log_odds`` float32 and ``observed`` bool are the grid's cells row after row, ``cols`` in each; ``observed`` is
-    written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,) int64 (row0, row1, col0,
-    col1), half-open, is widened to hold what was touched; ``log_odds_update``: :mod:`mapper.mapping.kernels.types`.
+    ``cells.observed`` is written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,)
+    int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``log_odds_update``:
+    :mod:`mapper.mapping.kernels.types`.
     """
+    log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
     top, bottom, left, right = box[0], box[1], box[2], box[3]
@@ -283,7 +279,7 @@ def reach(
 ) -> None:
     """Widen ``bounds`` (4,) float64 (x_min, y_min, x_max, y_max), metres, to hold the sensors and what they see.
 
-    The other arguments are those of :func:`plan_lines`.
+    ``ranges``, ``sensors`` and ``beams`` are those of :class:`mapper.mapping.kernels.types.Scans`.
     """
     range_min, range_max, window, growth, no_return_free = reading_filter
     for t in range(ranges.shape[0]):

@@ -14,9 +14,9 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.smooth_ramp import _ramp
-from mapper.mapping.kernels.types import Cone, Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cells, Cone, Evidence, LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -96,9 +96,8 @@ def _angle_off(d_u: float, d_v: float, axis_u: float, axis_v: float) -> float:
 @jit
 def _cone_evidence(s: float, z: float, half: float, theta: float, cone: Cone, evidence: Evidence) -> float:
     """Return the evidence of a reading ``z`` for s ≤ z + ``half``; metres and radians."""
-    profile, opening = cone
     miss, hit = evidence
-    if profile == RAMP:
+    if cone.profile == RAMP:
         return _ramp(s, z, half, miss, hit)
     if s < z - half:
         weight = 1.0 - (s / (z - half)) ** 2
@@ -106,34 +105,44 @@ def _cone_evidence(s: float, z: float, half: float, theta: float, cone: Cone, ev
     else:
         weight = 1.0 - ((s - z) / half) ** 2
         value = hit
-    if profile == GAUSSIAN:
-        off = theta / opening
+    if cone.profile == GAUSSIAN:
+        off = theta / cone.opening
         return value * weight * exp(-8.0 * off * off)
     return value
 
 
 @jit
-def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: Float32Array, sensors: Float64Array,
-               beams: Float64Array, fields: Float64Array, headings: Float64Array, frame: Frame, reading_filter:
-               ReadingFilter, cone: Cone, evidence: Evidence, mark_endpoints: bool, marked: BoolArray, log_odds_update:
-               LogOddsUpdate, row_low: int, row_high: int, box: Int64Array) -> int:  # fmt: skip
+def draw_cones(
+    cells: Cells,
+    scans: Scans,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    cone: Cone,
+    evidence: Evidence,
+    marked: BoolArray,
+    log_odds_update: LogOddsUpdate,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+) -> int:
     """Add what the cones of all beams say to the rows [row_low, row_high); return the number of cell updates.
 
-    ``ranges``, ``sensors``, ``beams``, ``fields`` and ``headings`` as
-    :func:`mapper.mapping.kernels.perceptual_field.plan_fields` takes them; ``evidence``: miss and hit before rounding.
-    With ``mark_endpoints`` the cells that hold endpoints get the hit increment of ``log_odds_update``, once in each
-    scan, and nothing else; ``marked``, flat like ``log_odds``, is scratch, false before and after. The rest as in
+    The tuples: see :mod:`mapper.mapping.kernels.types`. With ``cone.mark_endpoints`` the cells that hold endpoints get
+    the hit increment of ``log_odds_update``, once in each scan, and nothing else; ``marked`` (rows · cols,), which is
+    used only then, is scratch, false before and after. ``box`` as in
     :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
+    log_odds, observed, cols = cells
+    ranges, sensors, beams, fields, headings = scans
     _, hit, low, high = log_odds_update
     _, range_max, window, growth, _ = reading_filter
-    resolution, n_beams = frame[4], ranges.shape[1]
+    resolution, n_beams, mark_endpoints = frame.resolution, ranges.shape[1], cone.mark_endpoints
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     ends = np.full(n_beams if mark_endpoints else 0, -1, dtype=np.int64)
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         for k in range(len(ends)):
             ends[k] = -1
@@ -141,7 +150,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
             if _kind_of(z, reading_filter) != RETURN:
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             r, c = int(_cell_of(ev)), int(_cell_of(eu))
             if row_low <= r < row_high and 0 <= c < cols:
                 ends[k] = r * cols + c
@@ -173,7 +182,7 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
                     else:
                         if s >= range_max:
                             continue
-                        increment = evidence[0]
+                        increment = evidence.miss
                     log_odds[cell] = min(max(log_odds[cell] + np.float32(increment), low), high)
                     observed[cell] = True
                     top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
@@ -192,37 +201,45 @@ def draw_cones(log_odds: Float32Array, observed: BoolArray, cols: int, ranges: F
 
 
 @jit
-def contributions_of_cones(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
-                     headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, cone: Cone, evidence:
-                     Evidence, mark_endpoints: bool, row: int, col: int, out: Int64Array,
-                     increments: Float32Array) -> int:  # fmt: skip
+def contributions_of_cones(
+    scans: Scans,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    cone: Cone,
+    evidence: Evidence,
+    row: int,
+    col: int,
+    out: Int64Array,
+    increments: Float32Array,
+) -> int:
     """Test a cell against cones; ``out`` (≥ n, 2) int64 and ``increments`` (≥ n,) are written, the touches in order.
 
-    As :mod:`mapper.mapping.kernels.contributions` writes them; with ``mark_endpoints`` a scan that ended in the cell is
-    named by the first beam that did.
+    As :mod:`mapper.mapping.kernels.contributions` writes them; with ``cone.mark_endpoints`` a scan that ended in the
+    cell is named by the first beam that did.
     """
+    ranges, sensors, beams, fields, headings = scans
     _, range_max, window, growth, _ = reading_filter
-    resolution, n_beams = frame[4], ranges.shape[1]
+    resolution, n_beams = frame.resolution, ranges.shape[1]
     count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         d_u, d_v = col + 0.5 - u, row + 0.5 - v
         s = sqrt(d_u * d_u + d_v * d_v) * resolution
         ended = -1
-        if mark_endpoints:
+        if cone.mark_endpoints:
             for k in range(n_beams):
                 z = float(ranges[t, k])
                 if _kind_of(z, reading_filter) != RETURN or abs(s - z) > 2.0 * resolution:
                     continue
                 px, py = z * beams[k, 0], z * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
                 if int(_cell_of(ev)) == row and int(_cell_of(eu)) == col:
                     ended = k
                     break
         if ended >= 0:
-            out[count, 0], out[count, 1], increments[count] = t * n_beams + ended, 1, evidence[1]
+            out[count, 0], out[count, 1], increments[count] = t * n_beams + ended, 1, evidence.hit
             count += 1
             continue
         for k in range(n_beams):
@@ -231,7 +248,7 @@ def contributions_of_cones(ranges: Float32Array, sensors: Float64Array, beams: F
             edges = _edges_of(fields, k, turn_u, turn_v)
             if kind == NOTHING or not _lies_in(d_u, d_v, edges):
                 continue
-            increment = evidence[0]
+            increment = evidence.miss
             hit = False
             if kind == RETURN:
                 half = 0.5 * (window + growth * z)

@@ -14,12 +14,12 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels import amanatides_woo as crossings
 from mapper.mapping.kernels import bresenham as lines
 from mapper.mapping.kernels.amanatides_woo import _crosses
 from mapper.mapping.kernels.bresenham import _step_at
-from mapper.mapping.kernels.types import Frame, ReadingFilter
+from mapper.mapping.kernels.types import ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -29,9 +29,7 @@ MISS, HIT = 0, 1
 
 @jit
 def filter_readings_near_cell(
-    ranges: Float32Array,
-    sensors: Float64Array,
-    beams: Float64Array,
+    scans: Scans,
     frame: Frame,
     reading_filter: ReadingFilter,
     row: int,
@@ -44,10 +42,12 @@ def filter_readings_near_cell(
     ``sifted`` (n_scans, n_beams) float32 and ``near`` (n_scans,) bool are written; the other arguments are those of
     :func:`mapper.mapping.kernels.bresenham.plan_lines`.
     """
+    ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     _, range_max, window, growth, _ = reading_filter
-    resolution, spare = frame[4], 3.0 * frame[4]  # no traversal strays so far from its beam
+    origin_x, origin_y, cos_yaw, sin_yaw, resolution = frame
+    spare = 3.0 * resolution  # no traversal strays so far from its beam
     d_u, d_v = (col + 0.5) * resolution, (row + 0.5) * resolution
-    cell_x, cell_y = frame[0] + frame[2] * d_u - frame[3] * d_v, frame[1] + frame[3] * d_u + frame[2] * d_v
+    cell_x, cell_y = origin_x + cos_yaw * d_u - sin_yaw * d_v, origin_y + sin_yaw * d_u + cos_yaw * d_v
     for t in range(ranges.shape[0]):
         d_x, d_y = cell_x - sensors[t, 0], cell_y - sensors[t, 1]
         cos, sin = sensors[t, 2], sensors[t, 3]
@@ -111,21 +111,22 @@ def contributions_of_rays(planned: Float64Array, resolution: float, row: int, co
 
 
 @jit
-def contributions_of_fields(ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array,
-                      headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, row: int, col: int,
-                      out: Int64Array) -> int:  # fmt: skip
+def contributions_of_fields(
+    scans: Scans, frame: Frame, reading_filter: ReadingFilter, row: int, col: int, out: Int64Array
+) -> int:
     """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
 
     A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
     other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
     """
+    ranges, sensors, beams, fields, headings = scans
     range_min, range_max, window, growth, no_return_free = reading_filter
-    resolution = frame[4]
+    resolution = frame.resolution
     n_beams = ranges.shape[1]
     count = 0
     for t in range(ranges.shape[0]):
         x, y, cos, sin = sensors[t, 0], sensors[t, 1], sensors[t, 2], sensors[t, 3]
-        u, v = _to_lattice(x, y, *frame)
+        u, v = _to_lattice(x, y, frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         d_u, d_v = col + 0.5 - u, row + 0.5 - v
         s = sqrt(d_u * d_u + d_v * d_v) * resolution
@@ -135,7 +136,7 @@ def contributions_of_fields(ranges: Float32Array, sensors: Float64Array, beams: 
             if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell lies elsewhere
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             if int(_cell_of(ev)) == row and int(_cell_of(eu)) == col:
                 beam, kind = k, HIT
                 break

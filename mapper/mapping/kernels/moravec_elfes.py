@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
+from mapper.core.array_types import BoolArray, Float32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import to_lattice
+from mapper.grid.kernels.lattice import Frame, to_lattice
 from mapper.mapping.kernels.cones import (
     NO_RETURN,
     NOTHING,
@@ -22,7 +22,7 @@ from mapper.mapping.kernels.cones import (
     _lies_in,
     _rows_of,
 )
-from mapper.mapping.kernels.types import Frame, ReadingFilter
+from mapper.mapping.kernels.types import ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 
@@ -70,23 +70,33 @@ def _cone(
 
 
 @jit
-def add_certainties(occupied: Float32Array, empty: Float32Array, observed: BoolArray, cols: int, ranges: Float32Array,
-                    sensors: Float64Array, beams: Float64Array, fields: Float64Array, headings: Float64Array,
-                    frame: Frame, reading_filter: ReadingFilter, opening: float, box: Int64Array, watched: int,
-                    contributions: Int64Array, certainties: Float32Array) -> tuple[int, int]:  # fmt: skip
+def add_certainties(
+    occupied: Float32Array,
+    empty: Float32Array,
+    observed: BoolArray,
+    cols: int,
+    scans: Scans,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    opening: float,
+    box: Int64Array,
+    watched: int,
+    contributions: Int64Array,
+    certainties: Float32Array,
+) -> tuple[int, int]:
     """Add scans one after another; return the number of cell updates and of touches of the cell ``watched``.
 
-    ``occupied``, ``empty`` float32 and ``observed`` bool are the grid's cells row after row; the scans are given as
-    :func:`mapper.mapping.kernels.cones.draw_cones` takes them. Each update of cell number ``watched`` (−1: none) is
-    written to
+    ``occupied``, ``empty`` float32 and ``observed`` bool, each (rows · cols,), are the grid's cells row after row;
+    ``opening`` is the cone's angle in radians. Each update of cell number ``watched`` (−1: none) is written to
     ``contributions`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and to ``certainties`` (≥
     n, 2), what the cell held after it: occupied, empty.
     """
-    _, range_max, window, _, _ = reading_filter
-    half, resolution, n_beams = 0.5 * window, frame[4], ranges.shape[1]
+    ranges, sensors, beams, fields, headings = scans
+    range_max, half = reading_filter.range_max, 0.5 * reading_filter.window
+    resolution, n_beams = frame.resolution, ranges.shape[1]
     count, noted = 0, 0
     for t in range(ranges.shape[0]):
-        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
         turn_u, turn_v = headings[t, 0], headings[t, 1]
         for what in (_EMPTY, _OCCUPIED):  # all that is empty comes first, as in 1985
             for k in range(n_beams):

@@ -51,9 +51,9 @@ def decode_observed(log_odds: Float32Array, observed: BoolArray, box: Int64Array
 
 @jit
 def _without_minus_zero(log_odds_update: LogOddsUpdate) -> LogOddsUpdate:
-    """Return the rule with +0 for each −0 in it: evidence of −0 would leave a veiled cell veiled."""
+    """Return the update with +0 for each −0 in it: evidence of −0 would leave a cell marked as unobserved."""
     miss, hit, low, high = log_odds_update
-    return _unsigned_zero(miss), _unsigned_zero(hit), _unsigned_zero(low), _unsigned_zero(high)
+    return LogOddsUpdate(_unsigned_zero(miss), _unsigned_zero(hit), _unsigned_zero(low), _unsigned_zero(high))
 
 
 @jit

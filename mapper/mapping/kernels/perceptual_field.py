@@ -4,8 +4,7 @@ Numba twin of :func:`mapper.mapping.textbook.update_per_scan`, in two passes. :f
 where the border of its field crosses the rows of the grid (:mod:`mapper.mapping.kernels.field_boundary`) and in which
 cells its beams end; :func:`draw_fields` notes that on a sheet of bits (:mod:`mapper.mapping.kernels.bitmask_fill`) and
 adds it to a band of the grid's rows, scan after scan, so that threads that have a band each never meet. The work goes
-with the regions' borders and
-with their areas by 32 cells at a time.
+with the regions' borders and with their areas by 32 cells at a time.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import cell_of, to_lattice
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.bitmask_fill import (
     FREE,
     HITS,
@@ -50,7 +49,7 @@ from mapper.mapping.kernels.field_boundary import (
     _walk_edges,
 )
 from mapper.mapping.kernels.sectors import _ring, _sector
-from mapper.mapping.kernels.types import Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -67,22 +66,20 @@ _Room = tuple[Pieces, Pieces, Crossings]
 
 @jit
 def plan_fields(
-    ranges: Float32Array, sensors: Float64Array, beams: Float64Array, fields: Float64Array, headings: Float64Array,
-    frame: Frame, reading_filter: ReadingFilter, cols: int, plan: Plan, work: Float64Array,
-) -> UInt32Array:  # fmt: skip
+    scans: Scans, frame: Frame, reading_filter: ReadingFilter, cols: int, plan: Plan, work: Float64Array
+) -> UInt32Array:
     """Plan what scans will draw; return their toggles (n,), see :func:`mapper.mapping.kernels.bitmask_fill._packed`.
 
-    ``ranges``, ``sensors``, ``beams``, ``frame`` and ``reading_filter`` are as
-    :func:`mapper.mapping.kernels.bresenham.plan_lines` takes them. ``fields`` (n_beams, 4) float64 is each beam's right
-    and left edge (cosine, sine, cosine, sine), ``headings`` (n_scans, 2) the cosine and sine of the sensor's heading
-    along the lattice. ``plan`` is written; to ``work`` (rows + 1,) float64, a difference along the rows, is added what
-    each costs. The grid has less than MAX_SIDE rows and columns (:mod:`mapper.mapping.kernels.bitmask_fill`).
+    ``scans`` and ``reading_filter``: see :mod:`mapper.mapping.kernels.types`. ``plan`` is written; to ``work``
+    (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added. The grid has less than
+    MAX_SIDE rows and columns (:mod:`mapper.mapping.kernels.bitmask_fill`).
     """
+    ranges, sensors, beams, fields, headings = scans
     starts, sure, views = plan
     n = ranges.shape[1]
-    rows, resolution = len(work) - 1, frame[4]
+    rows, resolution = len(work) - 1, frame.resolution
     regions = (
-        2 if reading_filter[2] > 0.0 or reading_filter[3] > 0.0 else 1
+        2 if reading_filter.window > 0.0 or reading_filter.growth > 0.0 else 1
     )  # with a hit window also the one that reaches to its end
     ring = _ring_of(fields)
     across = np.ascontiguousarray(fields.T)
@@ -92,7 +89,7 @@ def plan_fields(
     toggles = np.empty(8 * ranges.size, dtype=np.uint32)
     done = 0
     for t in range(ranges.shape[0]):
-        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+        u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
         farthest, n_ends = _read(ranges[t], sensors[t], beams, frame, reading_filter, rows, cols, radii, ends)
         starts[t, :] = done
         _see(views[t], u, v, farthest / resolution, rows, cols)
@@ -161,7 +158,7 @@ def _read(
     """
     range_min, range_max, window, growth, no_return_free = reading_filter
     x, y, cos, sin = sensor[0], sensor[1], sensor[2], sensor[3]
-    resolution = frame[4]
+    resolution = frame.resolution
     farthest, n_ends = -1.0, 0
     for i in range(len(ranges)):
         k = np.uint64(i)
@@ -172,7 +169,7 @@ def _read(
             free, outer = max(z - half, 0.0), min(z + half, range_max)
             farthest = max(farthest, outer, z)
             px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, *frame)
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
             r, c = int(_cell_of(ev)), int(_cell_of(eu))
             if 0 <= r < rows and 0 <= c < cols:
                 ends[np.uint64(n_ends)] = (r << 32) | c
@@ -199,10 +196,20 @@ def _see(view: Int64Array, u: float, v: float, reach: float, rows: int, cols: in
 
 @jit
 def draw_fields(
-    log_odds: Float32Array, seen: Int64Array, seen_place: Place, ranges: Float32Array, sensors: Float64Array,
-    fields: Float64Array, headings: Float64Array, frame: Frame, reading_filter: ReadingFilter, plan: Plan, toggles:
-    UInt32Array, planes: Int64Array, used: Int64Array, log_odds_update: LogOddsUpdate, row_low: int, row_high: int,
-) -> int:  # fmt: skip
+    log_odds: Float32Array,
+    seen: Int64Array,
+    seen_place: Place,
+    scans: Scans,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    plan: Plan,
+    toggles: UInt32Array,
+    planes: Int64Array,
+    used: Int64Array,
+    log_odds_update: LogOddsUpdate,
+    row_low: int,
+    row_high: int,
+) -> int:
     """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
 
     ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which lies at ``seen_place`` in it, the bits
@@ -210,9 +217,10 @@ def draw_fields(
     have as many rows and words as any of the plan's views has within these rows. The other arguments are those of
     :func:`plan_fields` and what it gave.
     """
+    ranges, sensors, fields, headings = scans.ranges, scans.sensors, scans.fields, scans.headings
     starts, sure, views = plan
     cells, cols = log_odds.reshape(-1), log_odds.shape[1]
-    windows = reading_filter[2] > 0.0 or reading_filter[3] > 0.0
+    windows = reading_filter.window > 0.0 or reading_filter.growth > 0.0
     shift = 0
     while planes.shape[2] > USED_BITS << shift:
         shift += 1
@@ -228,9 +236,9 @@ def draw_fields(
             a, b = starts[t, plane], starts[t, plane + 1]
             _note(planes[plane], own, shift, plane == HITS, toggles[a:b], first_row)
         if not sure[t]:
-            u, v = _to_lattice(sensors[t, 0], sensors[t, 1], *frame)
+            u, v = _to_lattice(sensors[t, 0], sensors[t, 1], frame)
             turn_u, turn_v = headings[t, 0], headings[t, 1]
-            _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, reading_filter, frame[4])
+            _note_exactly(planes, own, place, u, v, turn_u, turn_v, ranges[t], fields, reading_filter, frame.resolution)
         bordered = windows and sure[t]
         full = (cells, cols, seen, seen_place, planes, own, place, bordered, log_odds_update)
         count += _settle(*full) if cols >= WORD else _settle_narrow(*full)

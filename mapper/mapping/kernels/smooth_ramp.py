@@ -10,9 +10,9 @@ from math import sqrt
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
+from mapper.core.array_types import Int32Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import to_lattice
+from mapper.grid.kernels.lattice import Frame, to_lattice
 from mapper.mapping.kernels.bresenham import (
     AT,
     COL,
@@ -27,7 +27,7 @@ from mapper.mapping.kernels.bresenham import (
     _crossing,
 )
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import Evidence, Frame, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 
@@ -46,18 +46,29 @@ def _ramp(s: float, z: float, half: float, miss: float, hit: float) -> float:
 
 
 @jit
-def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: Int32Array, ranges: Float32Array,
-               sensors: Float64Array, frame: Frame, reading_filter: ReadingFilter, evidence: Evidence, log_odds_update:
-               LogOddsUpdate, row_low: int, row_high: int, box: Int64Array, mark: bool) -> int:  # fmt: skip
+def draw_ramps(
+    cells: Cells,
+    lines: Int32Array,
+    scans: Scans,
+    frame: Frame,
+    reading_filter: ReadingFilter,
+    evidence: Evidence,
+    log_odds_update: LogOddsUpdate,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+    mark: bool,
+) -> int:
     """Add what ``lines`` (9, n_scans · n_beams) say to the rows [row_low, row_high); return the number of updates.
 
-    ``ranges`` (n_scans, n_beams) and ``sensors`` (n_scans, 4) are those the lines were planned from; ``evidence`` is
-    what the ramp leads from and to; the other arguments are those of
-    :func:`mapper.mapping.kernels.bresenham.draw_lines`.
+    ``scans`` are those that the lines were planned from; the ramp leads from the miss of ``evidence`` to its hit; the
+    other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
+    log_odds, observed, cols = cells
+    ranges, sensors = scans.ranges, scans.sensors
     miss, hit, low, high = _without_minus_zero(log_odds_update)
-    _, _, window, growth, _ = reading_filter
-    resolution, n_beams = frame[4], ranges.shape[1]
+    window, growth = reading_filter.window, reading_filter.growth
+    resolution, n_beams = frame.resolution, ranges.shape[1]
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     chosen = _crossing(lines, row_low, row_high)
@@ -75,7 +86,7 @@ def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
         if first < stop:
             near, at = int(lines[NEAR, j]), int(lines[AT, j])
             x, y = sensors[j // n_beams, 0], sensors[j // n_beams, 1]
-            u, v = _to_lattice(x, y, *frame)
+            u, v = _to_lattice(x, y, frame)
             z = float(ranges[j // n_beams, j % n_beams])
             half = 0.5 * (window + growth * z)
             for i in range(first, stop):
@@ -87,7 +98,7 @@ def draw_ramps(log_odds: Float32Array, observed: BoolArray, cols: int, lines: In
                 if i >= near:
                     d_u, d_v = c + 0.5 - u, r + 0.5 - v
                     s = sqrt(d_u * d_u + d_v * d_v) * resolution
-                    increment = np.float32(_ramp(s, z, half, evidence[0], evidence[1]) + 0.0)  # never −0
+                    increment = np.float32(_ramp(s, z, half, evidence.miss, evidence.hit) + 0.0)  # never −0
                 cell = r * cols + c
                 log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
                 if mark:

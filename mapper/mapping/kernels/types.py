@@ -1,17 +1,64 @@
-"""Tuples of arguments that the compiled updates take."""
+"""Named tuples that the compiled updates take as arguments.
+
+numba passes the fields of a named tuple as if each were an argument of its own, so they cost nothing in a kernel.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-#: Where the lattice lies: origin x, y (m), cosine and sine of its yaw, resolution (m): ``GridGeometry.frame``.
-Frame = tuple[float, float, float, float, float]
-#: Which readings count and how: range_min, range_max, width of the hit window at no distance (m), how much wider it is
-#: for each metre of range (m/m), whether no return says "free".
-ReadingFilter = tuple[float, float, float, float, bool]
-#: What they say, log-odds: miss, hit, lower and upper clamp.
-LogOddsUpdate = tuple[np.float32, np.float32, np.float32, np.float32]
-#: The same unrounded, for models whose evidence differs from cell to cell: miss, hit.
-Evidence = tuple[float, float]
-#: A cone: its profile (see :mod:`mapper.mapping.kernels.cones`) and its opening angle (rad).
-Cone = tuple[int, float]
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array
+
+
+class ReadingFilter(NamedTuple):
+    """Which readings are used, and the width of their hit window: ``window`` + ``growth`` · z at a reading z."""
+
+    range_min: float  #: m; shorter readings are ignored
+    range_max: float  #: m; longer readings are no return
+    window: float  #: m, the width at z = 0
+    growth: float  #: m/m, the additional width for each metre of range
+    no_return_free: bool  #: whether no return makes all cells up to ``range_max`` free
+
+
+class LogOddsUpdate(NamedTuple):
+    """ℓ ← min(max(ℓ + increment, low), high) in float32, where the increment is ``miss`` or ``hit``, log-odds."""
+
+    miss: np.float32
+    hit: np.float32
+    low: np.float32
+    high: np.float32
+
+
+class Evidence(NamedTuple):
+    """The increments in float64, not rounded, for models whose evidence differs from cell to cell, log-odds."""
+
+    miss: float
+    hit: float
+
+
+class Cone(NamedTuple):
+    """How evidence is distributed over the field of one beam."""
+
+    profile: int  #: FLAT, GAUSSIAN or RAMP of :mod:`mapper.mapping.kernels.cones`
+    opening: float  #: rad, from edge to edge
+    mark_endpoints: bool  #: whether the cells that hold endpoints get the hit increment in any case
+
+
+class Scans(NamedTuple):
+    """Scans of one sensor on the lattice of a grid."""
+
+    ranges: Float32Array  #: (n_scans, n_beams), m
+    sensors: Float64Array  #: (n_scans, 4): x, y (m), cos θ, sin θ of ``T_map_laser``
+    beams: Float64Array  #: (n_beams, 2): cosine and sine of the bearings
+    fields: Float64Array  #: (n_beams, 4): cosine and sine of each field's right edge, then of its left edge
+    headings: Float64Array  #: (n_scans, 2): cosine and sine of the sensor's heading along the lattice
+
+
+class Cells(NamedTuple):
+    """The cells of a grid row after row, flat."""
+
+    log_odds: Float32Array  #: (rows · cols,)
+    observed: BoolArray  #: (rows · cols,)
+    cols: int

@@ -1,5 +1,6 @@
 """More threads give the same map, bit for bit; the split of the rows is whole and fair."""
 
+import os
 from functools import partial
 
 import numpy as np
@@ -7,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import mapper.mapping.scan_batch
-from mapper.core.parallel import bands, in_parallel, scratch
+import mapper.mapping.update
+from mapper.core.parallel import bands, cores, in_parallel, scratch, single_threaded
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MODELS, MappingConfig
@@ -25,7 +26,7 @@ def test_the_number_of_threads_does_not_show(
     geometry = geometry_for(office_log, config)
     maps = []
     for threads in (1, 2, 3, 7):
-        monkeypatch.setattr(mapper.mapping.scan_batch, "cores", lambda threads=threads: threads)
+        monkeypatch.setattr(mapper.mapping.update, "cores", lambda threads=threads: threads)
         grid = OccupancyGrid(geometry)
         maps.append((integrate_log(grid, office_log, config), grid.log_odds.tobytes(), grid.observed.tobytes()))
     assert all(other == maps[0] for other in maps[1:])
@@ -58,3 +59,14 @@ def test_scratch_is_zero_also_after_an_error() -> None:
     with scratch(6) as words:
         assert len(words) >= 6
         assert not words.any()
+
+
+def test_single_threaded_uses_one_core_and_ends_with_the_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2}, raising=False)
+    assert cores() == 3
+    with single_threaded():
+        with single_threaded():
+            assert cores() == 1
+        assert cores() == 1
+        assert in_parallel([cores]) == [1]
+    assert cores() == 3

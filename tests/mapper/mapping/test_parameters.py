@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import ConfigError
-from mapper.mapping.parameters import BY_NAME, PARAMETERS, MappingConfig, Parameter
+from mapper.core.parameter import Parameter
+from mapper.mapping.parameters import BY_NAME, PARAMETERS, MappingConfig
 from mapper.mapping.sensor_model import FixedIncrements, StepWindow
 
 NUMBERS = [row for row in PARAMETERS if row.kind == "number"]

@@ -145,7 +145,9 @@ def test_a_recording_holds_truth_and_faults_side_by_side() -> None:
     assert np.isfinite(honest.ranges).all()
 
 
-@pytest.mark.parametrize(("values", "code"), [({"drift": 1}, "faults.value"), ({"glass": True}, "faults.unknown")])
+@pytest.mark.parametrize(
+    ("values", "code"), [({"drift": 1}, "parameter.drift"), ({"glass": True}, "parameter.unknown")]
+)
 def test_faults_are_true_or_false(values: dict[str, object], code: str) -> None:
     with pytest.raises(ConfigError) as error:
         Faults().with_values(values)

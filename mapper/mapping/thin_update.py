@@ -1,0 +1,112 @@
+"""The per-beam update on all cores, in two passes: beams are planned by scans, then drawn by bands of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.parallel import in_parallel, shares
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.mapping.bands import draw_in_bands
+from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
+from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
+from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
+from mapper.mapping.kernels.smooth_ramp import draw_ramps
+from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
+from mapper.mapping.scan_batch import ScanBatch, part_of
+from mapper.mapping.update_plan import UpdatePlan
+
+_ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedBeams:
+    """What beams will draw.
+
+    ``planned`` holds the lines (9, n) int32 or the rays (n, 8) float64, ``work`` (rows,) the number of cells in each
+    row of the grid, ``box`` (4,) int64 (row0, row1, col0, col1), half-open, the cells of the grid that are reached.
+    """
+
+    planned: NDArray[Any]
+    work: NDArray[np.float64]
+    box: NDArray[np.int64]
+
+
+def plan_beams(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: int) -> PlannedBeams:
+    """Plan the beams of some scans, in the order of the log."""
+    readings, n_beams = scans.ranges.size, scans.ranges.shape[1]
+    work = np.zeros((threads, geometry.rows + 1))
+    boxes = np.tile(np.array([geometry.rows, 0, geometry.cols, 0]), (threads, 1))
+    kernel: Callable[..., None] = plan_rays if plan.exact_rays else plan_lines
+    planned: NDArray[Any] = (
+        np.empty((readings, RAY_FIELDS)) if plan.exact_rays else np.empty((LINE_FIELDS, readings), dtype=np.int32)
+    )
+    view = (geometry.frame, plan.reading_filter)
+    parts = zip(shares(len(scans.ranges), threads), work, boxes, strict=True)
+    in_parallel(
+        [
+            partial(kernel, part_of(scans, a, b), *view, a * n_beams, planned, own, own_box)
+            for (a, b), own, own_box in parts
+        ]
+    )
+    boxes += [-1, 1, -1, 1]  # an endpoint may be rounded out of the line through it
+    return PlannedBeams(planned, np.cumsum(work.sum(axis=0))[:-1], _joined(boxes, geometry))
+
+
+def draw_beam_evidence(
+    grid: OccupancyGrid,
+    batch: ScanBatch,
+    plan: UpdatePlan,
+    log_odds_update: LogOddsUpdate,
+    threads: int,
+    box: NDArray[np.int64],
+) -> int:
+    """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
+    cells = Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
+    frame, smooth, evidence = grid.geometry.frame, plan.strategy.smooth, plan.evidence
+    count = 0
+    for scans in batch.chunks_on(grid.geometry):
+        beams = plan_beams(scans, grid.geometry, plan, threads)
+        if plan.exact_rays:
+            draw = partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)
+        elif smooth:
+            draw = partial(
+                draw_ramps, cells, beams.planned, scans, frame, plan.reading_filter, evidence, log_odds_update
+            )
+        else:
+            draw = partial(draw_lines, cells, beams.planned, log_odds_update)
+        band = partial(_draw_with_observed, grid, beams, draw)
+        count += draw_in_bands(band, beams.work, (0, len(beams.work)), threads, box)
+    return count
+
+
+def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> NDArray[np.int64]:
+    """Return the box (4,) that holds all boxes (n, 4), as far as they lie in the grid."""
+    (row, col), (row_stop, col_stop) = boxes[:, ::2].min(axis=0), boxes[:, 1::2].max(axis=0)
+    return np.array([max(row, 0), min(row_stop, geometry.rows), max(col, 0), min(col_stop, geometry.cols)])
+
+
+def _draw_with_observed(
+    grid: OccupancyGrid,
+    beams: PlannedBeams,
+    draw: Callable[..., int],
+    row_low: int,
+    row_high: int,
+    box: NDArray[np.int64],
+) -> int:
+    """Draw a band; note the observed cells in the way that costs less for so many updates."""
+    touched = beams.box.copy()
+    touched[:2] = touched[:2].clip(row_low, row_high)
+    cells = int((touched[1] - touched[0]) * (touched[3] - touched[2]))
+    if beams.work[row_low:row_high].sum() < _ENCODE_ABOVE_UPDATES_PER_CELL * cells or not encode_unobserved(
+        grid.log_odds, grid.observed, touched
+    ):
+        return draw(row_low, row_high, box, True)
+    count = draw(row_low, row_high, box, False)
+    decode_observed(grid.log_odds, grid.observed, touched)
+    return count

@@ -1,0 +1,89 @@
+"""Adding a batch of scans to a grid, on all cores where that is worth while."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.parallel import cores
+from mapper.grid import OccupancyGrid
+from mapper.mapping import cell_statistics
+from mapper.mapping.certainty_update import update_certainties
+from mapper.mapping.cone_update import draw_cone_evidence
+from mapper.mapping.kernels.types import LogOddsUpdate
+from mapper.mapping.parameters import Statistics
+from mapper.mapping.per_scan_update import draw_field_evidence
+from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.thin_update import draw_beam_evidence
+from mapper.mapping.update_plan import UpdatePlan, check_beam_length
+
+_WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
+_ONE_MISS, _ONE_HIT = (
+    LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
+    for miss in (1.0, 0.0)
+)
+
+#: Adds a batch, on so many threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
+Update = Callable[[OccupancyGrid, ScanBatch, UpdatePlan, int, NDArray[np.int64]], int]
+
+
+def update_grid(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> tuple[int, NDArray[np.int64]]:
+    """Add all scans; what falls outside the grid is clipped.
+
+    Return the number of cell updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is empty
+    where row1 ≤ row0. Raises :class:`mapper.core.errors.ConfigError` for cells so small that a beam crosses too many
+    of them, and for a grid that holds the statistics of another kind of model.
+    """
+    check_beam_length(plan.beam_length, grid.geometry.resolution)
+    threads = cores() if batch.ranges.size >= _WORTH_SHARING else 1
+    rows, cols = grid.geometry.shape
+    box = np.array([rows, 0, cols, 0], dtype=np.int64)
+    cell_statistics.begin(grid, plan.strategy)
+    count = _UPDATES[plan.strategy.statistics](grid, batch, plan, threads, box)
+    cell_statistics.show(grid, plan, box)
+    return count, box
+
+
+def _add_log_odds(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, threads: int, box: NDArray[np.int64]) -> int:
+    return _draw(grid, batch, plan, plan.log_odds_update, threads, box)
+
+
+def _count(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, threads: int, box: NDArray[np.int64]) -> int:
+    """Count the hits and the misses of each cell: two maps, in each of which one of them adds 1 and the other 0."""
+    _draw(grid.with_statistic(0), batch, plan, _ONE_HIT, threads, box)
+    return _draw(grid.with_statistic(1), batch, plan, _ONE_MISS, threads, box)
+
+
+def _add_certainties(
+    grid: OccupancyGrid,
+    batch: ScanBatch,
+    plan: UpdatePlan,
+    threads: int,  # noqa: ARG001 - an arc may lie anywhere in the grid, so one thread adds all
+    box: NDArray[np.int64],
+) -> int:
+    count, _, _ = update_certainties(grid, batch, plan, box)
+    return count
+
+
+_UPDATES: Mapping[Statistics, Update] = {
+    "none": _add_log_odds,
+    "counts": _count,
+    "certainties": _add_certainties,
+}
+
+
+def _draw(
+    grid: OccupancyGrid,
+    batch: ScanBatch,
+    plan: UpdatePlan,
+    log_odds_update: LogOddsUpdate,
+    threads: int,
+    box: NDArray[np.int64],
+) -> int:
+    """Add all scans by ``log_odds_update``; return the number of cell updates and widen ``box`` (4,)."""
+    if plan.draws_cones:
+        return draw_cone_evidence(grid, batch, plan, log_odds_update, threads, box)
+    draw = draw_field_evidence if plan.per_scan else draw_beam_evidence
+    return draw(grid, batch, plan, log_odds_update, threads, box)

@@ -1,0 +1,94 @@
+"""What an update needs to know of the parameters and the sensor, resolved once before any scan is read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.errors import ConfigError
+from mapper.mapping.kernels.bresenham import MAX_STEPS
+from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP
+from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate, ReadingFilter
+from mapper.mapping.parameters import MappingConfig, ModelStrategy
+from mapper.mapping.sensor_model import BeamModel
+
+
+@dataclass(frozen=True, slots=True)
+class UpdatePlan:
+    """The parameters of :class:`mapper.mapping.parameters.MappingConfig` as the updates and the kernels take them.
+
+    ``no_return`` "free" stands in ``reading_filter``, "hit" in ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
+    infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's.
+    """
+
+    strategy: ModelStrategy
+    model: BeamModel
+    reading_filter: ReadingFilter
+    log_odds_update: LogOddsUpdate
+    evidence: Evidence
+    cone: Cone
+    update: str
+    exact_rays: bool
+    no_return_is_hit: bool
+    clamp: tuple[float, float]
+    mount: tuple[float, float, float]
+    upside_down: bool
+
+    @property
+    def per_scan(self) -> bool:
+        """Whether each cell is updated once for each scan, by the beam in whose field it lies."""
+        return self.update == "per_scan" and self.strategy.per_scan
+
+    @property
+    def draws_cones(self) -> bool:
+        """Whether the evidence differs all over a beam's field, so that the cone kernels draw it."""
+        return self.strategy.cone or (self.strategy.smooth and self.per_scan)
+
+    @property
+    def sees_fields(self) -> bool:
+        """Whether a beam updates cells beside its axis."""
+        return self.strategy.cone or self.per_scan
+
+    @property
+    def beam_length(self) -> float:
+        """The distance from the sensor to the far end of the hit window of the longest reading, metres."""
+        return self.reading_filter.range_max + self.model.half_window(self.reading_filter.range_max)
+
+
+def plan_update(config: MappingConfig, range_min: float, range_max: float) -> UpdatePlan:
+    """Return the plan for a sensor that measures from ``range_min`` to ``range_max``, metres."""
+    strategy, model = config.strategy, config.beam_model()
+    growth = 4.0 * config.sigma_growth if strategy.smooth else 0.0
+    gaussian = GAUSSIAN if config.cone_profile == "gaussian" else FLAT
+    low, high = config.clamp_limits
+    return UpdatePlan(
+        strategy,
+        model,
+        ReadingFilter(
+            float(range_min),
+            float(min(range_max, config.range_max)),
+            2.0 * model.half_window(0.0),
+            growth,
+            config.no_return == "free",
+        ),
+        LogOddsUpdate(
+            np.float32(model.log_odds_miss), np.float32(model.log_odds_hit), np.float32(low), np.float32(high)
+        ),
+        Evidence(model.log_odds_miss, model.log_odds_hit),
+        Cone(RAMP if strategy.smooth else gaussian, config.opening, strategy.smooth),
+        config.update,
+        config.traversal == "amanatides_woo",
+        config.no_return == "hit",
+        (low, high),
+        config.mount,
+        config.mount_upside_down,
+    )
+
+
+def check_beam_length(metres: float, resolution: float) -> None:
+    """Raise :class:`ConfigError` where a beam of ``metres`` crosses too many cells of ``resolution`` metres."""
+    if metres / resolution >= MAX_STEPS:
+        raise ConfigError(
+            "grid.resolution", f"A beam of {metres:g} m crosses {MAX_STEPS} cells or more; choose coarser ones."
+        )
