@@ -9,6 +9,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_parts
 from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP
+from mapper.mapping.kernels.types import LogOddsUpdate
 from mapper.mapping.parameters import MODELS, STRATEGIES, MappingConfig
 from mapper.mapping.sensor_model import BeamModel
 from mapper.mapping.update_plan import plan_update
@@ -45,7 +46,7 @@ def test_ranges_are_limited_by_the_sensor_and_by_the_parameters() -> None:
 
 def test_increments_are_rounded_and_the_clamp_can_be_off() -> None:
     plan = plan_update(MappingConfig(log_odds_hit=0.85, clamp=False), 0.0, 10.0)
-    assert plan.log_odds_update == (np.float32(-0.4), np.float32(0.85), -np.inf, np.inf)
+    assert plan.log_odds_update == LogOddsUpdate(*(np.float32(n) for n in (-0.4, 0.85, -np.inf, np.inf)))
     assert plan.evidence == (-0.4, 0.85)
 
 
