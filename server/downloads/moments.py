@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from mapper.core.errors import MapperError
@@ -22,11 +22,12 @@ class MomentGoneError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A map at one instant: what its files are called, where it lies, and its image."""
+    """A map at one instant: the name of its files, its geometry, its image and its frame (None: not known)."""
 
     stem: str
     geometry: GridGeometry
     image: Snapshot | None  #: None once it is no longer kept
+    frame: str | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -94,4 +95,4 @@ def _nbytes(entries: dict[str, _Entry]) -> int:
 def _drop_oldest(entries: dict[str, _Entry]) -> None:
     entry = _kept(entries)[0]
     assert entry.moment is not None  # noqa: S101 - for the type checker: it is kept
-    entry.moment = Moment(entry.moment.stem, entry.moment.geometry, None)
+    entry.moment = replace(entry.moment, image=None)

@@ -25,7 +25,7 @@ from server.downloads import (
 from server.downloads.places import Asker, asker
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
-from server.sessions import Session, SimulationSession
+from server.sessions import LogSession, Session, SimulationSession
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -42,6 +42,11 @@ At = Annotated[
 def stem_of(session: Session) -> str:
     """Return what the files of a session are called: after its log, or its world."""
     return file_stem(session.world.name if isinstance(session, SimulationSession) else session.title)
+
+
+def frame_of(session: Session) -> str | None:
+    """Return the frame of a session's map: that of a log's poses, None where the log does not state it."""
+    return session.log.trajectory(session.trajectory).frame_id if isinstance(session, LogSession) else "map"
 
 
 def asker_of(request: Request, session: Session) -> Asker:
@@ -64,9 +69,9 @@ async def _moment(downloads: Downloads, session: Session, at: str | None) -> Mom
 
     async def make() -> Moment:
         async with session.still():
-            grid, stem = session.grid, stem_of(session)
+            grid, stem, frame = session.grid, stem_of(session), frame_of(session)
             image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
-        return Moment(stem, grid.geometry, image)
+        return Moment(stem, grid.geometry, image, frame)
 
     return await make() if at is None else await downloads.moments.get(session, at, make)
 
@@ -81,11 +86,11 @@ async def map_yaml(
 
     async def make() -> Content:
         if at is None:
-            stem, geometry = stem_of(session), session.view().geometry
+            stem, geometry, frame = stem_of(session), session.view().geometry, frame_of(session)
         else:
             moment = await _moment(downloads, session, at)
-            stem, geometry = moment.stem, moment.geometry
-        text = yaml_text(geometry, file_name(stem, "pgm", at)).encode()
+            stem, geometry, frame = moment.stem, moment.geometry, moment.frame
+        text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame).encode()
         return Content(file_name(stem, "yaml", at), iter([text]), len(text))
 
     return Download(downloads, asker_of(request, session), make, "application/yaml")
