@@ -59,6 +59,7 @@ async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Se
     for paths in pairs:
         loaded = load_map(paths["yaml"])
         assert yaml.safe_load(paths["yaml"].read_text())["image"] == paths["pgm"].name
+        assert loaded.description.frame == "map"
         assert pgm_bytes(loaded.grid) == paths["pgm"].read_bytes()
     first, second = (load_map(paths["yaml"]).grid.geometry for paths in pairs)
     assert (first.resolution, second.resolution) == (0.05, 0.04)
