@@ -31,7 +31,7 @@ TOO_LONG = CloseCode(
 INTERNAL = CloseCode(
     1011, "a defect of the server", "The server closed the connection because of a defect in the service."
 )
-RESTARTING = CloseCode(1012, "the service stops or restarts", "The server is restarting.")
+RESTARTING = CloseCode(1012, "the service stops or restarts", "The server does not answer.")
 REFUSED = CloseCode(
     4404,
     "there is no such session, or it takes no further browser; the reason is the error's code",
