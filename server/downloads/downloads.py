@@ -1,4 +1,4 @@
-"""The threads that make downloads, and what all downloads of a service share."""
+"""The threads that produce downloads, and the state that all downloads of a service share."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Check = Callable[[], None]
 
 
 class StoppedError(Exception):
-    """Nobody waits any more for what a worker thread makes."""
+    """The download that a worker thread computes was cancelled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ Make = Callable[[], Awaitable[Content]]
 
 
 class Downloads:
-    """What all downloads of one service share. Lives on the event loop."""
+    """The state that all downloads of one service share. Used on the event loop only."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder  #: for temporary files, which have no names there
@@ -81,6 +81,6 @@ class Downloads:
             raise
 
     async def close(self) -> None:
-        """End the threads; nothing is downloaded any more."""
+        """End the threads."""
         for executor in (self._threads, self._long):
             await asyncio.to_thread(executor.shutdown, cancel_futures=True)

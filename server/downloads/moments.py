@@ -1,4 +1,4 @@
-"""Maps as they were at a named instant, kept for a while, so that the files of one map come from one instant."""
+"""Named snapshots of maps, kept for a while, so that map.yaml and map.pgm describe the same map."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class _Entry:
 
 
 class MomentsSession(Protocol):
-    """What is needed of a session: its id, and to be called when it ends."""
+    """The part of a session that is used here."""
 
     id: str
     closed: bool
@@ -45,7 +45,7 @@ class MomentsSession(Protocol):
 
 
 class Moments:
-    """The named instants of all sessions. Lives on the event loop."""
+    """The named instants of all sessions. Used on the event loop only."""
 
     def __init__(self) -> None:
         self._sessions: dict[str, dict[str, _Entry]] = {}

@@ -1,4 +1,4 @@
-"""How many downloads run at one time: of all, of guests, of each visitor, address and link; and who waits in line."""
+"""Limits on concurrent downloads: in total, of guests, and per visitor, address and link, with a queue."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from dataclasses import dataclass
 
 from mapper.core.errors import LimitError
 
-MAX_AT_ONCE = 8  #: downloads of all visitors that are being made or sent
-MAX_OF_GUESTS = 4  #: of them those of all who came by a link
+MAX_AT_ONCE = 8  #: running downloads of all visitors
+MAX_OF_GUESTS = 4  #: running downloads of all guests
 MAX_OF_PARTY = 2  #: of one visitor, of one address, of one link
 MAX_LINE = 8  #: requests of one party that wait for a place
 WAIT_S = 30.0  #: a request waits no longer than this
 
 
 class BusyError(LimitError):
-    """There is no place for another download now."""
+    """The limit on concurrent downloads is reached."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Asker:
-    """Who asks for a download: each of ``parties`` (a visitor, an address, a link) has only so many places."""
+    """The requester of a download. The limit holds for each of ``parties`` (a visitor, an address, a link)."""
 
     parties: tuple[str, ...]
     is_guest: bool
 
 
 def asker(visitor: str, address: str | None, link: str | None) -> Asker:
-    """Return who asks, by visitor and by address, since cookies can be dropped; a guest by the link too."""
+    """Return a requester: by visitor and by address, since cookies can be dropped, and for a guest by link."""
     parties = [f"visitor {visitor}"]
     if address is not None:
         parties.append(f"address {_network(address)}")
@@ -41,7 +41,7 @@ def asker(visitor: str, address: str | None, link: str | None) -> Asker:
 
 
 def _network(address: str) -> str:
-    """Return an address, and of one of IPv6 the /64 network: a single machine has all of its addresses."""
+    """Return an address, for IPv6 its /64 network: one machine can use all addresses of it."""
     try:
         found = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
@@ -53,7 +53,7 @@ def _network(address: str) -> str:
 
 
 class Places:
-    """The places of the service. Lives on the event loop."""
+    """The download slots of the service. Used on the event loop only."""
 
     def __init__(self, wait_s: float = WAIT_S) -> None:
         self._wait_s = wait_s
@@ -68,9 +68,9 @@ class Places:
 
     @asynccontextmanager
     async def place(self, who: Asker) -> AsyncIterator[None]:
-        """Hold a place in the block; wait for one where there is none, first come first served.
+        """Hold a slot during the block, after waiting for one if none is free (first come, first served).
 
-        Raises :class:`BusyError` where none gets free in time, or too many requests of one party wait already.
+        Raises :class:`BusyError` if none becomes free in time, or too many requests of one party wait already.
         """
         if self._fits(who):
             self._take(who)
@@ -108,7 +108,7 @@ class Places:
                 f"{MAX_OF_PARTY} downloads of yours, of your address or by this link run, as many as may at one time; "
                 "try again when one of them is done.",
             )
-        return BusyError("download.busy", "Too many downloads run at this moment; try again in a minute.")
+        return BusyError("download.busy", "Too many downloads are running; try again in a minute.")
 
     def _fits(self, who: Asker) -> bool:
         return (
@@ -125,7 +125,7 @@ class Places:
     def _give_back(self, who: Asker) -> None:
         self._all -= 1
         self._guests -= who.is_guest
-        self._taken -= Counter(who.parties)  # forgets those of whom none is left
+        self._taken -= Counter(who.parties)  # drops parties with none left
         for entry in (*self._line,):
             waiting, turn = entry
             if self._fits(waiting):

@@ -1,4 +1,4 @@
-"""A download on its way: waits for a place, is made and sent piece by piece, and ends with its client."""
+"""The response of a download: wait for a slot, produce and send the file in pieces, stop if the client disconnects."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
 from server.downloads.places import Asker
 
-PIECE_BYTES = 1 << 18  #: that are sent at once, at least
-STALLED_S = 30.0  #: in which a client has to take in a piece
+PIECE_BYTES = 1 << 18  #: least size of a piece that is sent
+STALLED_S = 30.0  #: within which a client must accept a piece
 
 _log = structlog.get_logger(__name__)
 

@@ -1,4 +1,4 @@
-"""The pixels of an image as they were at one instant, compressed, so that many can be held and sent slowly."""
+"""A compressed copy of an image, small enough to keep many and to send them slowly."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ ZSTD_LEVEL = 1
 class Snapshot:
     """An image of ``shape`` (rows, cols), in bands of whole rows, the top ones first.
 
-    Of many megabytes of pixels usually some hundred kilobytes are left: most of a large map was never observed.
+    Most of a large map is unobserved, so megabytes of pixels usually compress to some hundred kilobytes.
     """
 
     def __init__(self, shape: tuple[int, int], bands: Bands, folder: Path, check: Callable[[], None]) -> None:
-        """Take in ``bands`` (worker thread). ``check`` is called for each and may raise to end it."""
+        """Compress ``bands`` (worker thread). ``check`` is called for each and may raise to end it."""
         self.shape = shape
         self._places: list[tuple[int, int, tuple[int, ...]]] = []  #: where each band begins, its bytes, its shape
         self._reading = threading.Lock()

@@ -1,8 +1,8 @@
-"""How many connections are open, in all and from one address, before anybody has said who they are.
+"""Limits on open connections, in total and per address, before authentication.
 
-A connection without a request under way *waits*: it was just opened, its headers have not come whole, or it is kept
-for a next request. Where there are as many connections as there may be, a new one takes the place of the one that has
-waited longest; where none waits it is closed. So connections that stay silent keep nobody out.
+A connection without a running request is *waiting*: it was just opened, its headers are incomplete, or it is kept
+alive for another request. At the limit, a new connection replaces the one that has waited longest; if none waits, the
+new one is closed. Idle connections therefore cannot block new ones.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 
 import structlog
 
-BATCH = 32  #: connections that are accepted before the event loop turns to others
+BATCH = 32  #: connections accepted in one pass of the event loop
 SAY_EVERY_S = 10.0  #: seconds between two log lines on connections that were refused
 DESCRIPTORS = 0.75  #: share of the descriptors that connections may have; files and 3D views need some, too
 OUT_OF_RESOURCES = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
@@ -31,7 +31,7 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(slots=True)
 class _Open:
-    """An open connection, by whom, and how to end it while it waits."""
+    """An open connection: its network, and how to close it while it waits (None during a request)."""
 
     network: str
     end: Callable[[], None] | None = None
@@ -40,7 +40,7 @@ class _Open:
 class Connections:
     """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
 
-    An IPv6 address stands for its network of 64 bits. There are never more than the limit of descriptors allows.
+    An IPv6 address counts as its /64 network. The limit on file descriptors bounds ``most``.
     """
 
     def __init__(self, most: int, most_of_address: int) -> None:
@@ -48,7 +48,7 @@ class Connections:
         self._most_of_network = most_of_address
         self._open: dict[int, _Open] = {}  #: by descriptor
         self._count: Counter[str] = Counter()  #: by network
-        self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, who waits longest first
+        self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, the longest waiting first
         self._all_waiting: dict[int, None] = {}
         self._coming: set[int] = set()  #: accepted, and not yet with a protocol
         self._refused = 0
@@ -90,7 +90,7 @@ class Connections:
         self._waiting[one.network][descriptor] = None
 
     def work(self, descriptor: int) -> None:
-        """Note that a connection has a request under way, or is a WebSocket."""
+        """Note that a connection serves a request, or is a WebSocket."""
         one = self._open.get(descriptor)
         if one is not None:
             self._all_waiting.pop(descriptor, None)
@@ -109,7 +109,7 @@ class Connections:
             self._waiting.pop(one.network, None)
 
     def refuse(self, reason: str) -> None:
-        """Say that connections are refused, at most every :data:`SAY_EVERY_S` seconds."""
+        """Log that connections are refused, at most every :data:`SAY_EVERY_S` seconds."""
         self._refused += 1
         now = time.monotonic()
         if now - self._said_s >= SAY_EVERY_S:
@@ -128,7 +128,7 @@ class Connections:
 
 
 def _network(address: str) -> str:
-    """Return whom an address counts for: itself, or its network of 64 bits in IPv6."""
+    """Return the key under which an address is counted: itself, or its /64 network for IPv6."""
     try:
         found = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:

@@ -1,4 +1,4 @@
-"""One shape for every error, ``{code, message, detail}``: a stable code, one sentence, and where it helps a detail."""
+"""The JSON form of every error, ``{code, message, detail}``: a stable code, a sentence, and an optional detail."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def status_of(error: MapperError) -> int:
 
 
 def install_error_handlers(app: FastAPI) -> None:
-    """Give every error of the application its one shape."""
+    """Register the handlers that give every error of the application this form."""
     app.add_exception_handler(MapperError, _mapper_error)  # type: ignore[arg-type] # for requests and sockets alike
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _invalid_request)
@@ -105,13 +105,13 @@ async def _invalid_request(_: Request, error: Exception) -> JSONResponse:
 
 
 class CatchAll:
-    """Innermost middleware: a defect becomes a 500 of the common shape and a log line, and shows nothing of itself."""
+    """Innermost middleware: answer an unexpected exception with status 500, without its details, and log it."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, and answer where that fails."""
+        """Handle a request, and answer if that fails."""
         started = False
 
         async def watched(message: Message) -> None:
@@ -126,22 +126,22 @@ class CatchAll:
                 raise
             _log.exception("a request failed", method=scope["method"])
             if started:
-                raise  # the answer is half sent: only breaking the connection tells
+                raise  # part of the answer is sent: only closing the connection shows the failure
             response = error_response(500, "internal", "The request failed because of a defect in the service.")
             await response(scope, receive, send)
 
 
 class Ending:
-    """Outermost middleware: a request that still runs when the service ends is told so; uvicorn cancels it then.
+    """Outermost middleware: answer a request that uvicorn cancels at shutdown with status 503.
 
-    Without it every stalled request would end the service with a traceback.
+    Without it, each stalled request would log a traceback at shutdown.
     """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, and answer where it is cancelled."""
+        """Handle a request, and answer if it is cancelled."""
         started = False
 
         async def watched(message: Message) -> None:

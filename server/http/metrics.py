@@ -1,4 +1,4 @@
-"""Figures for a Prometheus server, in a registry of their own."""
+"""Prometheus metrics, in a registry of their own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 
 
 class Metrics:
-    """What ``/metrics`` shows: counted where it happens, read when it is asked for."""
+    """The metrics of ``/metrics``. Counters are updated where events occur; session figures are read on request."""
 
     def __init__(self) -> None:
         self._registry = CollectorRegistry()
@@ -28,7 +28,7 @@ class Metrics:
         )
 
     def watch(self, sessions: SessionRegistry) -> None:
-        """Read the sessions' figures whenever the metrics are asked for."""
+        """Include the figures of ``sessions`` in each answer."""
         self._registry.register(_SessionCollector(sessions, self.traffic))
 
     def text(self) -> bytes:

@@ -1,6 +1,6 @@
-"""Who may ask what: the Host and Origin checks, the token, the visitor's cookie, headers, and the size of bodies.
+"""Access checks: Host, Origin, the token, the visitor's cookie, security headers, and the size of bodies.
 
-Plain ASGI, so that sockets are checked as requests are and nothing is buffered that need not be.
+Plain ASGI, so that WebSockets are checked as requests are and uploads are not buffered.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ VISITOR_COOKIE = "gridbloom_visitor"
 TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
-BODY_S = 30.0  #: seconds in which it has to come
-UPLOADS = "/api/logs"  #: PUT here counts its own bytes as they stream in
+BODY_S = 30.0  #: seconds within which it must arrive
+UPLOADS = "/api/logs"  #: PUT here limits its body itself while it arrives
 
 CSP = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "
@@ -48,8 +48,8 @@ HEADERS = {
 ENTRANCE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>Gridbloom: token</title></head>
-<body><h1>Gridbloom asks for its token</h1>
-<p>It stands in the address that the service printed when it started.</p>
+<body><h1>Gridbloom needs its access token</h1>
+<p>The token is part of the address that the service printed when it started.</p>
 <form method="get"><label>Token <input type="password" name="token" autocomplete="current-password" required></label>
 <button>Open</button></form></body></html>
 """
@@ -75,7 +75,7 @@ class Security:
         self._proof = "" if token is None else hmac.digest(token.encode(), b"cookie", hashlib.sha256).hex()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Check a request or a socket, and pass it on."""
+        """Check a request or a WebSocket, and forward it."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -107,10 +107,10 @@ class Security:
             receive = _replay(body, receive)
         await self._app(scope, receive, send_with_headers)
 
-    # -- who is asked ----------------------------------------------------------------------------------------------
+    # -- checks ----------------------------------------------------------------------------------------------------
 
     def _refusal(self, scope: Scope, headers: Headers, cookies: dict[str, str]) -> Response | None:
-        """Return why this is refused, None where it is not."""
+        """Return the answer that refuses the request, None if it is allowed."""
         host = headers.get("host", "")
         if not self._host_allowed(host):
             message = "This address is not one of the service's own; see the setting GRIDBLOOM_ALLOWED_HOSTS."
@@ -124,7 +124,7 @@ class Security:
         return None if refusal is not None and refusal.status_code == 401 and self._guests_may(scope) else refusal
 
     def _host_allowed(self, host: str) -> bool:
-        """A page of another site must not reach the service under a name that it controls (DNS rebinding)."""
+        """Return whether the Host header names this service. Prevents DNS rebinding by pages of other sites."""
         found = _NETLOC.fullmatch(host)
         if found is None:
             return False
@@ -148,7 +148,7 @@ class Security:
         if given is not None and self._is_token(given):
             if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
                 return None
-            # Out of the address bar, into a cookie: an address is copied and shared, and stands in histories.
+            # Move the token from the address into a cookie: addresses are copied, shared and kept in histories.
             rest = urlencode([(name, value) for name, value in query if name != "token"])
             path = "/" + scope["path"].lstrip("/\\")
             response: Response = RedirectResponse(path + (f"?{rest}" if rest else ""), status_code=303)
@@ -156,7 +156,7 @@ class Security:
             return response
         if "text/html" in headers.get("accept", ""):
             return HTMLResponse(ENTRANCE, status_code=401)
-        message = "This service asks for its token: as ?token=…, or in the header Authorization: Bearer …"
+        message = "This service needs its access token: as ?token=…, or in the header Authorization: Bearer …"
         return error_response(401, "security.token", message, headers={"WWW-Authenticate": "Bearer"})
 
     def _is_token(self, given: str) -> bool:
@@ -170,10 +170,10 @@ class Security:
         live = services_of(scope["app"]).sessions.all()
         return any(one.id == parameters["session_id"] and one.link is not None for one in live)
 
-    # -- who asks --------------------------------------------------------------------------------------------------
+    # -- the visitor -----------------------------------------------------------------------------------------------
 
     def _identify(self, scope: Scope, cookies: dict[str, str]) -> str | None:
-        """Note whose request this is; return the new visitor's cookie where there was none."""
+        """Store the visitor's id in the scope; return it if the visitor is new, for the cookie."""
         known = cookies.get(VISITOR_COOKIE, "")
         visitor = known if _VISITOR.fullmatch(known) else secrets.token_urlsafe(18)
         scope.setdefault("state", {})["visitor"] = visitor
@@ -185,7 +185,10 @@ class Security:
 
 
 def _same_origin(origins: list[str], host: str) -> bool:
-    """Browsers send an Origin with every socket and every unsafe request; programs that are no browsers send none."""
+    """Return whether the Origin is the service's own, or absent.
+
+    Browsers send it with every WebSocket and unsafe request, other programs do not.
+    """
     if not origins:
         return True
     if len(origins) > 1:
@@ -215,7 +218,7 @@ async def _refuse_socket(receive: Receive, send: Send) -> None:
 
 
 async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
-    """Return a request's body as one message, or the refusal of one that is too large or does not come."""
+    """Return a request's body as one message, or the answer to one that is too large or too slow."""
     declared = headers.get("content-length", "0")
     if declared.isascii() and declared.isdigit() and int(declared[:20]) > MAX_BODY_BYTES:
         return _cut(413, "request.too_large", f"A request has at most {MAX_BODY_BYTES} bytes.")
@@ -232,11 +235,11 @@ async def _read_small(receive: Receive, headers: Headers) -> Message | Response:
                 if not message.get("more_body", False):
                     return {"type": "http.request", "body": bytes(body), "more_body": False}
     except TimeoutError:
-        return _cut(408, "request.stalled", f"The request did not come whole within {BODY_S:g} s.")
+        return _cut(408, "request.stalled", f"The request was incomplete after {BODY_S:g} s.")
 
 
 def _cut(status: int, code: str, message: str) -> Response:
-    """Return the answer to a request of which nobody reads the rest."""
+    """Return an error answer that closes the connection: the rest of the request is not read."""
     return error_response(status, code, message, headers={"Connection": "close"})
 
 

@@ -1,7 +1,7 @@
-"""uvicorn's HTTP/1.1, with a deadline for the headers of each request and connections that can be given up.
+"""uvicorn's HTTP/1.1 protocol with a deadline for request headers and closable waiting connections.
 
-uvicorn waits without end for the headers of a connection that has sent a byte, and for the rest of a body after it
-has answered.
+uvicorn itself has no time limit for the headers of a connection that has sent a byte, nor for the rest of a body after
+it has answered.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ REST_S = 60.0  #: seconds in which the rest of a body may come that was answered
 
 
 class HttpProtocol(H11Protocol):
-    """One connection. Its headers have to come within ``header_s`` seconds, whole."""
+    """One connection. Complete headers must arrive within ``header_s`` seconds."""
 
     def __init__(self, *arguments: Any, connections: Connections, header_s: float, **more: Any) -> None:  # noqa: ANN401
         super().__init__(*arguments, **more)
@@ -55,7 +55,7 @@ class HttpProtocol(H11Protocol):
         super().handle_websocket_upgrade(event)
 
     def _look(self) -> None:
-        """See whether a request is under way."""
+        """Check whether a request is running."""
         if self.transport.is_closing() or self.transport.get_protocol() is not self:
             return
         # There is no cycle before the first request.

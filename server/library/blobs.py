@@ -1,8 +1,7 @@
 """The bytes of uploaded logs, through obstore: a folder, or a bucket of S3. Each file is kept once, by its digest.
 
-Bytes come in under a name that nobody knows and get their place, ``blobs/SHA-256``, when the last of them is there: a
-rename in a folder, a copy on the server's side in a bucket. What is half written is never seen, and the next start
-removes it.
+An upload is written under a random name and moved to ``blobs/SHA-256`` when it is complete: by a rename in a folder, by
+a copy on the server's side in a bucket. Incomplete files are never visible and are removed at the next start.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Incoming:
-    """An upload on its way into a store: ``size`` bytes so far. Used from the event loop, one call at a time."""
+    """An upload that is being written to a store, ``size`` bytes so far. Event loop only, one call at a time."""
 
     def __init__(self, store: ObjectStore) -> None:
         self.name = uuid.uuid4().hex
@@ -59,9 +58,9 @@ class Incoming:
         return self._digest.hexdigest()
 
     async def write(self, data: bytes | bytearray) -> None:
-        """Append ``data``, which nobody changes afterwards. Raises :class:`StorageError`."""
+        """Append ``data``, which must not be changed afterwards. Raises :class:`StorageError`."""
         if self._ended:
-            return  # what comes late of an upload that was given up
+            return  # late data of an upload that was cancelled
         with _told(away=not isinstance(self._store, LocalStore)):
             if len(data) <= HASHED_AT_ONCE:
                 self._digest.update(data)
@@ -75,7 +74,7 @@ class Incoming:
         self.size += len(data)
 
     async def place(self) -> None:
-        """Give the bytes their place. Raises :class:`StorageError`; then nothing is left of them."""
+        """Move the bytes to their final name. Raises :class:`StorageError`; then they are removed."""
         try:
             with _told(away=not isinstance(self._store, LocalStore)):
                 await self._writer.close()
@@ -86,7 +85,7 @@ class Incoming:
         self._ended = True
 
     async def drop(self) -> None:
-        """Let go of the bytes."""
+        """Discard the bytes."""
         if self._ended:
             return
         self._ended = True
@@ -122,7 +121,7 @@ class Blobs:
             return cls(LocalStore(prefix=folder), folder, scratch)
 
     def identity(self) -> str:
-        """Return what tells this store from every other one, made when it is first asked for.
+        """Return the id of this store, which is created on the first call.
 
         Blocks. Raises :class:`StorageError`.
         """
@@ -135,7 +134,7 @@ class Blobs:
                 return identity
 
     def incoming(self) -> Incoming:
-        """Return where an upload goes."""
+        """Return a new upload."""
         return Incoming(self._store)
 
     async def names(self) -> set[str]:
@@ -188,7 +187,7 @@ class Blobs:
             await asyncio.to_thread(path.unlink)
 
     async def sweep(self, keep: Collection[str]) -> None:
-        """Remove what an earlier run left half written, and the blobs that are not among ``keep``."""
+        """Remove incomplete files of an earlier run, and the blobs that are not among ``keep``."""
         for name in await self.names() - set(keep):
             await self.delete(name)
         with _told(away=not isinstance(self._store, LocalStore)):
@@ -206,7 +205,7 @@ def _empty(folder: Path) -> None:
 
 @contextmanager
 def _told(*, away: bool) -> Iterator[None]:
-    """Raise what a store refuses as one sentence, ``away`` for one elsewhere; the reasons go to the service's log."""
+    """Raise a store's error as one sentence, ``away`` for a remote store; the cause goes to the service's log."""
     try:
         yield
     except (OSError, BaseError) as error:

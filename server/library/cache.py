@@ -1,4 +1,4 @@
-"""The logs in memory: the least recently used leave when there are too many bytes of them."""
+"""The logs in memory, with a limit in bytes: the least recently used are removed first."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from server.library.packed import nbytes
 
 
 class LogCache:
-    """Keeps up to ``max_bytes`` of logs, and always the newest, so that all who open it share it.
+    """Keeps up to ``max_bytes`` of logs, and always the newest, so that all its sessions share it.
 
     Used from the event loop only.
     """
@@ -27,7 +27,7 @@ class LogCache:
         return log
 
     def put(self, log_id: str, log: ScanLog) -> None:
-        """Keep ``log``, letting go of the least recently used ones until it fits."""
+        """Keep ``log``, removing the least recently used ones until it fits."""
         self.drop(log_id)
         self._logs[log_id] = log
         self.bytes += nbytes(log)
@@ -36,7 +36,7 @@ class LogCache:
             self.drop(oldest)
 
     def drop(self, log_id: str) -> None:
-        """Let go of a log, if it is kept."""
+        """Remove a log, if it is kept."""
         log = self._logs.pop(log_id, None)
         if log is not None:
             self.bytes -= nbytes(log)

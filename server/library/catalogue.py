@@ -1,7 +1,7 @@
-"""The catalogue: every record in memory, and what belongs to it: its row, its blob, its pack. Gone is gone everywhere.
+"""The catalogue: every record in memory, with its row, blob and pack. Removing a record removes all of them.
 
-All methods run on the event loop. What two visitors uploaded alike is one blob, which stays as long as one of them
-keeps it.
+All methods run on the event loop. Equal uploads of several visitors share one blob, which stays as long as one of
+them keeps it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Catalogue:
         self.folder_logs: dict[str, FolderLog] = {}
 
     async def start(self, *, is_ours: bool = True) -> None:
-        """Take up what an earlier run left, and remove the traces of what it did not end. Raises ``StorageError``.
+        """Load what an earlier run left, and remove its unfinished files. Raises ``StorageError``.
 
         Unless it is known that the blobs are those of these records (``is_ours``), all of both stay.
         """
@@ -51,7 +51,7 @@ class Catalogue:
         there: set[str] = set()
         try:
             there = await self._blobs.names()
-        except StorageError:  # a bucket that is away for a moment must not cost anybody a log
+        except StorageError:  # a bucket that is unreachable for a short time must not cost a log
             is_ours = False
         for record in found:
             if record.source == "sample":  # of it there is a row where there is a link to it
@@ -145,7 +145,7 @@ class Catalogue:
         return record
 
     def save(self, record: Record) -> None:
-        """Keep a changed record; where it cannot be written it counts until the next start."""
+        """Store a changed record; if it cannot be written, it is valid until the next start."""
         self._records[record.id] = record
         # Of the folder's logs only what was found out is worth keeping: all else is found out again.
         if record.source == "upload" or record.state == "ready":

@@ -52,18 +52,18 @@ class Database:
         return cls(engine)
 
     def run(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
-        """Have ``work`` done in a transaction; it begins after all that was asked for before.
+        """Run ``work`` in a transaction, after all work that was queued before.
 
         The future raises :class:`StorageError` where the database refuses; then nothing of it was done.
         """
         return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
 
     def now(self, work: Callable[[Connection], T]) -> T:
-        """Have ``work`` done before anything was asked for, and wait for it. Raises :class:`StorageError`."""
+        """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""
         return _attempt(self._engine, work)
 
     def close(self) -> None:
-        """Finish what was asked for, which may take a while, and let go of the database."""
+        """Finish the queued work, which may take a while, and close the database."""
         self._thread.shutdown()
         self._engine.dispose()
 
@@ -104,7 +104,7 @@ def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
 
 
 def _told(error: SQLAlchemyError) -> StorageError:
-    """Return what happened as one sentence; the reasons go to the service's log."""
+    """Return an error as one sentence; the cause goes to the service's log."""
     reason = str(error.orig if isinstance(error, DBAPIError) else error).partition("\n")[0]
     _log.warning("the database of records failed", error=reason)
     if "disk is full" in reason or "disk I/O error" in reason or "No space left" in reason:

@@ -1,4 +1,4 @@
-"""A folder of logs that everybody may open and nobody may change."""
+"""A read-only folder of logs that every visitor may open."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What runs in the process that reads a log: the reading itself, its limits, and how far it is.
+"""The code of the process that reads a log: reading, resource limits, and progress.
 
-What a file can do there, it can do to nobody else: the process has a limit of memory, of processor time and of time on
-the clock, and it ends with the server.
+A malicious file can harm only this process, which has limits of memory, processor time and wall time, and ends with the
+server.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _report: Callable[[float], None] | None = None  #: where this process says how f
 
 
 def start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_bytes: int) -> None:
-    """Run once in the process of a pool: its limit of address space, who it is and where it says how far it is."""
+    """Initialize a process of a pool: its limit of address space, its id, and where it reports progress."""
     pid.value = os.getpid()
     threading.Thread(target=_end_with_server, name="end with the server", daemon=True).start()
 
@@ -51,7 +51,7 @@ def start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_b
 
 
 def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
-    """Limit this process for good, and have it say how far it is to ``report``."""
+    """Limit this process permanently, and report its progress to ``report``."""
     global _report  # noqa: PLW0603 - a worker process has no other place that outlives a job
     _report = report
     # Ctrl-C, and a service manager that stops all processes of the service, signal this one too. The server ends its
@@ -68,7 +68,7 @@ def _note_progress(fraction: float) -> None:
 
 
 def _end_with_server() -> None:
-    """End this process when the server is gone: killed, it ends nobody, and what it began must not go on."""
+    """End this process when the server is gone, also if the server was killed."""
     server = multiprocessing.parent_process()
     if server is not None:
         multiprocessing.connection.wait([server.sentinel])

@@ -21,7 +21,7 @@ MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interr
 
 
 class Jobs:
-    """What is queued for ``reader``, or in its hands; ``room`` tells how many bytes there may yet be."""
+    """What is queued for ``reader``, or in its hands; ``room`` returns how many more bytes are allowed."""
 
     def __init__(self, catalogue: Catalogue, reader: Reader, room: Callable[[], int]) -> None:
         self._catalogue = catalogue
@@ -59,13 +59,13 @@ class Jobs:
             _log.warning("log not read again", log=record.id, attempts=record.attempts)
 
     async def settled(self, log_id: str) -> None:
-        """Wait for the end of the job that is under way."""
+        """Wait for the end of the running job."""
         job = self._jobs.get(log_id)
         if job is not None:
             await asyncio.wait([job])  # not the job itself: it may be cancelled, and that is not ours to be
 
     async def stop(self, log_id: str) -> bool:
-        """Stop a job, and tell whether there was one."""
+        """Stop a job, and return whether there was one."""
         job = self._jobs.pop(log_id, None)  # one that has not begun yet does not do it itself
         if job is None:
             return False
@@ -85,7 +85,7 @@ class Jobs:
                 self._catalogue.save(replace(record, state="queued", attempts=record.attempts - 1))
 
     async def _read(self, record: Record, pack: Path | None) -> None:
-        """The job: wait for the reader, read, and say how it went."""
+        """The job: wait for the reader, read, and store the outcome."""
         started = time.monotonic()
         try:
             async with self._reader.turn(record.owner):

@@ -1,6 +1,6 @@
-"""The library: which logs there are for whom, what state each is in, and the log itself when it is asked for.
+"""The library: the logs that a visitor may open, the state of each, and their contents.
 
-Three sources: uploads (private to the visitor who made them), a folder that the operator names (for everybody,
+Three sources: uploads (private to the visitor who made them), a folder that the operator names (for all visitors,
 read-only) and one built-in sample. All methods run on the event loop; files and readers work elsewhere.
 """
 
@@ -35,7 +35,7 @@ DAY_S = 86_400.0
 
 
 class LogNotFoundError(MapperError):
-    """There is no such log for this visitor: never was, is gone, or belongs to somebody else."""
+    """There is no such log for this visitor: it never existed, was deleted, or belongs to another visitor."""
 
 
 class LogReadOnlyError(MapperError):
@@ -44,15 +44,15 @@ class LogReadOnlyError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class LibraryLimits:
-    """Caps on what the library takes in, keeps and spends on reading."""
+    """Limits on uploads, stored bytes and reading."""
 
     max_logs_per_owner: int = 50
     max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
     max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
     max_uploads_at_once: int = 8
-    max_uploads_of_owner: int = 4  #: at once: who sends slowly keeps nobody else from sending
+    max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
-    idle_s: float = 30.0  #: seconds of next to nothing after which an upload is given up
+    idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
     read_timeout_s: float = 120.0
     read_cpu_s: float = 100.0  #: seconds of processor time
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
@@ -116,7 +116,7 @@ class Library:
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
-        """Take up what an earlier run left: its records, and the traces of jobs and uploads that it did not end.
+        """Load the records of an earlier run, and handle its unfinished jobs and uploads.
 
         Raises :class:`StorageError`.
         """
@@ -132,7 +132,7 @@ class Library:
         self._folder.begin_survey()
 
     async def close(self) -> None:
-        """End the jobs and the reading process, and let go of the stores."""
+        """End the jobs and the reading process, and close the stores."""
         await self._folder.close()
         await self._jobs.close()
         await self._intake.close()
@@ -142,7 +142,7 @@ class Library:
         await asyncio.to_thread(self._database.close)
 
     async def _expire(self) -> None:
-        """Delete the uploads that nobody has used for a long time."""
+        """Delete the uploads that were not used for a long time."""
         await self._catalogue.expire(time.time() - self._limits.keep_s, self._jobs.busy)
 
     def _room(self) -> int:

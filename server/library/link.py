@@ -9,12 +9,12 @@ from mapper.core.errors import MapperError
 
 
 class LinkGoneError(MapperError):
-    """There is no such link: never was, or it was revoked."""
+    """There is no such link: it never existed, or was revoked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link of ``owner`` to a log. Who knows the ``token`` may look."""
+    """A link of ``owner`` to a log. Knowing the ``token`` permits to open it."""
 
     token: str
     owner: str

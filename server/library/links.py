@@ -1,6 +1,6 @@
-"""Links: whoever has one opens a view of a log that is somebody else's, until that person revokes it.
+"""Links: each opens a read-only view of its owner's log until the owner revokes it.
 
-What a view is, the library need not know: it keeps what it is given and gives it back.
+The library stores the view without interpreting it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Links:
         self._links: dict[str, Link] = {}
 
     async def start(self) -> None:
-        """Take up the links that there are. Raises ``StorageError``."""
+        """Load the stored links. Raises ``StorageError``."""
         self._links = {link.token: link for link in await self._database.run(_load)}
 
     async def make(self, owner: str, record: Record, view: dict[str, Any]) -> Link:
@@ -67,14 +67,14 @@ class Links:
         return sorted(found, key=lambda link: link.created_s, reverse=True)
 
     async def revoke(self, owner: str, token: str) -> None:
-        """Make a link of ``owner`` open nothing any more. Raises :class:`LinkGoneError`, and ``StorageError``."""
+        """Revoke a link of ``owner``. Raises :class:`LinkGoneError`, and ``StorageError``."""
         if self.get(token).owner != owner:
             raise LinkGoneError("link.gone", "There is no such link of yours.")
         await self._database.run(lambda connection: _delete(connection, token))
         self._links.pop(token, None)
 
     def drop(self, log_id: str) -> Sequence[str]:
-        """Forget the links to a log that is gone, whose rows went with it; return their tokens."""
+        """Forget the links to a deleted log, whose rows were deleted with it; return their tokens."""
         gone = [link.token for link in self._links.values() if link.log_id == log_id]
         for token in gone:
             del self._links[token]

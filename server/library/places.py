@@ -1,8 +1,8 @@
-"""Places of uploads: how many come in at once, and who makes room when all are taken.
+"""Limits on concurrent uploads, and which upload is cancelled when others wait.
 
-An upload's speed is what came of it per second of waiting for it: what the store takes does not count. One that comes
-too slowly is given up; where others wait for a place, slower ones make room sooner, those of the address with the most
-uploads first. The sender of an upload that comes in parts goes on with it later.
+The speed of an upload is bytes per second of waiting for data; time spent in the store does not count. An upload that
+is too slow is cancelled. While others wait for a slot, the limit is higher, and uploads of the address with the most
+uploads are cancelled first. An upload in parts can be continued later.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LOOK_EVERY_S = 0.2
 
 
 class Place:
-    """One upload's place. It is given up when next to nothing comes for ``idle_s`` seconds."""
+    """The slot of one upload. It is cancelled when almost no data arrives for ``idle_s`` seconds."""
 
     def __init__(self, owner: str, address: str, idle_s: float) -> None:
         self.owner = owner

@@ -1,4 +1,4 @@
-"""Reading logs elsewhere: one at a time, in turns, with a deadline, and with one sentence for a reader that died."""
+"""Reads logs in a worker: one at a time, in fair order, with a deadline and an error for a reader that died."""
 
 from __future__ import annotations
 
@@ -67,5 +67,5 @@ class Reader:
             raise
 
     async def close(self) -> None:
-        """End what is under way and wait until it is gone."""
+        """Cancel the running job and wait until it has ended."""
         await asyncio.to_thread(self._worker.close)

@@ -1,4 +1,4 @@
-"""What is known of each log, and what the library asks of the store that keeps it."""
+"""The record of a log, and the interface of the store of records."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """One log. ``owner`` is the visitor who uploaded it, empty for the logs that everybody sees.
+    """One log. ``owner`` is the visitor who uploaded it, empty for the logs that all visitors see.
 
     ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
-    ``summary`` is None until it was; ``attempts`` counts the readings that were begun and not finished. The sample is
-    ``ready`` before that: it is made when somebody asks for it.
+    ``summary`` is None until it was; ``attempts`` counts the readings that started and did not finish. The sample is
+    ``ready`` before that: it is created on first use.
     """
 
     id: str

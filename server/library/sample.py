@@ -1,4 +1,4 @@
-"""The built-in sample: a simulated run, made when it is first asked for, so that nobody needs a log to begin."""
+"""The built-in sample log: a simulated run, created on first use."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Sample:
         return log
 
     async def close(self) -> None:
-        """Give up what is under way."""
+        """Cancel the running work."""
         if self._job is not None:
             self._job.cancel()
             await asyncio.gather(self._job, return_exceptions=True)

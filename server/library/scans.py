@@ -1,4 +1,4 @@
-"""The scans of logs that were read: from memory, from their packs, or, a further sensor's, from the file once more."""
+"""The scans of logs: from memory, from their packs, or, for another sensor, by reading the file again."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Scans:
         return log
 
     async def of_sensor(self, record: Record, topic: str) -> ScanLog:
-        """Return another sensor's scans than the log was packed with: read for who asks, and kept in memory only."""
+        """Return another sensor's scans than the log was packed with: read on request, and kept in memory only."""
         key = f"{record.id}#{topic}"
         async with self._reader.turn(record.owner):
             kept = self._cache.get(key)

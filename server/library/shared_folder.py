@@ -1,4 +1,4 @@
-"""The folder of logs that everybody sees: what lies in it now, and what its logs hold, found out one by one."""
+"""The shared folder of logs: its current contents, and a survey that reads its logs one by one."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class SharedFolder:
         return [self.record(log) for log in self._catalogue.folder_logs.values()]
 
     async def look(self) -> None:
-        """Take in what lies in the folder now; forget what was known of logs that do not any more."""
+        """Update the records from the folder's current contents; forget logs that are gone."""
         if self._folder is None:
             return
         async with self._looking:
@@ -55,7 +55,7 @@ class SharedFolder:
         return Record(log.id, "", display_name(log.name), "folder", "queued", log.bytes, created_s=log.modified_s)
 
     def _unknown(self) -> Record | None:
-        """Return a log of which it is not known what it holds although nobody has asked for it; None where all are."""
+        """Return a log that was not read yet; None if all were."""
         known = self._catalogue.all()
         ids = {record.id for record in known}
         folder = (self.record(log) for log in self._catalogue.folder_logs.values() if log.id not in ids)
@@ -63,12 +63,12 @@ class SharedFolder:
         return next(folder, None) or next(unsaid, None)
 
     def begin_survey(self) -> None:
-        """Begin to find out what the logs hold that nobody has opened, unless that is known or under way."""
+        """Start the survey of unread logs, unless it is complete or running."""
         if self._survey_job is None and self._unknown() is not None:
             self._survey_job = asyncio.create_task(self._survey())
 
     async def _survey(self) -> None:
-        """Find out what the logs hold that nobody has opened: one after the other, so that who waits, waits for one.
+        """Read the unread logs one after the other, so that a visitor waits for one of them at most.
 
         Nothing of them is packed: a folder may be larger than the room for packs.
         """

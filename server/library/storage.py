@@ -1,4 +1,4 @@
-"""The folders where logs are kept, and what can be wrong with them, each in one sentence for visitors."""
+"""The folders of the library, and the errors of its stores."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mapper.core.errors import MapperError
 
 
 class StorageError(MapperError):
-    """A store cannot take, give or keep what it should. Nothing half-written is left of it."""
+    """A store failed to write or read. No incomplete file is left."""
 
 
 def disk_full() -> StorageError:

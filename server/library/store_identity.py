@@ -1,7 +1,6 @@
-"""Records and bytes that belong together: a database of records is that of one store of logs, and of no other.
+"""Checks that a database of records and a store of blobs belong together.
 
-A service whose bytes are elsewhere would take the records of another's logs for records of logs that are gone, and
-delete them.
+Otherwise a service with the wrong store would take all records for records of deleted logs, and delete them.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _log = structlog.get_logger(__name__)
 def check_store_identity(database: Database, blobs: Blobs) -> None:
     """Note in the records which store they belong to; raise :class:`StorageError` where they belong to another.
 
-    A store that cannot say who it is just now is let pass. Blocks.
+    A store whose id cannot be read now is accepted. Blocks.
     """
     try:
         identity = blobs.identity()

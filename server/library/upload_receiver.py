@@ -1,4 +1,4 @@
-"""Taking in uploads: into the store of blobs, counted and digested on the way, there whole or not at all.
+"""Receives uploads into the store of blobs, atomically, counting and digesting them on the way.
 
 An upload that names itself (by a key of the sender's choice) may come in parts: what came before a cut is kept for a
 while, and the next part goes on from there. One without a key is forgotten when it breaks off.
@@ -51,7 +51,7 @@ class Received:
         return self.incoming.size
 
     async def write(self, data: bytes | bytearray) -> None:
-        """Append ``data``; once begun it is done, also when whoever waits for it is cancelled."""
+        """Append ``data``. Once started it completes, even if the caller is cancelled."""
         job = asyncio.ensure_future(self.incoming.write(data))
         try:
             await asyncio.shield(job)
@@ -62,7 +62,7 @@ class Received:
 
 
 class UploadReceiver:
-    """The uploads that are under way, or were cut and may go on. Used from the event loop only."""
+    """The uploads that are running, or were interrupted and may be continued. Used from the event loop only."""
 
     def __init__(self, blobs: Blobs, *, max_bytes: int) -> None:
         self._blobs = blobs
@@ -76,7 +76,7 @@ class UploadReceiver:
         return sum(one.size for one in self._partial.values())
 
     def offset(self, owner: str, key: str) -> int:
-        """Return how many bytes of an upload have come; 0 for one that nobody knows, or no longer."""
+        """Return how many bytes of an upload have come; 0 for an unknown one."""
         self._forget_old()
         known = self._partial.get((owner, key))
         return 0 if known is None else known.size

@@ -1,4 +1,4 @@
-"""Where logs are read: on a ``concurrent.futures.Executor``, each in a process of its own.
+"""Workers that read logs, on a ``concurrent.futures.Executor``, each log in a process of its own.
 
 A pool of one process on this machine is the default: it is warm from one log to the next. Any other executor, as that
 of a Dask cluster, starts a process for each log on a machine of its own choice, which sees the data folder by the same
@@ -24,7 +24,7 @@ from server.library.job import Job
 from server.library.storage import StorageError
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
-DIED = 70  #: status of a process of whom nobody wants to know any more
+DIED = 70  #: exit status of a process whose job was cancelled
 
 
 class Worker(Protocol):
@@ -46,10 +46,10 @@ class Worker(Protocol):
         """
 
     def end(self) -> None:
-        """End at once what is under way, if anything is; the next job is read all the same."""
+        """Cancel the running job, if any; later jobs are not affected."""
 
     def close(self) -> None:
-        """End what is under way and wait until it is gone."""
+        """Cancel the running job and wait until its process has ended."""
 
 
 class PoolWorker:
@@ -116,7 +116,7 @@ class PoolWorker:
 
 
 class ExecutorWorker:
-    """Whatever process ``executor`` chooses starts one for each log; they see ``folder`` by the same path.
+    """A worker of ``executor`` starts a process for each log; all see ``folder`` at the same path.
 
     A file in it is the job's lease: it says how far the job is, and without it the job ends.
     """

@@ -1,7 +1,7 @@
-"""The map as things that can be drawn: columns for occupied cells, a picture for the floor. NumPy only.
+"""Drawable geometry of a map: columns for occupied cells, an image for the floor. NumPy only.
 
-A column is the taller the surer the map is; the floor shows p_occ as a colour and nothing where nothing was observed.
-Large grids are drawn coarser, so that the scene costs the same whatever the log.
+The height of a column grows with p_occ; the floor shows p_occ as a colour and is transparent in unobserved cells.
+Large grids are drawn at a lower resolution, which bounds the cost of the scene.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What the scene shows, each thing with what it last sent, so that only changes go to the browser.
+"""Drawings of the scene. Each remembers what it sent last, so that only changes go to the browser.
 
-Colours are the pages' own roles: warm for hits, blue for free, teal for the robot, magenta for its beams.
+Colours are those of the pages: orange for occupied, blue for free, teal for the robot, magenta for its beams.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class WorldDrawing:
         self._shown: World | None = None
 
     def show(self, world: World | None) -> bool:
-        """Show ``world``; return whether it is another than before."""
+        """Show ``world``; return whether it changed."""
         if world is self._shown:
             return False
         self._shown = world
@@ -65,7 +65,7 @@ class WorldDrawing:
 
 
 class MapDrawing:
-    """The occupancy grid: a floor and columns, sent again tile by tile where they changed."""
+    """The occupancy grid: a floor and columns. Only tiles that changed are sent again."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
@@ -166,7 +166,7 @@ def beam_segments(view: SessionView) -> NDArray[np.float32]:
 
 
 def path_segments(poses: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return the way along ``poses`` (n, 3) as segments (m, 2, 3) on the floor, at most :data:`MAX_PATH`."""
+    """Return the path along ``poses`` (n, 3) as segments (m, 2, 3) on the floor, at most :data:`MAX_PATH`."""
     step = -(-len(poses) // MAX_PATH) or 1
     points = np.column_stack([poses[::step, :2], np.full(len(poses[::step]), 0.03)]).astype(np.float32)
     return np.stack([points[:-1], points[1:]], axis=1)

@@ -1,8 +1,8 @@
-"""viser's own panel: the parameters of the one table as sliders, two-way, and the session's clock.
+"""viser's panel: controls for the parameters and for the session's clock.
 
-A change made here is posted to the session; a change made elsewhere moves the slider. A value that a person is
-dragging is not pulled back by the session's older answer: it waits for the session to agree, or gives up after
-:data:`PATIENCE_S`, which is how a refused value snaps back.
+A change made here is posted to the session; a change made elsewhere moves the control. A control that a user has
+changed ignores other values of the session until the session confirms it, or until :data:`PATIENCE_S` have passed:
+a refused value is then reset.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class ParameterControls:
         return handle
 
     def show(self, values: Mapping[str, Any]) -> None:
-        """Move the controls to the session's ``values``, except those that a person has in hand."""
+        """Move the controls to the session's ``values``, except those that a user has just changed."""
         now = time.monotonic()
         for name, handle in self._handles.items():
             value = values[name]
@@ -85,7 +85,7 @@ class ParameterControls:
 
     @property
     def unsettled(self) -> bool:
-        """Whether a choice made here still waits for the session to agree."""
+        """Whether a change made here still waits for the session's confirmation."""
         return bool(self._chosen)
 
     def _show_relevant(self, values: Mapping[str, Any]) -> None:
@@ -97,7 +97,7 @@ class ParameterControls:
 
 
 class Clock:
-    """Play and pause, from the beginning, and for a log a slider over its scans."""
+    """Buttons for play, pause and restart, and for a log a slider over its scans."""
 
     def __init__(self, gui: viser.GuiApi, post: Post, *, count: int | None, playing: bool, index: int) -> None:
         self._post = post
@@ -126,7 +126,7 @@ class Clock:
         gui.add_button("Start again", color="gray").on_click(restarted)
 
     def show(self, *, playing: bool, index: int) -> None:
-        """Say what the session's clock does."""
+        """Show the state of the session's clock."""
         if playing != self._playing:
             self._playing = playing
             self._play.label = "Pause" if playing else "Play"
@@ -154,7 +154,7 @@ class NamedChoice:
         self._handle.on_update(chosen)
 
     def show(self, name: str) -> None:
-        """Show the session's choice, unless a person has just made another."""
+        """Show the session's choice, unless a user has just made another."""
         if self._chosen is not None and name != self._chosen[0] and time.monotonic() < self._chosen[1]:
             return
         self._chosen = None

@@ -1,9 +1,9 @@
-"""Between the browser and a scene's viser server: the page, and the WebSocket in both directions.
+"""Proxy between a browser and a scene's viser server: the page, and the WebSocket in both directions.
 
 viser's client is one page without further files, so it is served from the installed package, compressed once, and
-only the socket is passed on: viser's own HTTP side, which reads files, is never reached from outside. What the
-browser sends is held to the three kinds of message that the scene needs; viser would also open a public tunnel,
-take in files and set any property of its objects when a client asks it to.
+only the WebSocket is forwarded: viser's HTTP server, which reads files, is not reachable from outside. Of the browser's
+messages only the three kinds that the scene needs are forwarded; viser would also open a public tunnel, accept files
+and set any property of its objects at a client's request.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ def page_headers(host: str) -> dict[str, str]:
     """Return the headers of the 3D page: its content security policy for a service reached as ``host``.
 
     viser's client brings its script and styles inline, unpacks them with WebAssembly, whose glue code makes functions
-    from strings, and runs its socket in a worker made of a blob. It may connect back here and nowhere else, whatever
-    its address's query says.
+    from strings, and runs its socket in a worker made of a blob. It may connect to this service only, whatever the
+    query of its address says.
     """
     policy = {
         "default-src": "'none'",
@@ -85,7 +85,7 @@ _Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers count in 
 
 
 class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbid_unknown_fields=True):
-    """viser's message on where the browser's camera is."""
+    """viser's message with the pose of the browser's camera."""
 
     wxyz: tuple[_Number, _Number, _Number, _Number]
     position: _Point
@@ -123,7 +123,7 @@ _passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update)
 
 
 def passes(message: bytes) -> bool:
-    """Return whether a message of the browser's may reach viser, which ends a connection over a field that is amiss."""
+    """Return whether a browser's message may be forwarded. viser closes the connection on an invalid field."""
     try:
         content = _passed.decode(message)
     except (msgspec.DecodeError, RecursionError):
@@ -134,7 +134,7 @@ def passes(message: bytes) -> bool:
 
 
 async def pass_on(browser: WebSocket, path: Path) -> None:
-    """Pass the browser's socket on to viser's, the Unix socket at ``path``, until one of them closes; close the other.
+    """Connect the browser's WebSocket to viser's Unix socket at ``path`` until one of them closes; close the other.
 
     The caller has not accepted the socket yet. One that does not speak viser's subprotocol is refused, as viser
     itself refuses clients of another version.
@@ -173,7 +173,7 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
 
 
 async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
-    """Pump one way; return the code to close the browser's socket with, 0 where it is closed already."""
+    """Forward the browser's messages; return the close code for the browser's socket, 0 if it is closed already."""
     while True:
         message = await browser.receive()
         if message["type"] == "websocket.disconnect":
@@ -189,7 +189,7 @@ async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
 
 
 async def _to_browser(scene: ClientConnection, browser: WebSocket) -> int:
-    """Pump the other way; return the code to close the browser's socket with, 0 where it is closed already."""
+    """Forward viser's messages; return the code to close the browser's socket with, 0 where it is closed already."""
     try:
         async for data in scene:
             await browser.send_bytes(data if isinstance(data, bytes) else data.encode())

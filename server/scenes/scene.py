@@ -1,7 +1,7 @@
-"""One session's 3D view: a viser server that only the proxy reaches, kept in step with the session.
+"""The 3D view of one session: a viser server behind the proxy that follows the session.
 
-Nothing is computed while nobody looks. While somebody does, the robot moves at most :data:`POSE_HZ` times a second
-and the map is drawn at most :data:`MAP_HZ` times, and never for more than a tenth of the time.
+Nothing is computed while no browser shows it. Otherwise the robot is drawn at most :data:`POSE_HZ` times a second and
+the map at most :data:`MAP_HZ` times a second, within a share :data:`MAP_SHARE` of the time.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ POSE_HZ = 15.0
 MAP_HZ = 4.0
 MAP_SHARE = 0.1  #: most of the time that drawing the map may take
 WIDE = 1.3  #: width over height of a picture in which the first camera has the whole world in view
-MARGIN = 5.0  #: metres around a log's way that the first camera shows
+MARGIN = 5.0  #: metres around a log's path that the first camera shows
 SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
 
 _log = structlog.get_logger(__name__)
 
 
 class Scene:
-    """The viser server of one session. Make it with :meth:`open`; :meth:`close` ends its threads and its socket."""
+    """The viser server of one session. Created by :meth:`open`; :meth:`close` ends its threads and its socket."""
 
     def __init__(self, session: Session, server: ViserServer) -> None:
         self._session = session
@@ -54,7 +54,7 @@ class Scene:
 
     @classmethod
     async def open(cls, session: Session) -> Scene:
-        """Make the scene of ``session`` and start to follow it."""
+        """Create the scene of ``session`` and start to follow it."""
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server)
         try:
@@ -84,15 +84,15 @@ class Scene:
         await asyncio.to_thread(self._server.stop)
 
     def enter(self) -> None:
-        """Count a browser that opened its socket, and draw what it missed."""
+        """Count a browser that connected, and draw the current state."""
         self._watching += 1
         if self._watching == 1:
-            self._session.listen(self._changed.set)  # the session's clock runs while somebody listens
+            self._session.listen(self._changed.set)  # the session's clock runs while it has listeners
         self._map_due = 0.0
         self._changed.set()
 
     def leave(self) -> None:
-        """Count a browser that is gone."""
+        """Count a browser that disconnected."""
         self._watching -= 1
         self.idle_since = time.monotonic()
         if not self._watching:
@@ -140,7 +140,7 @@ class Scene:
         gui.set_panel_label("Gridbloom")
         gui.main_panel.dock_right()  # beside the scene, not over it
         is_log = state.world is None
-        hint = "Click near the path to go to that moment." if is_log else "Click the floor to put the robot there."
+        hint = "Click near the path to go to that scan." if is_log else "Click the floor to put the robot there."
         gui.add_markdown(hint)
         self._clock = Clock(
             gui, self._post, count=state.count if is_log else None, playing=state.playing, index=state.index
@@ -165,7 +165,7 @@ class Scene:
         panel.dock_below(gui.main_panel)
 
     def _aim(self, state: SceneState) -> None:
-        """Point new cameras from the south, high up, at the middle of the world (of the way, for a log)."""
+        """Set the initial camera: from the south and above, at the centre of the world (of the path, for a log)."""
         if state.world is not None:
             x0, y0, x1, y1 = state.world.bounds
         else:
@@ -180,7 +180,7 @@ class Scene:
         camera.far = max(1000.0, 10.0 * size)
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
-        """Step back where the picture is narrow, so that the whole world is in view."""
+        """Move the camera back on a narrow screen, so that the whole world is in view."""
         aim = self._server.initial_camera
         if client.camera.aspect < WIDE:
             back = min(WIDE / client.camera.aspect, 4.0)
@@ -190,12 +190,12 @@ class Scene:
     # -- from the browser ---------------------------------------------------------------------------------------
 
     def _post(self, command: dict[str, Any]) -> None:
-        """Hand a command to the session, and look again soon whether it was taken."""
+        """Post a command to the session, and redraw soon, since it may be refused."""
         self._session.post(command)
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
-        """Put the robot where the click's ray meets the floor; in a log, go to the moment nearest to that place."""
+        """Teleport the robot to the clicked point of the floor; in a log, seek to the nearest pose of the path."""
         (ox, oy, oz), (dx, dy, dz) = event.ray_origin, event.ray_direction
         if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor
             return

@@ -1,4 +1,4 @@
-"""All scenes of the server: one for each session that asks, made on the first look, gone when nobody looks."""
+"""All scenes of the service: one per session, created when a browser first opens it, closed when idle."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Scenes:
         return len(self._scenes)
 
     async def get(self, session: Session) -> Scene:
-        """Return the session's scene, making it where there is none; whoever asks at the same time shares it."""
+        """Return the session's scene, creating it if needed. Concurrent callers share it."""
         task = self._scenes.get(session.id)
         if task is None:
             task = asyncio.create_task(_open(session))

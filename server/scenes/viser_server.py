@@ -47,7 +47,7 @@ _infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # 
 class ViserServer(viser.ViserServer):
     """A viser server on the Unix socket ``path``, which only this user's processes can open.
 
-    Raises :class:`OSError` where there can be no socket.
+    Raises :class:`OSError` if the socket cannot be created.
     """
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class ViserServer(viser.ViserServer):
         super().__init__(host=str(descriptor), port=0, label="Gridbloom", verbose=False)
 
     def request_share_url(self, verbose: bool = True) -> None:
-        """Open no public tunnel, whoever asks for one."""
+        """Open no public tunnel."""
 
     def stop(self) -> None:
         """End viser's threads, close the socket and remove its folder."""

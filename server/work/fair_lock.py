@@ -1,4 +1,4 @@
-"""Whose turn it is: one at a time, and those who wait take turns, so that nobody's queue starves another's."""
+"""A lock that is granted to its waiting owners in rotation, so that no owner's queue starves another's."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class FairLock:
 
     def __init__(self) -> None:
         self._busy = False
-        self._waiting: dict[str, deque[asyncio.Future[None]]] = {}  #: who is next stands first
+        self._waiting: dict[str, deque[asyncio.Future[None]]] = {}  #: by owner, the next one first
 
     @asynccontextmanager
     async def of(self, owner: str) -> AsyncIterator[None]:

@@ -1,13 +1,13 @@
-"""Who computes next: turns of at most :data:`SLICE_S`, shared out by address and by visitor.
+"""Fair scheduling of computations in time slices of :data:`SLICE_S`, by address and by visitor.
 
-A job holds a turn while it computes. At its checkpoints it hands the turn on when the turn has lasted a slice and
-somebody else waits. Of those who wait comes first the address that holds the fewest turns, and of equal ones the one
-that was served the longest ago; within an address the same holds for its visitors. So a visitor's many jobs share that
-visitor's part, and many visitors behind one address share that of the address.
+A job holds a turn while it computes. At its checkpoints it yields the turn if the turn has lasted a slice and other
+jobs wait. The next turn goes to the waiting address that holds the fewest turns, on a tie to the one served least
+recently; within an address the same rule holds for its visitors. A visitor's jobs therefore share the visitor's part,
+and the visitors behind one address share the part of the address.
 
-A job is urgent while a person waits for it and it has computed for no longer than :data:`URGENT_S`. Other jobs stand
-back while an urgent one computes or waits: the threads of this process share the interpreter and the cores. They are
-given one slice after :data:`STAND_BACK_S` of urgent computing all the same.
+A job is urgent while a user waits for it and it has computed for at most :data:`URGENT_S`. Other jobs are held back
+while an urgent one computes or waits: the threads of this process share the interpreter and the cores. They still get
+one slice after each :data:`STAND_BACK_S` of urgent computing.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-SLICE_S = 0.05  #: how long a turn lasts where others wait
-URGENT_S = 0.4  #: how long a job may have computed and be urgent still
-STAND_BACK_S = 0.2  #: urgent computing after which a job that stands back is given a slice
-_REMEMBERED = 1024  #: addresses and visitors of whom it is known when they were served last
+SLICE_S = 0.05  #: length of a turn while others wait
+URGENT_S = 0.4  #: computing time for which a job stays urgent
+STAND_BACK_S = 0.2  #: urgent computing after which a job that is held back gets a slice
+_REMEMBERED = 1024  #: addresses and visitors whose last turn is remembered
 
 
 @dataclass(frozen=True, slots=True)
 class Party:
-    """For whom something is computed: a visitor, and the address that the visitor came from."""
+    """The visitor for whom a job computes, and the visitor's address."""
 
     visitor: str
     address: str = ""
 
 
 def _promise() -> Future[None]:
-    """Return a future that nobody can cancel any more: whoever waits for it leaves instead."""
+    """Return a future that cannot be cancelled: cancelling a waiting job removes its turn instead."""
     future: Future[None] = Future()
     future.set_running_or_notify_cancel()
     return future
@@ -54,7 +54,7 @@ class Turn:
     granted: Future[None] = field(default_factory=_promise)
     began: float = 0.0  #: when the slice began
     computed_s: float = 0.0
-    stood_back: bool = False  #: whether the slice was given while urgent jobs were about
+    stood_back: bool = False  #: whether the slice was granted although urgent jobs waited or ran
 
 
 class Scheduler:
@@ -69,10 +69,10 @@ class Scheduler:
         self._count = 0
         self._urgent_s = 0.0  #: urgent computing since a job that stands back was given a slice
 
-    # -- for whoever computes -----------------------------------------------------------------------------------------
+    # -- jobs ---------------------------------------------------------------------------------------------------------
 
     async def run(self, pool: Executor, party: Party, job: Callable[[], T], *, waited_for: bool = True) -> T:
-        """Compute ``job`` on a thread of ``pool`` when it is its turn; ``waited_for`` says whether a person waits.
+        """Compute ``job`` on a thread of ``pool`` when it is its turn; ``waited_for`` says whether a user waits.
 
         The pool needs a thread for each job that has begun. Cancelled while it waits for its first turn, the job does
         not begin; later, it goes on to its end, which it notices by means of its own.
@@ -123,7 +123,7 @@ class Scheduler:
         return not turn.stood_back and not self._is_urgent(turn) and any(map(self._is_urgent, self._all_but(turn)))
 
     def hand_on(self, turn: Turn) -> None:
-        """Hand a held turn to whoever comes next, and ask for another one, which may be granted at once."""
+        """Yield a held turn to the next job, and request another one, which may be granted at once."""
         with self._lock:
             self._take_back(turn)
             self._count += 1
@@ -147,7 +147,7 @@ class Scheduler:
             self._urgent_s += lasted
 
     def _give(self) -> None:
-        """Grant turns while there are free ones and somebody may have them."""
+        """Grant free turns to waiting jobs that may run."""
         while len(self._running) < self._slots and (turn := self._next()) is not None:
             self._waiting.remove(turn)
             self._running.append(turn)
@@ -164,7 +164,7 @@ class Scheduler:
             turn.granted.set_result(None)
 
     def _next(self) -> Turn | None:
-        """Return who has the next turn: None where nobody waits, or only who stands back."""
+        """Return the next turn to grant: None if no job waits, or only jobs that are held back."""
         urgent = [turn for turn in self._waiting if self._is_urgent(turn)]
         others = [turn for turn in self._waiting if turn not in urgent]
         if others and (self._urgent_s >= STAND_BACK_S or not (urgent or any(map(self._is_urgent, self._running)))):
@@ -187,7 +187,7 @@ _here = threading.local()
 
 
 def checkpoint() -> None:
-    """Hand this thread's turn on where it is over, and return when there is another one.
+    """Yield this thread's turn if it is over, and return when the job has another one.
 
     Jobs call it about every hundredth of a second. Outside a scheduler's job it does nothing.
     """

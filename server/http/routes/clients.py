@@ -1,4 +1,4 @@
-"""Who sent a request, and whether somebody still waits for its answer."""
+"""The client of a request: its address, and whether it is still connected."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from mapper.core.errors import MapperError
 
 T = TypeVar("T")
 
-IPV6_PREFIX = 64  #: bits that name one site: a host chooses the others itself, as often as it likes
+IPV6_PREFIX = 64  #: bits that identify a site: a host can choose the other bits freely
 
 
 def client_address(request: Request) -> str:
-    """Return the address that a request came from, of IPv6 its network; empty where it is not known."""
+    """Return the client's address, for IPv6 its /64 network; empty if unknown."""
     host = "" if request.client is None else request.client.host
     try:
         address = ipaddress.ip_address(host.partition("%")[0])
@@ -31,16 +31,16 @@ def client_address(request: Request) -> str:
 
 
 async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:
-    """Return what ``work`` returns, and cancel it when the client has gone. The request's body was read before.
+    """Return the result of ``work``, or cancel it if the client disconnects. The body must have been read before.
 
-    Raises as ``work`` does, and :class:`MapperError` for a client that has gone.
+    Raises as ``work`` does, and :class:`MapperError` if the client has disconnected.
     """
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_gone(request))
     try:
         await asyncio.wait((working, gone), return_when=asyncio.FIRST_COMPLETED)
         if working.done():
             return working.result()
-        raise MapperError("request.gone", "The client did not wait for the answer.")
+        raise MapperError("request.gone", "The client disconnected before the answer.")
     finally:
         for task in (working, gone):
             task.cancel()

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/compare``: the map of a log beside another one, cell by cell."""
+"""``/api/sessions/{id}/compare``: compare the map of a log with another map, cell by cell."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
     try:
         return await _told(session)
     except MapperError as error:
-        # They are beside one another all the same, only not cell by cell.
+        # Both maps are shown all the same, only without a comparison of cells.
         return {"a": session.parameters_message()["compare"], "refused": error.message}
 
 

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/doctor``: what is wrong with the log that a session shows."""
+"""``/api/sessions/{id}/doctor``: the diagnosis of the log that a session shows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 @router.get("/sessions/{session_id}/doctor")
 @guests_may(GuestRight.LINKED_SESSION)
 async def doctor(sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return the doctor's findings on the session's log with its current trajectory."""
+    """Return the diagnosis of the session's log with its current trajectory."""
     session = sessions.get(session_id)
     if not isinstance(session, LogSession):
         raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")

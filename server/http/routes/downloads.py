@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/run.mcap`` and ``trajectory.tum``: a log taken away, with its map and for other viewers."""
+"""``/api/sessions/{id}/run.mcap`` and ``trajectory.tum``: a log as files for other programs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PIECE = 1 << 18
 def _log_session(sessions: SessionRegistry, session_id: str) -> LogSession:
     session = sessions.get(session_id)
     if not isinstance(session, LogSession):
-        raise MapperError("session.no_log", "This session is no log's: it has no recorded scans to take away.")
+        raise MapperError("session.no_log", "This session shows no log: it has no recorded scans to download.")
     if session.link is not None:
         raise MapperError("link.read_only", "This link shares a view of the log, not the log itself.")
     return session

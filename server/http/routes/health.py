@@ -1,4 +1,4 @@
-"""``/livez``, ``/readyz`` and ``/metrics``: what machines ask."""
+"""``/livez``, ``/readyz`` and ``/metrics``: liveness, readiness and metrics."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ async def livez() -> dict[str, str]:
 
 @router.get("/readyz")
 async def readyz() -> dict[str, str]:
-    """Tell that visitors may come: the stores are open. Kernels compile when they are first needed."""
+    """Return 200 once requests can be served: the stores are open. Kernels are compiled when they are first used."""
     return {"status": "ready"}
 
 

@@ -1,4 +1,4 @@
-"""``/api/links``: make, see and revoke links to a view; ``/api/shared/TOKEN`` and ``/shared/TOKEN``: what one opens."""
+"""``/api/links``: make, see and revoke links to a view; ``/api/shared/TOKEN`` and ``/shared/TOKEN``: open one."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class NewLink(BaseModel):
 
 
 def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
-    """What the one who made it sees of a link."""
+    """Return what the owner of a link sees of it."""
     view = link.view["view"]
     return {
         "token": link.token,
@@ -67,7 +67,7 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewL
     """
     session = sessions.get(wanted.session)
     if not isinstance(session, LogSession):
-        raise MapperError("session.not_a_log", "Only a view of a log has such links; a live world is its own.")
+        raise MapperError("session.not_a_log", "Only the view of a log can be shared by a link, not a simulation.")
     record = library.get(visitor, session.log_id)
     seen = session.seen()
     look = None if wanted.look is None else wanted.look.model_dump()
@@ -122,7 +122,7 @@ async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Vi
     )
     try:
         library.links.get(token)
-    except LinkGoneError:  # revoked meanwhile
+    except LinkGoneError:  # revoked in the meantime
         await sessions.close(session.id)
         raise
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
@@ -131,7 +131,7 @@ async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Vi
 @router.api_route("/shared/{token}", methods=["GET", "HEAD"], include_in_schema=False)
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
-    """The page of a link, which says so where the link is gone."""
+    """Return the page of a link, with status 404 if the link is gone."""
     response = page_file(request, "logs.html")
     response.headers["X-Robots-Tag"] = "noindex"
     try:
@@ -146,4 +146,4 @@ def _record_name(library: Library, link: Link) -> str:
     try:
         return library.get(link.owner, link.log_id).name
     except LogNotFoundError:
-        raise LinkGoneError("link.log_gone", "The log that this link opened is no longer there.") from None
+        raise LinkGoneError("link.log_gone", "The log of this link no longer exists.") from None

@@ -1,4 +1,4 @@
-"""``/api/logs``: upload a log, see what is known of one's logs, delete one."""
+"""``/api/logs``: upload, list, read again and delete logs."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ async def asset(request: Request, name: str) -> Response:
 
 @router.get("/3d")
 async def three_d(sessions: Sessions, session: str) -> Response:
-    """Lead to the 3D view of a session."""
+    """Redirect to the 3D view of a session."""
     found = sessions.get(session)
     return RedirectResponse(f"/scenes/{found.id}/", status_code=307)
 

@@ -13,14 +13,14 @@ router = APIRouter(prefix="/scenes", include_in_schema=False)
 
 @router.get("/{session_id}")
 async def without_slash(sessions: Sessions, session_id: str) -> Response:
-    """Lead to the page's own address, from which its socket's is made."""
+    """Redirect to the page's address, from which the address of its WebSocket is derived."""
     sessions.get(session_id)
     return RedirectResponse(f"/scenes/{session_id}/", status_code=308)
 
 
 @router.api_route("/{session_id}/", methods=["GET", "HEAD"])
 async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
-    """Return viser's client. The scene itself is made when the page opens its socket."""
+    """Return viser's client. The scene is created when the page opens its WebSocket."""
     sessions.get(session_id)
     client = client_page()
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
@@ -34,7 +34,7 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 @router.websocket("/{session_id}")
 @router.websocket("/{session_id}/")
 async def socket(websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, session_id: str) -> None:
-    """Pass the page's socket on to the session's scene."""
+    """Forward the page's WebSocket to the session's scene."""
     session = sessions.get(session_id)
     scene = await scenes.get(session)
     scene.enter()

@@ -1,4 +1,4 @@
-"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: begin, see and end sessions."""
+"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: create, inspect and end sessions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 
 
 class Story(BaseModel):
-    """What happened in a live world: enough to make it, its recording and its map again."""
+    """The history of a simulation: enough to reproduce the world, its recording and its map."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -93,7 +93,7 @@ async def create(
     library: Logs,
     visitor: Visitor,
 ) -> Response:
-    """Begin a session on a live world or on a log. A client that does not wait for the answer ends the work."""
+    """Begin a session on a live world or on a log. If the client disconnects, the work is cancelled."""
     return await while_connected(request, _create(wanted, sessions, library, visitor, client_address(request)))
 
 
@@ -124,7 +124,7 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
 
 @router.get("/sessions/making/{name}")
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> dict[str, Any]:
-    """Tell how far a session is that is being made for this visitor: fraction (0 to 1) and seconds since it began."""
+    """Return the progress of a session that is being created for this visitor: fraction (0 to 1) and seconds."""
     under_way = sessions.under_way.get(visitor, name)
     return {"fraction": round(under_way.fraction, 3), "elapsed_s": round(time.monotonic() - under_way.began, 2)}
 

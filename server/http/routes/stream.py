@@ -30,14 +30,14 @@ _log = structlog.get_logger(__name__)
 
 
 class Allowance:
-    """A bucket of commands that fills with time: who floods is read more slowly, and nobody else notices."""
+    """A token bucket that limits the commands of one client: above the rate they are read more slowly."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._left, self._at = COMMAND_BURST, clock()
 
     def spend(self) -> float:
-        """Take one command; return how many seconds to wait before the next is read."""
+        """Count one command; return the seconds to wait before the next one is read."""
         now = self._clock()
         self._left = min(COMMAND_BURST, self._left + (now - self._at) * COMMANDS_PER_S) - 1.0
         self._at = now
@@ -47,7 +47,7 @@ class Allowance:
 @router.websocket("/api/sessions/{session_id}/stream")
 @guests_may(GuestRight.LINKED_SESSION)
 async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSettings, session_id: str) -> None:
-    """Watch and steer a session."""
+    """Exchange messages with a session."""
     session = sessions.get(session_id)
     if SUBPROTOCOL not in websocket.scope["subprotocols"]:
         await websocket.accept()
@@ -77,7 +77,7 @@ async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSett
 
 async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
     if websocket.application_state is WebSocketState.CONNECTED:
-        # The browser may have gone meanwhile: then there is nobody to tell.
+        # The browser may have disconnected meanwhile.
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             await websocket.close(code.code, reason)
 
