@@ -305,7 +305,7 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
 
 
 def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
-    """Return the grid's two tallies (2, rows, cols): what speaks for occupied, and what for empty.
+    """Return the grid's two statistics (2, rows, cols): what argues for occupied, and what for empty.
 
     Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
     """
