@@ -10,7 +10,7 @@ from starlette.exceptions import HTTPException
 
 router = APIRouter(include_in_schema=False)
 
-_HERE = Path(__file__).resolve().parent.parent
+_HERE = Path(__file__).resolve().parents[2]
 PLACES = (_HERE / "pages", _HERE.parent / "static" / "dist")
 TYPES = {
     ".css": "text/css; charset=utf-8",
