@@ -1,4 +1,4 @@
-"""The ``gridbloom`` command itself, to which the other modules add its parts."""
+"""The ``gridbloom`` application object, to which the other modules add commands."""
 
 from __future__ import annotations
 

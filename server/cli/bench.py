@@ -1,4 +1,4 @@
-"""``bench map``: how long a log's map takes."""
+"""``bench map``: time to compute the map of a log."""
 
 from __future__ import annotations
 

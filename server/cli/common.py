@@ -1,4 +1,4 @@
-"""What the commands share: their options, their errors, reading a log."""
+"""Shared by the commands: options, errors, reading a log."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 
 
 def fail(message: str) -> NoReturn:
-    """Say in one sentence why the command cannot go on, and end it."""
+    """Print an error sentence and end the command."""
     typer.echo(f"gridbloom: {message}", err=True)
     raise typer.Exit(BAD_INPUT)
 
 
 @contextmanager
 def refusing(path: Path) -> Iterator[None]:
-    """Turn what the mapper refuses of the file at ``path`` into one sentence."""
+    """Report the mapper's errors on the file at ``path`` as one sentence."""
     try:
         yield
     except MapperError as error:
@@ -143,7 +143,7 @@ def _numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that takes the share that is done, 0 … 1, and shows it; None where nobody watches."""
+    """Yield a function that takes the share that is done, 0 … 1, and shows it; None without a terminal."""
     if not sys.stderr.isatty():
         yield None
         return

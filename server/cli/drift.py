@@ -1,4 +1,4 @@
-"""What ``map`` says of poses that drift."""
+"""The note of ``map`` on poses that drift."""
 
 from __future__ import annotations
 

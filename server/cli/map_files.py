@@ -1,4 +1,4 @@
-"""The map files that commands write, and what they say of a map."""
+"""Map files that commands write, and statistics of a map."""
 
 from __future__ import annotations
 
