@@ -156,7 +156,11 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
     try:
         msgspec.convert(command, Command)
     except msgspec.ValidationError as error:
-        raise _refused(command["type"], str(error)) from error
+        # What is wrong with one of the values is said by the table of parameters, which names it.
+        if " - at `$.values[" not in str(error):
+            raise _refused(command["type"], str(error)) from error
+    except UnicodeEncodeError as error:
+        raise ProtocolError("command.json", "A command has a surrogate without its pair, which is no text.") from error
     return command
 
 
