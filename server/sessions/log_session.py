@@ -161,7 +161,7 @@ class LogSession(ComparableSession):
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
     async def _examine(self, trajectory: str) -> list[Finding]:
-        return await examination(self.log, trajectory, self.scheduler, self.party, self.goes_on)
+        return await examination(self.log, trajectory, self.scheduler, self.party, self.is_open)
 
     @property
     def fraction(self) -> float | None:

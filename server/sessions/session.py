@@ -321,6 +321,13 @@ class Session(SessionModel):
         checkpoint()
         return not (self.closed or (self._may_give_up and self._is_outdated()))
 
+    def is_open(self) -> bool:
+        """Let others have their turn (worker thread), and return whether the session has not ended: for computations
+        that no newer command replaces.
+        """
+        checkpoint()
+        return not self.closed
+
     def _is_outdated(self) -> bool:
         since = self._wished_since
         return self._wishes > self._wishes_begun and since is not None and self._clock() - since < GIVE_UP_S

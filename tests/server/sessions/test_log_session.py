@@ -220,6 +220,17 @@ async def test_an_examination_ends_with_its_session(
     assert maps == 1
 
 
+async def test_a_newer_command_does_not_end_an_examination(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await registry.create_log("me", office_log)
+    # As while a map is computed that a newer slider move replaces.
+    monkeypatch.setattr(session, "_is_outdated", lambda: True)
+    with session.giving_up():
+        assert not session.goes_on()
+        assert await session.examined() == []
+
+
 async def test_an_examination_that_failed_is_made_anew(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
