@@ -1,4 +1,4 @@
-"""Which parameters suit a sensor, where nobody has said others."""
+"""Default parameters per sensor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A map on its way through a log: forwards scan by scan, back and far ahead by way of checkpoints."""
+"""Incremental replay of a log's map with checkpointed seek."""
 
 from __future__ import annotations
 
