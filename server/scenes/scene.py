@@ -16,7 +16,7 @@ import structlog
 import viser
 from numpy.typing import NDArray
 
-from mapper.mapping.parameters import PARAMETERS
+from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS
 from server.logging import short_hash
 from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, path_segments
@@ -152,8 +152,9 @@ class Scene:
         # The parameters have a panel of their own: on a phone it stays folded, and the scene in view.
         panel = gui.add_panel()
         with panel.add_tab("Mapping"):
+            rows = tuple(row for row in PARAMETERS if is_log or row.name not in LOG_ONLY)
             self._controls = [
-                ParameterControls(gui, PARAMETERS, state.config, self._post, "parameters", open_groups=("model",))
+                ParameterControls(gui, rows, state.config, self._post, "parameters", open_groups=("model",))
             ]
         if state.sensor is not None:
             with panel.add_tab("Sensor"):

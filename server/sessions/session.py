@@ -222,7 +222,7 @@ class Session(SessionModel):
             "title": self.title,
             "epoch_id": self.epoch_id,
             "speeds": list(self.speeds),
-            "parameters": parameter_table(self.config, self.initial_config()),
+            "parameters": parameter_table(self.config, self.initial_config(), of_log=self.kind == "log"),
             "sensor": None,
             "log": None,
         } | self.particulars()

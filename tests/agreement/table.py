@@ -25,10 +25,13 @@ from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
 from tests.agreement.asking import (
+    beams_and_poses,
     provenance_by_kernel,
     provenance_by_textbook,
     provenance_of_counts_by_textbook,
     provenance_of_scans_by_textbook,
+    provenance_of_sweeps_by_kernel,
+    provenance_of_sweeps_by_textbook,
 )
 from tests.agreement.inputs import (
     STEPS,
@@ -43,6 +46,7 @@ from tests.agreement.inputs import (
     pictures,
     rays,
     states,
+    sweeping_cases,
     two_maps,
 )
 
@@ -81,6 +85,18 @@ def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
+    return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
+
+
+def sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
+    return grid.log_odds, grid.observed, count
+
+
+def swept_tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
     return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
@@ -274,6 +290,16 @@ TABLE = (
         provenance_of_counts_by_textbook,
         mapping_cases("per_beam", COUNTING),
         ROUNDING,
+    ),
+    Row("deskewed", map_by_kernel, sweeps_by_textbook, sweeping_cases()),
+    Row("deskewed ramps", map_by_kernel, sweeps_by_textbook, sweeping_cases(RAMP), ROUNDING),
+    Row("deskewed cones", map_by_kernel, sweeps_by_textbook, sweeping_cases(CONE), ROUNDING),
+    Row("deskewed counting", tallies_by_kernel, swept_tallies_by_textbook, sweeping_cases(COUNTING), ROUNDING),
+    Row(
+        "provenance of deskewed beams",
+        provenance_of_sweeps_by_kernel,
+        provenance_of_sweeps_by_textbook,
+        sweeping_cases(),
     ),
     Row("merging", merged_by_core, merged_by_textbook, two_maps(), ROUNDING),
     Row("states and information", states_by_core, states_by_textbook, states(), ROUNDING),
