@@ -102,15 +102,18 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
 
     It is for judging a log by few of its scans: the best single pose of a scan whose beams cannot be deskewed. Scans
     for whose sweep the poses are not dense, as :meth:`Motion.is_dense`, keep the pose at their stamps. ``time_offset``
-    seconds are added to the stamps to find the poses. The log that is returned states no time increment.
+    seconds are added to the stamps to find the poses; scans that the trajectory does not cover then are NaN. The log
+    that is returned states no time increment.
     """
     name = trajectory or log.default_trajectory
     way = log.trajectory(name)
-    times, sweep = seconds(log) + time_offset, 0.0
+    times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges
     if can_deskew(log, name):
         sweep = (log.n_beams - 1) * log.time_increment
     if log.n_scans and (sweep or time_offset):
         motion = Motion.of(log, name)
         dense = motion.is_dense(times, times + sweep)
         way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)))
-    return replace(log, trajectories={name: way}, time_increment=0.0)
+        if time_offset:
+            ranges = np.where(motion.covers(times)[:, np.newaxis], ranges, np.float32(np.nan))
+    return replace(log, ranges=ranges, trajectories={name: way}, time_increment=0.0)
