@@ -34,6 +34,14 @@ LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, pla
 TopicName = Annotated[
     str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
 ]
+TopicNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--topic",
+        metavar="NAME",
+        help="The sensor, where the log has several; given again, another one in the same map. [most scans]",
+    ),
+]
 TrajectoryName = Annotated[
     str | None, typer.Option("--trajectory", metavar="NAME", help="Poses to map with. [the log's first]")
 ]

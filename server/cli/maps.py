@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mapper.mapping.parameters import PARAMETERS
+from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.cli.app import app
 from server.cli.common import (
     MOUNT,
@@ -17,7 +17,7 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
-    TopicName,
+    TopicNames,
     TrajectoryName,
     configured,
     fail,
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 @with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
 def map_log(
     log: LogPath,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     mount: Mount = None,
     prior: Prior = None,
@@ -60,29 +60,40 @@ def map_log(
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.several import bounds_of_logs, integrate_logs  # noqa: PLC0415 - start-up
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
-    scans = read_log(log, topic)
+    topics = list(dict.fromkeys(topic or ()))
+    _check_one_sensor(topics, given, mcap)
+    logs = [read_log(log, one) for one in topics] or [read_log(log)]
+    scans = logs[0]
     with refusing(log):
-        frame = scans.trajectory(trajectory).frame_id
-    notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
+        trajectory = trajectory or scans.default_trajectory
+        frame, notes_on_sensors = _frame_of(logs, trajectory)
+    read_notes = [*dict.fromkeys(note for one in logs for note in one.notes), *notes_on_sensors]
+    notes = [*read_notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
-    config = configured(sensor_defaults(scans.beam_width, given))
+    config = _config_for(logs, given)
     with refusing(log):
-        grid = grid_for(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
+        grid = grid_for(
+            scans,
+            config,
+            trajectory,
+            prior=prior_map.grid if prior_map else None,
+            bounds_of=lambda _, config, name: bounds_of_logs(logs, config, name),
+        )
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
         integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
             start = time.perf_counter()
-            updated = integrate_log(
+            updated = integrate_logs(
                 grid,
-                scans,
+                logs,
                 config,
                 trajectory,
-                stop=first_scans,
+                first_scans,
                 progress=bar and (lambda done, total: bar(done / max(1, total))),
             )
             seconds = time.perf_counter() - start
@@ -92,9 +103,9 @@ def map_log(
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
-        "trajectory": trajectory or scans.default_trajectory,
+        "trajectory": trajectory,
         "frame": frame,
-        "scans": scans.n_scans if first_scans is None else first_scans,
+        "scans": sum(one.n_scans for one in logs) if first_scans is None else first_scans,
         "beams": scans.n_beams,
         "cells_updated": updated,
         "seconds": round(seconds, 6),
@@ -106,12 +117,18 @@ def map_log(
         "files": [str(path) for path in written],
         "notes": notes,
     }
+    if len(logs) > 1:
+        facts["sensors"] = [
+            {"topic": name, "scans": one.n_scans, "beams": one.n_beams} for name, one in zip(topics, logs, strict=True)
+        ]
     if not quiet:
         facts["drift"] = drift
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
+    beams = " and ".join(dict.fromkeys(str(one.n_beams) for one in logs))
+    of = f" of {len(logs)} sensors" if len(logs) > 1 else ""
+    typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
@@ -127,6 +144,38 @@ def map_log(
         return
     for note in [*notes, *([drift] if drift else [])]:
         typer.echo(f"  note: {note}")
+
+
+def _check_one_sensor(topics: list[str], given: dict[str, Any], mcap: Path | None) -> None:
+    """End the command where what was asked for concerns one sensor, and several were named."""
+    if len(topics) < 2:
+        return
+    moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
+    if moved:
+        fail("A correction of the mount is for one sensor; give one --topic with it.")
+    if mcap is not None:
+        fail("--mcap writes the scans of one sensor; give one --topic with it.")
+
+
+def _frame_of(logs: list[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
+    """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
+    ways = [one.trajectory(trajectory) for one in logs]
+    frames = dict.fromkeys(way.frame_id for way in ways)
+    if len(frames) < 2:
+        return ways[0].frame_id, []
+    if not all(way.is_placeholder for way in ways):
+        fail(f"The poses of these sensors are in different frames: {', '.join(map(repr, frames))}.")
+    return ways[0].frame_id, ["Where these sensors sit on the robot is not known; all are taken to be in one place."]
+
+
+def _config_for(logs: list[ScanLog], given: dict[str, Any]) -> MappingConfig:
+    """Return the parameters that suit all sensors; end the command where they need different ones."""
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+
+    configs = {configured(sensor_defaults(one.beam_width, given)) for one in logs}
+    if len(configs) > 1:
+        fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
+    return configs.pop()
 
 
 def _export(
