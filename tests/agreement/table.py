@@ -6,7 +6,7 @@ A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
+from mapper.sensors.scan import RangeScan
 from tests.agreement.asking import (
     beams_and_poses,
     provenance_by_kernel,
@@ -149,9 +150,17 @@ def bounds_by_kernel(case: MappingCase) -> tuple[Any, ...]:
 
 
 def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return bounds_of_scans(case, zip(case.scans(), case.sensor_poses(), strict=True))
+
+
+def bounds_of_sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return bounds_of_scans(case, beams_and_poses(case))
+
+
+def bounds_of_scans(case: MappingCase, scans: Iterable[tuple[RangeScan, np.ndarray]]) -> tuple[Any, ...]:
     z_max = min(case.log.range_max, case.config.range_max)
     seen = []
-    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+    for scan, pose in scans:
         seen.append(pose[:2])
         for z, bearing in zip(textbook.readings(scan, case.config), scan.angles, strict=True):
             if z > z_max:
@@ -304,5 +313,6 @@ TABLE = (
     Row("merging", merged_by_core, merged_by_textbook, two_maps(), ROUNDING),
     Row("states and information", states_by_core, states_by_textbook, states(), ROUNDING),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
+    Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
 )
