@@ -15,6 +15,7 @@ from mapper.sensors.scan import ScanLog
 from server.sessions import Session, SessionRegistry
 from server.sessions.why import MAX_TOUCHES, STRETCHES, thinned
 from server.stream.protocol import encode_text
+from tests.mapper.mapping.sweeping import swept
 
 
 async def answer(obey: Callable[..., Any], session: Session, **question: Any) -> dict[str, Any]:
@@ -86,6 +87,29 @@ async def test_the_last_value_is_the_maps(
         else:
             assert told["log_odds"] == told["prior"]
             assert (told["touches"], told["curve"]) == ([], [])
+
+
+async def test_a_deskewed_touch_has_the_pose_of_its_own_time(
+    registry: SessionRegistry, obey: Callable[..., Any]
+) -> None:
+    log = swept(12)
+    session = await registry.create_log("me", log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=11)
+    values = session.config.with_values({"mount_yaw": 0.02})
+    await obey(session, type="parameters", values={"mount_yaw": 0.02})
+    one_by_one = [textbook.deskewed(log, t, values) for t in range(11)]
+    hits = 0
+    for row, col in some_cells(session, 8):
+        said = await answer(obey, session, row=row, col=col)
+        assert said["type"] == "why"
+        for touch in said["touches"]:
+            _, direction = one_by_one[touch["scan"]][touch["beam"]]
+            x, y, yaw = touch["pose"]
+            np.testing.assert_allclose([x, y], direction[:2], atol=1e-3)
+            assert np.exp(1j * (yaw + touch["bearing"])) == pytest.approx(np.exp(1j * direction[2]), abs=1e-3)
+            hits += touch["hit"]
+    assert hits > 0
 
 
 async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
