@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import interpolate
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import MAX_STATED_S, ScanLog
 
 Float64Array = NDArray[np.float64]
 
@@ -92,7 +92,8 @@ def seconds(log: ScanLog) -> Float64Array:
 
 def can_deskew(log: ScanLog, trajectory: str | None = None) -> bool:
     """Return whether the beams of a scan were measured at times that are known, while the robot's poses are."""
-    if log.time_increment == 0.0 or log.n_beams < 2 or log.trajectory(trajectory).is_placeholder:
+    stated = 0.0 < abs(log.time_increment) <= MAX_STATED_S
+    if not stated or log.n_beams < 2 or log.trajectory(trajectory).is_placeholder:
         return False
     return bool((log.stamps_ns != log.stamps_ns[:1]).any())
 

@@ -16,6 +16,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 
+MAX_STATED_S = 3600.0  #: seconds: a longer time between beams or scans is none that a sensor has
 LEAST_ANGLE_STEP = 1e-6  #: radians: beams that are nearer to one another are none that a sensor has
 
 
