@@ -25,6 +25,27 @@ def is_deskewed(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> bool:
     return plan.deskew != "off" and can_deskew(log, trajectory)
 
 
+def deskewed_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
+    """Return which scans (n_scans,) are deskewed."""
+    if not is_deskewed(log, plan, trajectory):
+        return np.zeros(log.n_scans, dtype=np.bool_)
+    if plan.deskew == "on":
+        return np.ones(log.n_scans, dtype=np.bool_)
+    return _are_dense(log, Motion.of(log, trajectory), seconds(log) + plan.time_offset)
+
+
+def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
+    """Return which scans (n_scans,) lie between the first and the last pose by the time offset; others say nothing."""
+    if plan.time_offset == 0.0 or log.n_scans == 0:
+        return np.ones(log.n_scans, dtype=np.bool_)
+    return Motion.of(log, trajectory).covers(seconds(log) + plan.time_offset)
+
+
+def _are_dense(log: ScanLog, motion: Motion, first: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether the poses are dense around sweeps whose first beams are measured at ``first`` (n,), seconds."""
+    return motion.is_dense(first, first + log.time_increment * (log.n_beams - 1))
+
+
 def base_poses(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
     """Return the robot's pose (n_scans, 3) at each scan's stamp, the stamps shifted by the plan's time offset."""
     if plan.time_offset == 0.0 or log.n_scans == 0:
@@ -56,7 +77,7 @@ def _poses_of_beams(
     first = seconds(log)[scans] + plan.time_offset
     poses = motion.along(first[:, np.newaxis] + log.time_increment * beams)
     if plan.deskew == "auto":
-        sparse = ~motion.is_dense(first, first + log.time_increment * (log.n_beams - 1))
+        sparse = ~_are_dense(log, motion, first)
         if sparse.any():
             poses[sparse] = base_poses(log, plan, trajectory)[scans[sparse], np.newaxis]
     return poses
@@ -124,10 +145,7 @@ def _covered_ranges(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
 ) -> NDArray[np.float32]:
     """Return the ranges (stop − start, n_beams), NaN in scans whose shifted time the trajectory does not cover."""
-    ranges = log.ranges[start:stop]
-    if plan.time_offset == 0.0 or start == stop:
-        return ranges
-    covered = Motion.of(log, trajectory).covers(seconds(log)[start:stop] + plan.time_offset)
+    ranges, covered = log.ranges[start:stop], covered_scans(log, plan, trajectory)[start:stop]
     return ranges if covered.all() else np.where(covered[:, np.newaxis], ranges, np.float32(np.nan))
 
 

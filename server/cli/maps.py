@@ -97,6 +97,8 @@ def map_log(
                 progress=bar and (lambda done, total: bar(done / max(1, total))),
             )
             seconds = time.perf_counter() - start
+    deskewed, notes_on_times = _deskewed(logs, config, trajectory)
+    notes += notes_on_times
     drift = None if quiet else drift_note(scans, trajectory, config)
     written = save(grid, out, mode, frame) if out is not None else []
     written += _export(scans, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
@@ -107,6 +109,7 @@ def map_log(
         "frame": frame,
         "scans": sum(one.n_scans for one in logs) if first_scans is None else first_scans,
         "beams": scans.n_beams,
+        "deskewed_scans": deskewed,
         "cells_updated": updated,
         "seconds": round(seconds, 6),
         "resolution": geometry.resolution,
@@ -137,6 +140,8 @@ def map_log(
     typer.echo(
         f"  {facts['information_gain_bits']:.0f} bits learned, {facts['entropy_bits']:.0f} bits open in seen cells"
     )
+    if deskewed:
+        typer.echo(f"  {deskewed} of the log's scans deskewed")
     typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
     for path in written:
         typer.echo(f"  wrote {path}")
@@ -166,6 +171,20 @@ def _frame_of(logs: list[ScanLog], trajectory: str) -> tuple[str | None, list[st
     if not all(way.is_placeholder for way in ways):
         fail(f"The poses of these sensors are in different frames: {', '.join(map(repr, frames))}.")
     return ways[0].frame_id, ["Where these sensors sit on the robot is not known; all are taken to be in one place."]
+
+
+def _deskewed(logs: list[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
+    """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
+    from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
+    from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
+
+    deskewed = left_out = 0
+    for one in logs:
+        plan = plan_update(config, one.range_min, one.range_max)
+        deskewed += int(deskewed_scans(one, plan, trajectory).sum())
+        left_out += int((~covered_scans(one, plan, trajectory)).sum())
+    note = f"With this time offset {left_out} scans are from before or after all poses, and are left out."
+    return deskewed, [note] if left_out else []
 
 
 def _config_for(logs: list[ScanLog], given: dict[str, Any]) -> MappingConfig:

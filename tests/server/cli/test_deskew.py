@@ -12,6 +12,7 @@ from mapper.io.maps import load_map
 from mapper.sensors.scan import ScanLog
 from tests.mapper.io.logs import recorded
 from tests.mapper.mapping.sweeping import BEAMS, off_the_walls, swept
+from tests.server.cli.running import state_counts
 
 
 def written(folder: Path, log: ScanLog, kind: str) -> Path:
@@ -58,6 +59,17 @@ def test_why_tells_of_the_beams_that_the_map_is_made_of(run, tmp_path):
     (told,) = [json.loads(run("why", path, "--at", "3.99,0.5", "--scans", 18, "--json").out)]
     assert told["hits"] > 0
     assert all(0 <= touch["beam"] < BEAMS for touch in told["touches"])
+
+
+def test_it_is_said_how_many_scans_are_deskewed_and_left_out(run, tmp_path):
+    path = written(tmp_path, swept(20), "mcap")
+    facts = state_counts(run, path)
+    assert (facts["scans"], facts["deskewed_scans"]) == (20, 19)  # during the last sweep no pose is known
+    assert "19 of the log's scans deskewed" in run("map", path).out
+    shifted = state_counts(run, path, "--time-offset", "0.35")
+    assert shifted["deskewed_scans"] == 15  # 16 begin before the last pose
+    assert "With this time offset 4 scans are from before or after all poses, and are left out." in shifted["notes"]
+    assert state_counts(run, path, "--deskew", "off")["deskewed_scans"] == 0
 
 
 @pytest.mark.parametrize("option", ["--time-offset", "--deskew"])
