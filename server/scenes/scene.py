@@ -23,7 +23,7 @@ from server.scenes.drawing import PATH, MapDrawing, RobotDrawing, WorldDrawing, 
 from server.scenes.panel import Clock, NamedChoice, ParameterControls, add_layers
 from server.scenes.state import SceneState, read_state
 from server.scenes.viser_server import ViserServer
-from server.sessions import Session
+from server.sessions import SessionHost
 
 POSE_HZ = 15.0
 MAP_HZ = 4.0
@@ -38,7 +38,7 @@ _log = structlog.get_logger(__name__)
 class Scene:
     """The viser server of one session. Created by :meth:`open`; :meth:`close` ends its threads and its socket."""
 
-    def __init__(self, session: Session, server: ViserServer) -> None:
+    def __init__(self, session: SessionHost, server: ViserServer) -> None:
         self._session = session
         self._server = server
         self._loop = asyncio.get_running_loop()
@@ -53,7 +53,7 @@ class Scene:
         self._choice: NamedChoice | None = None
 
     @classmethod
-    async def open(cls, session: Session) -> Scene:
+    async def open(cls, session: SessionHost) -> Scene:
         """Create the scene of ``session`` and start to follow it."""
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import structlog
 
 from server.logging import short_hash
-from server.sessions import Session
+from server.sessions import SessionHost
 
 if TYPE_CHECKING:
     from server.scenes.scene import Scene
@@ -26,7 +26,7 @@ def _scene_class() -> type[Scene]:
     return Scene
 
 
-async def _open(session: Session) -> Scene:
+async def _open(session: SessionHost) -> Scene:
     scene_class = await asyncio.to_thread(_scene_class)
     return await scene_class.open(session)
 
@@ -44,7 +44,7 @@ class Scenes:
     def __len__(self) -> int:
         return len(self._scenes)
 
-    async def get(self, session: Session) -> Scene:
+    async def get(self, session: SessionHost) -> Scene:
         """Return the session's scene, creating it if needed. Concurrent callers share it."""
         task = self._scenes.get(session.id)
         if task is None:
@@ -55,7 +55,7 @@ class Scenes:
                 self._reaper = asyncio.create_task(self._close_idle())
         return await asyncio.shield(task)
 
-    def _opened(self, session: Session, task: asyncio.Task[Scene]) -> None:
+    def _opened(self, session: SessionHost, task: asyncio.Task[Scene]) -> None:
         if task.cancelled() or task.exception() is not None:
             self._scenes.pop(session.id, None)
             return

@@ -14,7 +14,7 @@ from mapper.grid import GridGeometry
 from mapper.simulation import WORLDS, World
 from server.scenes.belief import Picture, picture
 from server.scenes.drawing import beam_segments
-from server.sessions import LogSession, Session
+from server.sessions import SessionHost
 from server.sessions.view import Pose
 
 
@@ -52,10 +52,10 @@ class SceneState:
     count: int
 
 
-async def read_state(session: Session, *, with_map: bool) -> SceneState:
+async def read_state(session: SessionHost, *, with_map: bool) -> SceneState:
     """Read the state of a session under its lock (event loop). The map's picture is computed on a thread."""
     async with session.still():
-        read_at, view = time.monotonic(), session.view()
+        read_at, view = time.monotonic(), session.model.view()
         shown = None
         if with_map:
             shown = await asyncio.to_thread(picture, view.geometry, view.log_odds, view.observed)
@@ -65,7 +65,7 @@ async def read_state(session: Session, *, with_map: bool) -> SceneState:
             picture=shown,
             pose=view.pose,
             beams=beam_segments(view),
-            path=session.log.trajectory(session.trajectory).poses if isinstance(session, LogSession) else None,
+            path=_path_of(session),
             world=view.world,
             config=asdict(view.config),
             sensor=None if view.sensor is None else asdict(view.sensor),
@@ -76,9 +76,16 @@ async def read_state(session: Session, *, with_map: bool) -> SceneState:
         )
 
 
-def _choice_of(session: Session) -> Choice | None:
+def _choice_of(session: SessionHost) -> Choice | None:
     """Return the choice of a world, or of a log's trajectory where it has several."""
-    if isinstance(session, LogSession):
-        names = tuple(session.log.trajectories)
-        return Choice("Trajectory", names, session.trajectory, "trajectory") if len(names) > 1 else None
-    return Choice("World", tuple(WORLDS), session.world.name if session.world else "", "world")
+    recording = session.model.recording
+    if recording is not None:
+        names = tuple(recording.log.trajectories)
+        return Choice("Trajectory", names, recording.trajectory, "trajectory") if len(names) > 1 else None
+    world = session.model.view().world
+    return Choice("World", tuple(WORLDS), world.name if world else "", "world")
+
+
+def _path_of(session: SessionHost) -> NDArray[np.float64] | None:
+    recording = session.model.recording
+    return None if recording is None else recording.log.trajectory(recording.trajectory).poses

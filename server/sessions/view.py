@@ -1,9 +1,8 @@
-"""What a session shows at one instant."""
+"""Values that sessions, their parts and their readers exchange: poses, views, requests for a comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,9 +10,8 @@ from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import RangeScan
+from mapper.sensors.scan import RangeScan, ScanLog
 from mapper.simulation import SensorConfig, World
-from server.sessions.why import Source
 
 Pose = tuple[float, float, float]
 
@@ -43,17 +41,6 @@ class SessionView:
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
-    """One of a session's maps, for questions about its cells; ``place`` is that of its hub among the session's."""
-
-    grid: OccupancyGrid
-    config: MappingConfig
-    sources: Callable[[], list[Source]]
-    index: int
-    place: int
-
-
-@dataclass(frozen=True, slots=True)
 class LogView:
     """What a session shows of a log, enough for another session to show the same: the sensor and the trajectory, None
     for the usual ones, the values of the parameters, and how many scans are in the map.
@@ -66,11 +53,27 @@ class LogView:
 
 
 @dataclass(frozen=True, slots=True)
-class RobotState:
-    """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
+class Wanted:
+    """What to compare with: a map of ``log``, None being the session's own, with the poses of ``trajectory``.
 
-    The correction of the mount among the parameters is in neither: the map composes it onto them. ``believed_*`` are
-    the same of where the robot believes to be, None where it knows.
+    ``values`` are the parameters that it keeps; in all others it follows the session's.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    trajectory: str | None = None
+    log: ScanLog | None = None
+    log_id: str | None = None
+    topic: str | None = None
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """The robot and its newest scan.
+
+    ``pose`` is T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` is T_map_laser at the scan. None of them
+    includes the correction of the mount among the parameters, which the map composes onto them. ``believed_*`` are the
+    same as the robot estimates them, None where the estimate is exact.
     """
 
     pose: Pose
@@ -80,6 +83,35 @@ class RobotState:
     stamp_s: float
     believed_pose: Pose | None = None
     believed_scan_pose: Pose | None = None
+
+
+def view_of(
+    grid: OccupancyGrid,
+    robot: RobotState,
+    config: MappingConfig,
+    progress: tuple[int, int],
+    *,
+    playing: bool,
+    world: World | None = None,
+    sensor: SensorConfig | None = None,
+) -> SessionView:
+    """Return what is shown of a map and a robot."""
+    return SessionView(
+        geometry=grid.geometry,
+        log_odds=grid.log_odds,
+        observed=grid.observed,
+        pose=robot.pose,
+        sensor_pose=robot.scan_pose,
+        ranges=robot.scan.ranges,
+        angles=robot.scan.angles,
+        range_max=min(robot.scan.range_max, config.range_max),
+        world=world,
+        config=config,
+        sensor=sensor,
+        playing=playing,
+        index=progress[0],
+        count=progress[1],
+    )
 
 
 def as_pose(row: NDArray[np.float64]) -> Pose:

@@ -24,21 +24,22 @@ from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL, passes
-from server.sessions import Session, SessionRegistry
+from server.sessions import SessionHost, SessionRegistry
 from server.sessions.view import SessionView
+from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, viser_client
 from tests.server.service import eventually
 
 
-async def changed(session: Session, wanted: Callable[[SessionView], bool]) -> None:
+async def changed(session: SessionHost, wanted: Callable[[SessionView], bool]) -> None:
     """Wait until ``wanted`` is true of the session's view."""
-    await eventually(lambda: wanted(session.view()))
+    await eventually(lambda: wanted(session.model.view()))
 
 
 async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         for name in ("/world/solids", "/map/floor", "/robot/body/base", "/robot/beams"):
             await client.until(lambda m, name=name: m.get("name") == name)
@@ -56,7 +57,7 @@ def test_the_proxy_speaks_the_installed_visers_protocol() -> None:
 
 
 async def test_every_parameter_has_a_control(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         for row in (*PARAMETERS, *SENSOR_PARAMETERS):
             made = await client.until(lambda m, row=row: m.get("props", {}).get("hint") == row.sentence)
@@ -68,7 +69,7 @@ async def test_every_parameter_has_a_control(service: Service) -> None:
 
 
 async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 1.5})
@@ -78,22 +79,22 @@ async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service
         session.post({"type": "parameters", "values": {"log_odds_hit": 2.0}})
         moved = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert moved["updates"] == {"value": 2.0}
-        assert session.view().config.log_odds_hit == 2.0
+        assert session.model.view().config.log_odds_hit == 2.0
 
 
 async def test_a_refused_value_snaps_back(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
-        before = asdict(session.view().config)
+        before = asdict(session.model.view().config)
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 99.0})
         back = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert back["updates"] == {"value": before["log_odds_hit"]}
-        assert asdict(session.view().config) == before
+        assert asdict(session.model.view().config) == before
 
 
 async def test_a_click_on_the_floor_teleports(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m["type"] == "ScenePointerEnableMessage")
         session.post({"type": "auto", "value": False})
@@ -113,7 +114,7 @@ async def test_a_click_on_the_floor_teleports(service: Service) -> None:
 
 
 async def test_play_and_pause(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Pause"))["uuid"]
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": True})
@@ -123,7 +124,7 @@ async def test_play_and_pause(service: Service) -> None:
 
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:
     log = sample_log(n_scans=40)
-    session = await service.sessions.create_log("ann", log)
+    session = await new_log(service.sessions, "ann", log)
     session.post({"type": "pause"})
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m.get("name") == "/trajectory")
@@ -144,14 +145,14 @@ async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) 
         await changed(session, lambda view: view.index == 10)
         choice = await client.control("Trajectory")
         await client.send(type="GuiUpdateMessage", uuid=choice["uuid"], updates={"value": "odometry"})
-        await eventually(lambda: session.trajectory == "odometry")
+        await eventually(lambda: session.model.recording.trajectory == "odometry")
 
 
 # -- the proxy -----------------------------------------------------------------------------------------------------
 
 
 async def test_the_page(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     base = f"http://127.0.0.1:{service.port}"
     async with httpx.AsyncClient(base_url=base) as http:
         page = await http.get(f"/scenes/{session.id}/")
@@ -178,7 +179,7 @@ async def test_the_page(service: Service) -> None:
 
 
 async def test_a_client_of_another_version_is_refused(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     url = f"ws://127.0.0.1:{service.port}/scenes/{session.id}"
     for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v1")]):
         with pytest.raises((InvalidStatus, ConnectionClosed)):
@@ -187,7 +188,7 @@ async def test_a_client_of_another_version_is_refused(service: Service) -> None:
 
 
 async def test_the_viser_server_listens_on_a_private_unix_socket_only(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     before = listening_ports(os.getpid())
     scene = await service.scenes.get(session)
     assert listening_ports(os.getpid()) == before
@@ -202,7 +203,7 @@ async def test_the_viser_server_listens_on_a_private_unix_socket_only(service: S
 async def test_no_tunnel_is_opened_even_past_the_proxy(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     opened = []
     monkeypatch.setattr("viser._viser.ViserTunnel", lambda *arguments: opened.append(arguments))
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     scene = await service.scenes.get(session)
     asked = threading.Event()
     ask = scene._server.request_share_url
@@ -219,7 +220,7 @@ async def test_no_tunnel_is_opened_even_past_the_proxy(service: Service, monkeyp
 
 
 async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.control("Hit increment")
         await service.sessions.close(session.id)
@@ -229,7 +230,7 @@ async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> 
 
 
 async def test_messages_that_a_scene_does_not_need_stay_outside(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     scene = await service.scenes.get(session)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
@@ -297,7 +298,7 @@ def test_what_passes(message: Any, passed: bool) -> None:
 
 
 async def test_no_work_while_nobody_looks(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.control("Hit increment")
         assert session.watched
@@ -307,7 +308,7 @@ async def test_no_work_while_nobody_looks(service: Service) -> None:
 
 async def test_scenes_that_nobody_looks_at_are_closed(sessions: SessionRegistry) -> None:
     scenes = Scenes(check_s=0.05)
-    session = await sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(sessions, "ann", "room", seed=1)
     one, two = await asyncio.gather(scenes.get(session), scenes.get(session))
     assert one is two
     one.enter()
@@ -329,7 +330,7 @@ async def test_ten_scenes_leave_nothing_behind(sessions: SessionRegistry) -> Non
         return len(threads), len(list(Path("/proc/self/fd").iterdir()))
 
     scenes = Scenes()
-    session = await sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(sessions, "ann", "room", seed=1)
     await scenes.get(session)
     await scenes.close()
     before = counts()

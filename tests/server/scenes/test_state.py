@@ -11,6 +11,7 @@ import pytest
 
 from server.scenes.state import read_state
 from server.sessions.view import SessionView
+from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.service import eventually
 
@@ -41,21 +42,21 @@ class Guard:
 
 
 async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
-    session.playing = False
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    session.model.playback.playing = False
     scene = await service.scenes.get(session)
-    guard, view = Guard(), session.view
+    guard, view = Guard(), session.model.view
 
     def guarded_view() -> SessionView:
         guard.note("view")
-        seen = view()
+        seen: SessionView = view()
         return replace(
             seen,
             log_odds=cast("Any", GuardedArray(seen.log_odds, guard)),
             observed=cast("Any", GuardedArray(seen.observed, guard)),
         )
 
-    monkeypatch.setattr(session, "view", guarded_view)
+    monkeypatch.setattr(session.model, "view", guarded_view)
     async with session.still():
         guard.computing = True
         scene.enter()  # which asks for a drawing with the map
@@ -70,15 +71,15 @@ async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypat
 
 
 async def test_a_later_tick_does_not_change_what_was_read(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
-    session.playing = False
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    session.model.playback.playing = False
     state = await read_state(session, with_map=True)
     assert state.picture is not None
     before = state.picture.floor.copy(), state.beams.copy()
     async with session.still():
-        session.grid.log_odds += 1.0
-        session.grid.observed[:] = True
-        session.view().ranges[:] = 0.5
+        session.model.grid.log_odds += 1.0
+        session.model.grid.observed[:] = True
+        session.model.view().ranges[:] = 0.5
     np.testing.assert_array_equal(state.picture.floor, before[0])
     np.testing.assert_array_equal(state.beams, before[1])
     assert (await read_state(session, with_map=False)).picture is None

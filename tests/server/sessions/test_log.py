@@ -25,7 +25,8 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
-from server.sessions.log_session import MAX_GAP_S, play_times
+from server.sessions.models.log import MAX_GAP_S, play_times
+from tests.server.begin import new_log
 from tests.server.service import eventually
 
 
@@ -54,39 +55,41 @@ def test_play_times_are_the_recorded_ones_where_those_are_sound() -> None:
 async def test_the_end_of_the_log_is_the_whole_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log)
-    assert session.progress == (0, office_log.n_scans)
+    session = await new_log(registry, "me", office_log)
+    assert session.model.progress == (0, office_log.n_scans)
     await obey(session, type="seek", index=office_log.n_scans)
-    expected = whole_map(office_log, session.config)
-    assert session.view().geometry == expected.geometry
-    np.testing.assert_array_equal(session.view().log_odds, expected.log_odds)
-    np.testing.assert_array_equal(session.view().observed, expected.observed)
+    expected = whole_map(office_log, session.model.config)
+    assert session.model.view().geometry == expected.geometry
+    np.testing.assert_array_equal(session.model.view().log_odds, expected.log_odds)
+    np.testing.assert_array_equal(session.model.view().observed, expected.observed)
     for index in (10, 77, 3, 0, 50):
         await obey(session, type="seek", index=index)
         np.testing.assert_array_equal(
-            session.view().log_odds, whole_map(office_log, session.config, stop=index).log_odds
+            session.model.view().log_odds, whole_map(office_log, session.model.config, stop=index).log_odds
         )
-        assert session.progress[0] == index
+        assert session.model.progress[0] == index
 
 
 async def test_parameters_remake_the_map_at_the_same_scan(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     await obey(session, type="pause")
     await obey(session, type="seek", index=40)
     await obey(session, type="parameters", values={"update": "per_scan", "resolution": 0.1})
-    np.testing.assert_array_equal(session.view().log_odds, whole_map(office_log, session.config, stop=40).log_odds)
-    assert session.progress[0] == 40
+    np.testing.assert_array_equal(
+        session.model.view().log_odds, whole_map(office_log, session.model.config, stop=40).log_odds
+    )
+    assert session.model.progress[0] == 40
 
 
 async def test_it_plays_to_its_end_and_from_the_start_again(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log)
-    assert session.playing
+    session = await new_log(registry, "me", office_log)
+    assert session.model.playback.playing
     client = session.join()
-    await obey(session, type="speed", value=session.speeds[1])
+    await obey(session, type="speed", value=session.model.playback.speeds[1])
     heard: list[str] = []
 
     def ended() -> bool:
@@ -94,52 +97,52 @@ async def test_it_plays_to_its_end_and_from_the_start_again(
         return '"code":"log.end"' in "".join(heard)
 
     await eventually(ended)
-    assert not bool(session.playing)
-    assert session.progress[0] == office_log.n_scans
+    assert not bool(session.model.playback.playing)
+    assert session.model.progress[0] == office_log.n_scans
     await obey(session, type="speed", value=0.1)
     await obey(session, type="play")
-    assert session.playing
-    assert session.progress[0] < 5
+    assert session.model.playback.playing
+    assert session.model.progress[0] < 5
 
 
 async def test_it_fills_in_about_half_a_minute(registry: SessionRegistry, office_log: ScanLog) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     duration = float(office_log.stamps_ns[-1] - office_log.stamps_ns[0]) * 1e-9
-    assert duration / session.speed == pytest.approx(30.0, rel=0.1)
+    assert duration / session.model.playback.speed == pytest.approx(30.0, rel=0.1)
 
 
 async def test_steps_stay_within_the_log(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     await obey(session, type="step", scans=5)
-    assert session.progress[0] == 5
-    assert not session.playing
+    assert session.model.progress[0] == 5
+    assert not session.model.playback.playing
     await obey(session, type="step", scans=-2)
-    assert session.progress[0] == 3
+    assert session.model.progress[0] == 3
     await obey(session, type="step", scans=-100)
-    assert session.progress[0] == 0
+    assert session.model.progress[0] == 0
     await obey(session, type="step", scans=10**6)
-    assert session.progress[0] == office_log.n_scans
+    assert session.model.progress[0] == office_log.n_scans
     await obey(session, type="restart")
-    assert session.progress[0] < 5
-    assert session.playing
+    assert session.model.progress[0] < 5
+    assert session.model.playback.playing
 
 
 async def test_another_trajectory_makes_another_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", office_log, view=LogView(trajectory="true"))
+    session = await new_log(registry, "me", office_log, view=LogView(trajectory="true"))
     await obey(session, type="pause")
     await obey(session, type="seek", index=100)
     await obey(session, type="trajectory", name="odometry")
-    config = session.config
+    config = session.model.config
     grid = OccupancyGrid(geometry_for(office_log, config, "odometry"))
     integrate_log(grid, office_log, config, "odometry", stop=100)
-    assert session.trajectory == "odometry"
-    assert session.view().geometry == grid.geometry
-    np.testing.assert_array_equal(session.view().log_odds, grid.log_odds)
-    assert session.view().pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
+    assert session.model.recording.trajectory == "odometry"
+    assert session.model.view().geometry == grid.geometry
+    np.testing.assert_array_equal(session.model.view().log_odds, grid.log_odds)
+    assert session.model.view().pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
 
 
 @pytest.mark.parametrize(
@@ -158,23 +161,23 @@ async def test_another_trajectory_makes_another_map(
 async def test_a_refused_command_changes_nothing(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, command: dict[str, Any]
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     await obey(session, type="pause")
     await obey(session, type="seek", index=20)
-    before = session.view()
+    before = session.model.view()
     client = session.join()
     client.take()
     session.enqueue(command, client)
     await obey(session, type="pause")
     assert '"type":"error"' in "".join(str(message) for message in client.take())
-    after = session.view()
-    assert (after.index, after.playing, session.config) == (20, False, before.config)
+    after = session.model.view()
+    assert (after.index, after.playing, session.model.config) == (20, False, before.config)
     np.testing.assert_array_equal(after.log_odds, before.log_odds)
 
 
 async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegistry, office_log: ScanLog) -> None:
-    session = await registry.create_log("me", replace(office_log, mount=(0.0, 0.0, np.pi)))
-    first, again = await asyncio.gather(session.examined(), session.examined())
+    session = await new_log(registry, "me", replace(office_log, mount=(0.0, 0.0, np.pi)))
+    first, again = await asyncio.gather(session.model.recording.examined(), session.model.recording.examined())
     assert [finding.check for finding in first] == ["mount.turned"]
     assert again is first
 
@@ -191,8 +194,8 @@ async def test_an_examination_steps_back_behind_what_somebody_waits_for(
         return []
 
     monkeypatch.setattr("mapper.diagnosis.examine", look)
-    session = await registry.create_log("me", office_log)
-    assert await session.examined() == []
+    session = await new_log(registry, "me", office_log)
+    assert await session.model.recording.examined() == []
     assert found == [min(own + 10, 19)]
     assert os.getpriority(os.PRIO_PROCESS, 0) == own
 
@@ -200,7 +203,7 @@ async def test_an_examination_steps_back_behind_what_somebody_waits_for(
 async def test_an_examination_ends_with_its_session(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     begun, maps = threading.Event(), 0
 
     def slow(*arguments: Any) -> None:
@@ -212,7 +215,7 @@ async def test_an_examination_ends_with_its_session(
         integrate_scans(*arguments)
 
     monkeypatch.setattr("mapper.diagnosis.consistency.integrate_scans", slow)
-    asked = asyncio.ensure_future(session.examined())
+    asked = asyncio.ensure_future(session.model.recording.examined())
     await asyncio.to_thread(begun.wait)
     await registry.close(session.id)
     with pytest.raises(WorkCancelledError):
@@ -223,35 +226,37 @@ async def test_an_examination_ends_with_its_session(
 async def test_a_newer_command_does_not_end_an_examination(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
     # As while a map is computed that a newer slider move replaces.
     monkeypatch.setattr(session, "_is_outdated", lambda: True)
     with session.giving_up():
         assert not session.goes_on()
-        assert await session.examined() == []
+        assert await session.model.recording.examined() == []
 
 
 async def test_an_examination_that_failed_is_made_anew(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_log("me", office_log)
+    session = await new_log(registry, "me", office_log)
 
     def no_memory(*_: Any) -> None:
         raise MemoryError
 
     with monkeypatch.context() as patched:
         patched.setattr("mapper.diagnosis.consistency.integrate_scans", no_memory)
-        for asked in await asyncio.gather(session.examined(), session.examined(), return_exceptions=True):
+        for asked in await asyncio.gather(
+            session.model.recording.examined(), session.model.recording.examined(), return_exceptions=True
+        ):
             assert isinstance(asked, MemoryError)
-    assert await session.examined() == []
+    assert await session.model.recording.examined() == []
 
 
 async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
-    session = await registry.create_log("me", replace(office_log, upside_down=True))
+    session = await new_log(registry, "me", replace(office_log, upside_down=True))
     await obey(session, type="seek", index=1)
-    view = session.view()
+    view = session.model.view()
     np.testing.assert_array_equal(view.angles, -office_log.angles)
 
 
@@ -259,11 +264,11 @@ async def test_a_log_that_is_too_large_at_first_is_mapped_coarser(
     make_registry: Callable[..., SessionRegistry], office_log: ScanLog
 ) -> None:
     registry = make_registry(max_cells=50_000)
-    session = await registry.create_log("me", office_log)
-    assert session.config.resolution == 0.1
+    session = await new_log(registry, "me", office_log)
+    assert session.model.config.resolution == 0.1
     assert session.cells <= 50_000
     with pytest.raises(LimitError):
-        await make_registry(max_cells=4096).create_log("me", office_log)
+        await new_log(make_registry(max_cells=4096), "me", office_log)
 
 
 async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
@@ -273,13 +278,13 @@ async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
     stamps = np.arange(office_log.n_scans) * 1_000_000_000 + 10**18
     stamps[50] -= 20_000_000_000
     stamps[60:] += 100_000_000_000
-    session = await registry.create_log("me", replace(office_log, stamps_ns=stamps))
+    session = await new_log(registry, "me", replace(office_log, stamps_ns=stamps))
     duration = float(office_log.n_scans - 1 + 100)
-    assert session.particulars()["log"]["duration_s"] == pytest.approx(duration)
+    assert session.model.particulars()["log"]["duration_s"] == pytest.approx(duration)
     heard = []
     for index in (1, 50, 51, 52, 60, 61, office_log.n_scans):
         await obey(session, type="seek", index=index)
-        heard.append(session.robot_state().stamp_s)
+        heard.append(session.model.recording.robot_state().stamp_s)
     assert heard == pytest.approx([0.0, 49.0, 49.0, 51.0, 59.0, 160.0, duration])
 
 
@@ -293,8 +298,8 @@ async def test_the_way_of_a_long_log_is_thinned_and_says_so(
         stamps_ns=np.arange(n_scans) * 100_000_000,
         trajectories={"scan": Trajectory(np.stack([np.arange(n_scans) * 1e-3] * 2 + [np.zeros(n_scans)], axis=-1))},
     )
-    session = await registry.create_log("me", log)
-    way = next(message for message in session.slots() if message["type"] == "trajectory")
+    session = await new_log(registry, "me", log)
+    way = next(message for message in session.model.messages() if message["type"] == "trajectory")
     assert (way["name"], way["every"]) == ("scan", every)
     assert len(way["poses"]) == len(way["stamps"]) <= 20_000
     for i in (0, 1, 777, len(way["poses"]) - 1):
@@ -307,8 +312,8 @@ async def test_the_intel_log(
     registry: SessionRegistry, obey: Callable[..., Any], data_file: Callable[[str], Path]
 ) -> None:
     log = open_log(data_file("carmen/intel-corrected.log.gz"))
-    session = await registry.create_log("me", log)
+    session = await new_log(registry, "me", log)
     await obey(session, type="seek", index=log.n_scans)
     expected = whole_map(log, MappingConfig(range_max=30.0, resolution=0.05))
-    assert session.view().geometry == expected.geometry
-    np.testing.assert_array_equal(session.view().log_odds, expected.log_odds)
+    assert session.model.view().geometry == expected.geometry
+    np.testing.assert_array_equal(session.model.view().log_odds, expected.log_odds)

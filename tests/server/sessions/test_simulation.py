@@ -18,7 +18,9 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
-from server.sessions import LiveMap, SessionRegistry
+from mapper.simulation.live_map import LiveMap
+from server.sessions import SessionRegistry
+from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 
 
@@ -80,8 +82,8 @@ def test_a_map_that_would_be_too_large_is_refused_and_the_old_one_stays() -> Non
 
 
 async def test_a_visitor_arrives_at_a_map_that_is_alive(registry: SessionRegistry) -> None:
-    session = await registry.create_world("me", "room", seed=4)
-    view = session.view()
+    session = await new_simulation(registry, "me", "room", seed=4)
+    view = session.model.view()
     assert view.observed.sum() > 5000
     assert view.playing
     assert view.index == view.count > 10
@@ -91,51 +93,51 @@ async def test_a_visitor_arrives_at_a_map_that_is_alive(registry: SessionRegistr
 
 
 async def test_the_same_seed_gives_the_same_map(registry: SessionRegistry) -> None:
-    one = await registry.create_world("me", "room", seed=4)
-    same = await registry.create_world("me", "room", seed=4)
-    other = await registry.create_world("me", "room", seed=5)
-    assert one.view().log_odds.tobytes() == same.view().log_odds.tobytes()
-    assert one.view().log_odds.tobytes() != other.view().log_odds.tobytes()
+    one = await new_simulation(registry, "me", "room", seed=4)
+    same = await new_simulation(registry, "me", "room", seed=4)
+    other = await new_simulation(registry, "me", "room", seed=5)
+    assert one.model.view().log_odds.tobytes() == same.model.view().log_odds.tobytes()
+    assert one.model.view().log_odds.tobytes() != other.model.view().log_odds.tobytes()
 
 
 async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) -> None:
-    session = await registry.create_world("me", "room", seed=4)
-    count = session.view().count
+    session = await new_simulation(registry, "me", "room", seed=4)
+    count = session.model.view().count
     await asyncio.sleep(0.3)
-    assert session.view().count == count
+    assert session.model.view().count == count
     ticks = asyncio.Event()
     session.listen(ticks.set)
     await asyncio.wait_for(ticks.wait(), PATIENCE_S)
-    await eventually(lambda: session.view().count != count)
+    await eventually(lambda: session.model.view().count != count)
     session.ignore(ticks.set)
-    await session.snapshot()
+    await between_ticks(session)
     await asyncio.sleep(0.1)
-    stopped = session.view().pose
+    stopped = session.model.view().pose
     await asyncio.sleep(0.2)
-    assert session.view().pose == stopped
+    assert session.model.view().pose == stopped
 
 
 async def test_whoever_comes_late_is_not_sent_the_past(registry: SessionRegistry) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     for _ in range(2):
         await asyncio.sleep(0.3)
         came = time.monotonic()
         client = session.join()
         frames = [json.loads(m) for m in client.take() if isinstance(m, str) and '"type":"frame"' in m]
         assert [frame["t"] >= came - 1e-4 for frame in frames] == [True]
-        count = session.view().count
-        await eventually(lambda count=count: session.view().count > count)  # type: ignore[misc]
+        count = session.model.view().count
+        await eventually(lambda count=count: session.model.view().count > count)  # type: ignore[misc]
         session.leave(client)
 
 
 async def test_a_teleport_sees_at_once_even_when_paused(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "office", seed=4)
+    session = await new_simulation(registry, "me", "office", seed=4)
     await obey(session, type="pause")
-    before = session.view().observed.copy()
-    count = session.view().count
+    before = session.model.view().observed.copy()
+    count = session.model.view().count
     room = WORLDS["office"].nearest_free((17.0, 12.0), 0.3)
     await obey(session, type="teleport", x=float(room[0]), y=float(room[1]))
-    view = session.view()
+    view = session.model.view()
     assert not view.playing
     assert view.count == count + 1
     assert view.pose[:2] == pytest.approx(tuple(room))
@@ -150,11 +152,11 @@ def cell_centres(geometry: Any) -> NDArray[np.float64]:
 
 
 async def test_step_takes_that_many_scans(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "room", seed=4)
-    count = session.view().count
+    session = await new_simulation(registry, "me", "room", seed=4)
+    count = session.model.view().count
     await obey(session, type="step", scans=7)
-    assert session.view().count == count + 7
-    assert not session.view().playing
+    assert session.model.view().count == count + 7
+    assert not session.model.view().playing
 
 
 @pytest.mark.parametrize("values", [{}, {"drift": True, "specular": True}])
@@ -188,39 +190,41 @@ def test_steps_back_and_on_are_the_map_of_so_many_scans(values: dict[str, bool])
 
 
 async def test_a_step_back_is_told(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
-    before = session.view()
+    before = session.model.view()
     index, log_odds = before.index, before.log_odds.copy()
     await obey(session, type="step", scans=-3)
-    view = session.view()
+    view = session.model.view()
     assert (view.index, view.count) == (index - 3, index)
     assert view.pose == pytest.approx(view.sensor_pose)
     assert np.any(view.log_odds != log_odds)
     await obey(session, type="step", scans=3)
-    np.testing.assert_array_equal(session.view().log_odds, log_odds)
+    np.testing.assert_array_equal(session.model.view().log_odds, log_odds)
 
 
 async def test_restart_and_another_world_begin_anew(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "room", seed=4)
-    count, first = session.view().count, session.view().log_odds.copy()
+    session = await new_simulation(registry, "me", "room", seed=4)
+    count, first = session.model.view().count, session.model.view().log_odds.copy()
     await obey(session, type="step", scans=50)
     await obey(session, type="restart")
-    again = session.view()
+    again = session.model.view()
     assert again.count == count
     np.testing.assert_array_equal(again.log_odds, first)
     await obey(session, type="world", name="maze")
-    assert session.view().world is WORLDS["maze"]
-    assert session.title == WORLDS["maze"].title
+    assert session.model.view().world is WORLDS["maze"]
+    assert session.model.title == WORLDS["maze"].title
     x0, y0, x1, y1 = WORLDS["maze"].bounds
-    assert session.view().geometry.contains(session.view().geometry.world_to_cell([(x0, y0), (x1, y1)])).all()
+    assert (
+        session.model.view().geometry.contains(session.model.view().geometry.world_to_cell([(x0, y0), (x1, y1)])).all()
+    )
 
 
 @pytest.mark.usefixtures("one_tick")
 async def test_of_many_parameters_only_the_newest_is_made(
     registry: SessionRegistry, obey: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     made: list[float] = []
     remake = LiveMap.remake
 
@@ -233,8 +237,8 @@ async def test_of_many_parameters_only_the_newest_is_made(
         session.enqueue({"type": "parameters", "values": {"window": 0.01 * i}})
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
     assert made == [0.99]
-    assert session.view().config.window == 0.99
-    assert session.view().config.log_odds_hit == 1.5
+    assert session.model.view().config.window == 0.99
+    assert session.model.view().config.log_odds_hit == 1.5
 
 
 @pytest.mark.parametrize(
@@ -270,31 +274,31 @@ async def test_of_many_parameters_only_the_newest_is_made(
 async def test_a_refused_command_changes_nothing(
     registry: SessionRegistry, obey: Callable[..., Any], command: dict[str, Any]
 ) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
-    before, config, sensor = session.view(), session.config, session.sensor
+    before, config, sensor = session.model.view(), session.model.config, session.model.sensor
     client = session.join()
     client.take()
     session.enqueue(command, client)
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
-    after = session.view()
+    after = session.model.view()
     assert (after.count, after.pose, after.playing) == (before.count, before.pose, before.playing)
-    assert (session.config, session.sensor, session.speed) == (config, sensor, 1.0)
+    assert (session.model.config, session.model.sensor, session.model.playback.speed) == (config, sensor, 1.0)
     np.testing.assert_array_equal(after.log_odds, before.log_odds)
 
 
 async def test_there_is_no_such_world(registry: SessionRegistry) -> None:
     with pytest.raises(ConfigError, match="no world 'mars'"):
-        await registry.create_world("me", "mars")
+        await new_simulation(registry, "me", "mars")
     assert len(registry) == 0
 
 
 async def test_a_defect_stops_the_session_and_says_so(
     registry: SessionRegistry, obey: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     client = session.join()
 
     def broken(*_: Any) -> None:
@@ -302,24 +306,24 @@ async def test_a_defect_stops_the_session_and_says_so(
 
     with monkeypatch.context() as patched:
         patched.setattr(LiveMap, "advance", broken)
-        await eventually(lambda: not session.playing)
+        await eventually(lambda: not session.model.playback.playing)
         await obey(session, type="pause")
     assert '"playing":false' in session.hub.frame_text()
     assert '"code":"internal"' in "".join(str(message) for message in client.take())
     await obey(session, type="play")
-    count = session.view().count
-    await eventually(lambda: session.view().count != count)
+    count = session.model.view().count
+    await eventually(lambda: session.model.view().count != count)
 
 
 async def test_commands_come_from_any_thread(registry: SessionRegistry) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     await asyncio.to_thread(session.post, {"type": "parameters", "values": {"window": 0.5}})
     await asyncio.to_thread(session.post, {"type": "nonsense"})
-    await eventually(lambda: session.config.window == 0.5)
+    await eventually(lambda: session.model.config.window == 0.5)
 
 
 async def test_closing_calls_what_hangs_on_it(registry: SessionRegistry) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     closed: list[int] = []
     session.on_close += [lambda: closed.append(1), lambda: closed.remove(7), lambda: closed.append(2)]
     await registry.close(session.id)
@@ -331,11 +335,11 @@ async def test_closing_calls_what_hangs_on_it(registry: SessionRegistry) -> None
 async def test_a_sensor_of_another_kind_begins_the_map_anew_with_the_model_that_suits_it(
     registry: SessionRegistry, obey: Callable[..., Any]
 ) -> None:
-    session = await registry.create_world("me", "room")
+    session = await new_simulation(registry, "me", "room")
     await obey(session, type="sensor", values={"kind": "sonar_ring", "beam_width": 0.5})
-    view = session.view()
+    view = session.model.view()
     assert (view.config.model, view.config.opening) == ("sonar_cone", 0.5)
     assert len(view.ranges) == 16
     assert view.observed.any()
     await obey(session, type="sensor", values={"kind": "lidar"})
-    assert session.view().config.model == "fixed_increments"
+    assert session.model.view().config.model == "fixed_increments"

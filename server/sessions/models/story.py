@@ -1,4 +1,4 @@
-"""The commands that move the robot, its sensor or its world: carried out, and kept so that all can be told again."""
+"""The story of a simulation: all that is needed to make its world, its recording and its map again."""
 
 from __future__ import annotations
 
@@ -10,58 +10,35 @@ from typing import Any
 from mapper.core.errors import ConfigError, LimitError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
-from mapper.simulation import Edits, Faults, SensorConfig
+from mapper.simulation import Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.simulation import STEP
-from server.sessions.story_cost import story_seconds
+from server.sessions.hosting import ModelHost
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.story_cost import story_seconds
+from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError, number, values
+from server.stream.protocol import ProtocolError
 
-ACTIONS = ("teleport", "drive", "auto", "sensor", "edit")
 MAX_JOURNAL = 1000  #: actions that a story holds
-MAX_STORY_S = 600.0  #: seconds of the world's time that are told again
+MAX_STORY_S = 600.0  #: seconds of the world's time that are replayed
 
 
-def flag(command: dict[str, Any], key: str) -> bool:
-    """Return a true or false of a command, false where it is left out. Raises :class:`ProtocolError`."""
-    value = command.get(key, False)
-    if not isinstance(value, bool):
-        raise ProtocolError(f"command.{key}", f'"{key}" must be true or false, not {value!r:.80}.')
-    return value
+class SimulationStory:
+    """The story of a session: that of its world, whether it plays, and how fast. ``most_s`` as in :func:`story_of`."""
 
+    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, most_s: float) -> None:
+        self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, most_s
 
-def edits_of(command: dict[str, Any]) -> Edits:
-    """Return the edits that a command names, none where it names none. Raises :class:`ConfigError`."""
-    return Edits.of(command.get("added", []), command.get("erased", []))
-
-
-def act(mapper: LiveMap, command: dict[str, Any], outcome: TickResult) -> None:
-    """Carry out one of :data:`ACTIONS`. Raises as the mapper does, and nothing has changed then."""
-    simulation = mapper.simulation
-    steps = simulation.steps
-    match command["type"]:
-        case "teleport":
-            yaw = None if command.get("yaw") is None else number(command, "yaw")
-            change, message = mapper.teleport(number(command, "x"), number(command, "y"), yaw)
-            outcome.add(change)
-            if message is not None:
-                outcome.notice("teleport.moved", message)
-        case "drive":
-            simulation.drive(number(command, "linear"), number(command, "angular"))
-        case "auto":
-            simulation.auto = flag(command, "value")
-        case "sensor":
-            outcome.new_grid |= mapper.set_sensor(simulation.sensor.with_values(values(command)))
-        case "edit":
-            if mapper.edit(edits_of(command), watch=flag(command, "watch")):
-                outcome.notice("edit.moved", "The robot stood where you drew: it made way.")
-        case other:
-            raise ProtocolError("command.unknown", f"{other!r:.80} is nothing that a robot or its world can do.")
-    mapper.journal.append((steps, {key: value for key, value in command.items() if key != "watch"}))
+    async def current(self) -> dict[str, Any]:
+        """Return it as it is between two ticks."""
+        async with self._host.still():
+            told = story_of(self._mapper, self._most_s)
+            return told | {"speed": self._playback.speed, "playing": self._playback.playing}
 
 
 def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
-    """Return all that is needed to make this world, its recording and its map again; see :func:`retold`.
+    """Return the story of a simulation; :func:`replayed` makes it again.
 
     ``journal`` is None where the story is too long, or would take more than ``most_s`` seconds to replay; the world
     then only begins as it stands now.
@@ -86,13 +63,13 @@ def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
     }
 
 
-def retold(
+def replayed(
     story: dict[str, Any],
     limits: Callable[[], Limits] = Limits,
     wanted: Callable[[], bool] = lambda: True,
     report: Callable[[float], None] = lambda _: None,
 ) -> LiveMap:
-    """Return the mapper to which everything in a story has happened again.
+    """Return the map to which everything in a story has happened again.
 
     ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
     and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
@@ -125,7 +102,7 @@ def retold(
         advance_to(min(at, steps))
         if not wanted():
             raise WorkCancelledError("story.unwanted", "The story is not wanted any more.")
-        _retell(mapper, command)
+        _replay(mapper, command)
     advance_to(steps)
     if journal is None and story.get("pose") is not None:
         mapper.teleport(*story["pose"])
@@ -137,7 +114,7 @@ def retold(
     return mapper
 
 
-def _retell(mapper: LiveMap, command: dict[str, Any]) -> None:
+def _replay(mapper: LiveMap, command: dict[str, Any]) -> None:
     if command.get("type") not in ACTIONS:
         raise ConfigError("story.action", f"A story holds no {command.get('type')!r:.80}.")
     try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 from mapper.core.errors import MapperError
@@ -14,24 +13,9 @@ from mapper.grid.merge import on_one_lattice
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.sensors.scan import ScanLog
 from mapper.simulation.second_map import SecondMap
+from server.sessions.view import Wanted
 from server.sessions.why import Source
-
-
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """What to compare with: a map of ``log``, None being the session's own, with the poses of ``trajectory``.
-
-    ``values`` are the parameters that it keeps; in all others it follows the session's.
-    """
-
-    values: dict[str, Any] = field(default_factory=dict)
-    trajectory: str | None = None
-    log: ScanLog | None = None
-    log_id: str | None = None
-    topic: str | None = None
-    title: str = ""
 
 
 class SecondMapView:
@@ -109,29 +93,3 @@ def apart(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
     if sizes[0] != sizes[1]:
         return f"A has cells of {sizes[0]:g} m and B of {sizes[1]:g} m: they have none in common."
     return f"The two maps cannot be laid onto one lattice: {error.message}"
-
-
-def numbers(found: Comparison) -> dict[str, Any]:
-    """Return a comparison as JSON has it."""
-    return {
-        "cells": found.cells,
-        "states": found.states.tolist(),
-        "same": found.same,
-        "only": list(found.only),
-        "both": found.both,
-        "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
-        "contrast": [round(contrast, 4) for contrast in found.contrast],
-        "mean_difference": round(found.mean_difference, 4),
-        "max_difference": round(found.max_difference, 4),
-        "max_at": None if found.max_at_xy is None else [round(v, 4) for v in found.max_at_xy],
-    }
-
-
-def comparison_message(index: int, found: Comparison | None = None, refused: str | None = None) -> dict[str, Any]:
-    """Return a ``comparison`` message: the numbers, or why there are none."""
-    return {
-        "type": "comparison",
-        "index": index,
-        "refused": refused,
-        "numbers": None if found is None else numbers(found),
-    }

@@ -1,8 +1,8 @@
-"""A session: one grid, its parameters, its clock, and the browsers that watch it.
+"""The host of a session: its clients, its queue of commands, its clock, and the turns in which its model computes.
 
-One asyncio task for each session waits for commands and for the next tick, lets a worker thread compute (the kernels
-release the GIL), and publishes the outcome. What the worker touches is touched by nobody else meanwhile; everything
-else (hub, listeners, slots) belongs to the event loop.
+One asyncio task for each session waits for commands and for the next tick, has a worker thread compute (the kernels
+release the GIL), and publishes the result. What the worker thread uses is used by nobody else meanwhile; everything
+else (hubs, listeners, messages) belongs to the event loop. The host knows no kind of session.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import asyncio
 import contextlib
 import secrets
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, contextmanager
 from functools import partial
 from typing import Any, TypeVar
 
@@ -21,82 +21,88 @@ import structlog
 
 from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
-from mapper.grid import OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
 from mapper.replay.incremental import CheckpointPrefetcher
-from server.sessions.messages import parameter_table, working_message
+from server.sessions.computation import compute_tick
+from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.hub import Client, Hub
+from server.stream.hub import Client, Hub, Traffic
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
-from server.stream.tiles import picture_of
 from server.work.scheduler import Party, Scheduler, checkpoint
 
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
-MAX_ORDERS = 256  #: commands that wait for one session
-PAUSE_S = 0.05  #: between two times that what is owed is computed, and no more than a quarter of the time
-PATIENCE_S = 0.2  #: what is owed waits no longer than this for a moment without commands
-SHOWN_AFTER_S = 0.3  #: a computation that takes longer shows how far it is,
+MAX_QUEUED = 256  #: commands that wait for one session
+PAUSE_S = 0.05  #: least time between two computations of deferred work, which takes at most a quarter of the time
+PATIENCE_S = 0.2  #: deferred work waits no longer than this for a moment without commands
+SHOWN_AFTER_S = 0.3  #: progress of a computation that takes longer is shown,
 SHOWN_EVERY_S = 0.25  #: as often as this
 GIVE_UP_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
-_WISHES = ("parameters", "seek", "restart", "trajectory")  #: commands that make a map of no use that is being made
 
 T = TypeVar("T")
 
 _log = structlog.get_logger(__name__)
 
 
-class Session(SessionModel):
-    """What world and log sessions share. Make them with the registry, on the event loop."""
+class SessionHost:
+    """Runs one model. Made by the registry, on the event loop; :meth:`start` gives it its model."""
+
+    model: SessionModel
+    hub: Hub  #: of the first layer
 
     def __init__(
         self,
         *,
-        owner: str,
-        title: str,
-        grid: OccupancyGrid,
-        config: MappingConfig,
-        speed: float,
+        party: Party,
         pool: Executor,
-        limits: Callable[[Session | None], Limits],
+        limits: Callable[[SessionHost], Limits],
+        scheduler: Scheduler,
+        link: str | None = None,
+        traffic: Traffic | None = None,
+        remake_seconds: Callable[[float], None] = lambda _: None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        super().__init__(config=config, speed=speed, hub=Hub(picture_of(grid, config), clock))
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
-        self.owner = owner
-        self.link: str | None = None  #: the link by which its owner came, a guest then
-        self.title = title
+        self.party = party
+        self.owner = party.visitor
+        self.link = link  #: the link by which the owner came, a guest then
+        self.scheduler = scheduler
+        self.closed = False
         self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = self.commanded_at = clock()
-        self.remake_seconds: Callable[[float], None] = lambda _: None
-        self.scheduler = Scheduler(1)
-        self.party = Party(owner)
+        self.hubs: list[Hub] = []  #: one for each layer of the model
+        self._traffic, self._remake_seconds = traffic or Traffic(), remake_seconds
         self._clock = clock
         self._pool = pool
         self._limits = limits
-        self._orders: list[QueuedCommand] = []
+        self._queue: list[QueuedCommand] = []
         self._wake = asyncio.Event()
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
-        self._owed_at = 0.0  #: when what is owed is due
-        self._wishes = self._wishes_begun = 0  #: commands that ask for another map: those taken in, and carried out
-        self._wished_since: float | None = None  #: when the first came of those for which no map was finished yet
+        self._tick_failed = False  #: whether a tick was cut off before the layers followed the model
+        self._deferred_due = 0.0
+        self._may_give_up = False  #: whether what is being computed can be given up and begun anew
+        #: Commands that ask for another map: how many were queued, and how many of them have begun to be carried out.
+        self._requests = self._requests_begun = 0
+        self._requested_since: float | None = None  #: when the first came of those for which no map was finished yet
 
     # -- for everybody on the event loop --------------------------------------------------------------------------
 
-    def start(self) -> None:
-        """Begin to tick."""
-        for message in self.slots():
+    def start(self, model: SessionModel) -> None:
+        """Begin to run ``model``."""
+        self.model = model
+        self._follow_layers()
+        self.hub = self.hubs[0]
+        for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()
-        self._task = self._loop.create_task(self._run(), name=f"session {self.kind}")
+        self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
 
     async def close(self) -> None:
-        """End the session: the task, then whatever hangs on it."""
+        """End the session: the task, then its clients and whoever asked to be told."""
         if self.closed:
             return
         self.closed = True
@@ -152,21 +158,26 @@ class Session(SessionModel):
         """Whether anybody sees what the session does."""
         return bool(self.hub.clients or self.listeners)
 
+    @property
+    def cells(self) -> int:
+        """Cells of the model's grids."""
+        return self.model.footprint.cells
+
     def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
-        """Take a command. Raises :class:`ProtocolError` where too many wait already."""
-        if len(self._orders) >= MAX_ORDERS:
+        """Queue a command. Raises :class:`ProtocolError` where too many wait already."""
+        if len(self._queue) >= MAX_QUEUED:
             raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
-        self._orders.append(QueuedCommand(command, client))
+        self._queue.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
-        if command["type"] in _WISHES:
-            self._wishes += 1
-            self._wished_since = self.commanded_at if self._wished_since is None else self._wished_since
+        if command["type"] in self.model.replacing:
+            self._requests += 1
+            self._requested_since = self.commanded_at if self._requested_since is None else self._requested_since
         self._wake.set()
 
     @property
     def has_queued_commands(self) -> bool:
         """Whether commands wait to be carried out, or are being."""
-        return bool(self._orders)
+        return bool(self._queue)
 
     @property
     def is_busy(self) -> bool:
@@ -174,11 +185,11 @@ class Session(SessionModel):
         return self.has_queued_commands or self._lock.locked()
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return who prepares seeks while nobody waits; None where there is nothing to prepare."""
-        return None
+        """Return what prepares seeks while nobody waits; None where there is nothing to prepare."""
+        return self.model.prefetcher()
 
     def post(self, command: dict[str, Any]) -> None:
-        """Take a command from any thread; one that is refused is only logged."""
+        """Queue a command from any thread; one that is refused is only logged."""
         self._loop.call_soon_threadsafe(self._post, command)
 
     def _post(self, command: dict[str, Any]) -> None:
@@ -191,45 +202,37 @@ class Session(SessionModel):
         """Return a context in which nothing computes in the session, so that its maps can be read (event loop)."""
         return self._lock
 
-    async def snapshot(self) -> OccupancyGrid:
-        """Return a copy of the map between two ticks."""
-        async with self._lock:
-            return await self.on_thread(self._copy)
-
-    def _copy(self) -> OccupancyGrid:
-        grid = self.grid
-        copy = OccupancyGrid(grid.geometry, grid.log_odds_prior)
-        copy.log_odds[:], copy.observed[:] = grid.log_odds, grid.observed
-        return copy
-
     def limits(self) -> Limits:
-        """What the session's grid may grow to now."""
+        """Return what the session's grids may grow to now."""
         return self._limits(self)
-
-    @property
-    def cells(self) -> int:
-        """Cells of the grid."""
-        return int(self.grid.log_odds.size)
 
     # -- messages -------------------------------------------------------------------------------------------------
 
     def _hello(self) -> dict[str, Any]:
+        model = self.model
         return {
             "type": "hello",
             "protocol": SUBPROTOCOL,
             "session": self.id,
-            "kind": self.kind,
-            "title": self.title,
+            "kind": model.kind,
+            "title": model.title,
             "epoch_id": self.epoch_id,
-            "speeds": list(self.speeds),
-            "parameters": parameter_table(self.config, self.initial_config()),
+            "speeds": list(model.playback.speeds),
+            "parameters": {"table": [], "values": {}},
             "sensor": None,
             "log": None,
-        } | self.particulars()
+        } | model.particulars()
+
+    def _frame(self) -> dict[str, Any]:
+        """Return the ``frame`` message, without its type, its time and its scan."""
+        playback, (index, count) = self.model.playback, self.model.progress
+        at_origin = {"stamp": 0.0, "pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}
+        frame = {"playing": playback.playing, "speed": playback.speed, "index": index, "count": count, "auto": False}
+        return frame | at_origin | self.model.frame()
 
     def _publish_frame(self) -> None:
-        frame, scan = self.frame(), self.scan_fields()
-        running = self.playing and self.watched
+        frame, scan = self._frame(), self.model.scan()
+        running = self.model.playback.playing and self.watched
         for hub in self.hubs:
             hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
 
@@ -237,68 +240,75 @@ class Session(SessionModel):
 
     async def _run(self) -> None:
         last = self._clock()
+        playback = self.model.playback
         while True:
-            ticking = self.playing and self.watched
-            if self._pays_now():
+            ticking = playback.playing and self.watched
+            if self._is_deferred_work_due():
                 await self._run_deferred_work()
-            elif not self._orders:
+            elif not self._queue:
                 await self._wait(self._idle_s(last + TICK_S if ticking else None))
             if self.closed:
                 return
             now = self._clock()
             if not ticking:
                 last = now - TICK_S  # time in which nothing ran does not count
-            due = self.playing and self.watched and now - last >= TICK_S
-            orders = [*self._orders]
-            if not (orders or due):
+            due = playback.playing and self.watched and now - last >= TICK_S
+            commands = [*self._queue]
+            if not (commands or due):
                 continue
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
-            rest: list[QueuedCommand] = []
-            try:
-                async with self._lock:
-                    self._wishes_begun = self._wishes
-                    outcome = await self.on_thread(partial(self._compute, orders, dt), waited_for=self.watched)
-                if self._wishes == self._wishes_begun:
-                    self._wished_since = None
-                elif self._pending is None:
-                    self._wished_since = self._clock()
-                rest = outcome.rest
-                self._deliver(outcome)
-            except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
-                _log.exception("a tick failed")
-                self._stop()
-            finally:
-                self._orders[: len(orders)] = rest
+            await self._tick(commands, dt)
 
-    def _pays_now(self) -> bool:
-        """Whether what is owed is due, and nothing else, or for too long."""
-        if not (self.has_deferred_work and self.watched) or self.closed:
+    async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
+        """Have the model carry out ``commands``, the first ones of the queue, and send what comes of it."""
+        rest: list[QueuedCommand] = []
+        try:
+            async with self._lock:
+                self._requests_begun = self._requests
+                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
+                result = await self.on_thread(job, waited_for=self.watched)
+            if self._requests == self._requests_begun:
+                self._requested_since = None
+            elif not result.given_up:
+                self._requested_since = self._clock()
+            rest = result.rest
+            self._tick_failed = False
+            self.deliver(result)
+        except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
+            _log.exception("a tick failed")
+            self._stop()
+        finally:
+            self._queue[: len(commands)] = rest
+
+    def _is_deferred_work_due(self) -> bool:
+        """Whether there is deferred work that is due, and no command, or that has been due for too long."""
+        if not (self.model.has_deferred_work and self.watched) or self.closed:
             return False
-        late = self._clock() - self._owed_at
-        return late >= 0.0 and (not self._orders or late > PATIENCE_S)
+        late = self._clock() - self._deferred_due
+        return late >= 0.0 and (not self._queue or late > PATIENCE_S)
 
     def _idle_s(self, tick_at: float | None) -> float | None:
-        """Return how long nothing is due, in seconds; None for as long as nobody commands."""
+        """Return how long nothing is due, in seconds; None for as long as no command comes."""
         due = [] if tick_at is None else [tick_at]
-        if self.has_deferred_work and self.watched:
-            due.append(self._owed_at)
+        if self.model.has_deferred_work and self.watched:
+            due.append(self._deferred_due)
         return min(due) - self._clock() if due else None
 
     async def _run_deferred_work(self) -> None:
         began = self._clock()
-        outcome = TickResult()
+        result = TickResult()
         try:
             async with self._lock:
-                await self.on_thread(partial(self.run_deferred_work, outcome), waited_for=False)
-            self._deliver(outcome)
+                await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
+            self.deliver(result)
         except Exception:  # noqa: BLE001 - a defect in what nobody waits for must not stop the map
-            _log.exception("what was owed could not be computed")
+            _log.exception("deferred work failed")
         now = self._clock()
-        self._owed_at = now + max(PAUSE_S, 3.0 * (now - began))
+        self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
     async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
-        """Compute ``job`` on a worker thread in its turn; whoever watches is told of it where that takes long."""
+        """Compute ``job`` on a worker thread in its turn; clients are shown its progress where it takes long."""
         showing = asyncio.ensure_future(self._show_work())
         try:
             return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
@@ -306,15 +316,24 @@ class Session(SessionModel):
             showing.cancel()
 
     async def _show_work(self) -> None:
-        """Tell whoever watches how far a computation is, from :data:`SHOWN_AFTER_S` on until cancelled."""
+        """Send the progress of a computation, from :data:`SHOWN_AFTER_S` on until cancelled."""
         began = self._clock()
         await asyncio.sleep(SHOWN_AFTER_S)
         try:
             while True:
-                self.hub.set_slot(working_message(self._clock() - began, self.fraction))
+                self.hub.set_slot(working_message(self._clock() - began, self.model.fraction))
                 await asyncio.sleep(SHOWN_EVERY_S)
         finally:
             self.hub.set_slot(working_message())
+
+    @contextmanager
+    def giving_up(self) -> Iterator[None]:
+        """Return a context in which a newer command may end a computation; nothing is lost by it (worker thread)."""
+        self._may_give_up = True
+        try:
+            yield
+        finally:
+            self._may_give_up = False
 
     def goes_on(self) -> bool:
         """Let others have their turn (worker thread), and return whether what is being computed is still wanted."""
@@ -329,13 +348,13 @@ class Session(SessionModel):
         return not self.closed
 
     def _is_outdated(self) -> bool:
-        since = self._wished_since
-        return self._wishes > self._wishes_begun and since is not None and self._clock() - since < GIVE_UP_S
+        since = self._requested_since
+        return self._requests > self._requests_begun and since is not None and self._clock() - since < GIVE_UP_S
 
     def _stop(self) -> None:
-        """Stand still after a defect, and say so."""
-        self.playing = False
-        self._redraw = True
+        """Pause after a defect, and send an error about it."""
+        self.model.playback.playing = False
+        self._tick_failed = True
         self.hub.tell_all(error_message("internal", "The session stopped because of a defect in the service."))
         with contextlib.suppress(Exception):  # the defect may lie in what is shown
             self._publish_frame()
@@ -343,36 +362,44 @@ class Session(SessionModel):
     async def _wait(self, seconds: float | None) -> None:
         """Wait for a command or a client, at most ``seconds``."""
         self._wake.clear()
-        if self.closed or self._orders or (seconds is not None and seconds <= 0.0):
+        if self.closed or self._queue or (seconds is not None and seconds <= 0.0):
             return
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self._wake.wait()
 
-    def _deliver(self, outcome: TickResult) -> None:
-        """Send what a tick left (event loop)."""
+    def _follow_layers(self) -> None:
+        """Let the hubs follow the model's layers: new ones, and new epochs of the others."""
+        for place, layer in enumerate(self.model.layers):
+            picture = layer.take_epoch()
+            if place == len(self.hubs):
+                self.hubs.append(Hub(layer.picture, self._clock, self._traffic))
+            elif picture is not None:
+                self.hubs[place].set_picture(picture)
+
+    def deliver(self, result: TickResult) -> None:
+        """Send what a computation left (event loop)."""
+        self._wake.set()
         if self.closed:
             return
-        for hub, picture in zip(self.hubs, outcome.pictures, strict=False):
-            if picture is not None:
-                hub.set_picture(picture)
-        for message in outcome.slots.values():
+        self._follow_layers()
+        for message in result.slots.values():
             self.hub.set_slot(message)
-        if outcome.remade_ms is not None:
-            self.remake_seconds(outcome.remade_ms / 1000.0)
-        if outcome.changed:
+        if result.remade_ms is not None:
+            self._remake_seconds(result.remade_ms / 1000.0)
+        if result.changed:
             self._publish_frame()
-        for client, message in outcome.answers:
+        for client, message in result.answers:
             if client is not None:
                 client.tell(message)
             else:
                 _log.info("command refused", code=message.get("code"))
-        for client in outcome.reminded:
+        for client, kind in result.resent:
             if client is not None:
-                client.remind("parameters")
-        for message in outcome.notices:
+                client.remind(kind)
+        for message in result.notices:
             self.hub.tell_all(message)
-        if outcome.changed:
+        if result.changed:
             for listener in (*self.listeners,):
                 try:
                     listener()

@@ -20,7 +20,7 @@ _PLANNED_ANEW = ("teleport", "edit", "auto")
 
 
 def story_seconds(story: dict[str, Any]) -> float:
-    """Return the estimated processor time, in seconds, of :func:`server.sessions.simulation_commands.retold`.
+    """Return the estimated processor time, in seconds, of :func:`server.sessions.models.story.replayed`.
 
     Values that make no sense count as nothing: they are refused when the story is replayed.
     """
