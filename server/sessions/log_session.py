@@ -23,6 +23,8 @@ from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions.compared import ComparableSession
 from server.sessions.diagnosing import examination
+from server.sessions.drawings import Drawing, Path
+from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.session import Session
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView, RobotState, as_pose
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
 MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
 DEFAULT_GAP_S = 0.1  #: between two scans whose stamps do not tell
+PATH_MARGIN = 5.0  #: metres around the path that the first camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
 COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try where a log's map is too large at the default one
 
@@ -51,6 +54,12 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     if not gaps.any():
         gaps = np.full(len(gaps), DEFAULT_GAP_S)
     return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def bounds_of(poses: NDArray[np.float64]) -> Bounds:
+    """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
+    (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
+    return (float(x0), float(y0), float(x1), float(y1))
 
 
 def first_config(log: ScanLog) -> MappingConfig:
@@ -101,6 +110,7 @@ class LogSession(ComparableSession):
         self.log_id = log_id
         self._topic = topic
         self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
+        self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._times = play_times(replay.log.stamps_ns)
         self._recorded = recorded_seconds(replay.log)
         self._time = 0.0  #: seconds of play
@@ -227,6 +237,31 @@ class LogSession(ComparableSession):
         path = np.round(poses[::every, :2], 3).tolist()
         stamps = np.round(self._recorded[::every], 1).tolist()
         return {"type": "trajectory", "name": self.trajectory, "every": every, "poses": path, "stamps": stamps}
+
+    def drawings(self) -> list[Drawing]:
+        """The path, besides what every session shows."""
+        poses = self.log.trajectory(self.trajectory).poses
+        return [*super().drawings(), Path(name="trajectory", label="Path", poses=poses)]
+
+    def controls(self) -> SceneControls:
+        """Where in the log, and which trajectory, besides what every session offers."""
+        index, count = self.progress
+        names = tuple(self.log.trajectories)
+        return replace(
+            super().controls(),
+            hint="Click near the path to go to that scan.",
+            choices=(Choice("Trajectory", names, self.trajectory, "trajectory"),) if len(names) > 1 else (),
+            index=index,
+            count=count,
+            can_restart=True,
+            bounds=self._path_bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Go to the scan nearest to that place."""
+        poses = self.log.trajectory(self.trajectory).poses
+        gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
+        return {"type": "seek", "index": int(gaps.argmin()) + 1}
 
     def remake(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make the map anew at the same scan."""

@@ -17,9 +17,12 @@ import structlog
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from mapper.simulation import SensorConfig, World
+from server.sessions.beams import beam_segments
+from server.sessions.drawings import Drawing, GridColumns, Point, Quaternion, RobotBody
 from server.sessions.messages import cell_message, frame_fields, parameters_message, scan_fields
+from server.sessions.scene_controls import ParameterTable, SceneControls
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.sessions.view import RobotState, SessionView, Side
 from server.sessions.why import Source, why_message
@@ -166,6 +169,37 @@ class SessionModel(ABC):
             index=index,
             count=count,
         )
+
+    def drawings(self) -> list[Drawing]:
+        """What is shown in 3D (event loop, between two ticks). The arrays may be the session's own."""
+        grid, state = self.grid, self.robot_state()
+        return [
+            GridColumns(
+                name="map", label="Map", geometry=grid.geometry, log_odds=grid.log_odds, observed=grid.observed
+            ),
+            RobotBody(name="robot", label="Robot", pose=state.pose, beams=beam_segments(state, self.config)),
+        ]
+
+    def controls(self) -> SceneControls:
+        """What the panel of the 3D view offers (event loop, between two ticks)."""
+        table = ParameterTable("Mapping", PARAMETERS, asdict(self.config), "parameters", ("model",))
+        return SceneControls(playing=self.playing, tables=(table,))
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any] | None:  # noqa: ARG002 - for subclasses
+        """Return the command that a click on the floor of the 3D view at (x, y) gives, None for none.
+
+        Event loop, possibly during a tick: read only what a tick replaces as a whole.
+        """
+        return None
+
+    def on_gizmo_moved(
+        self,
+        name: str,  # noqa: ARG002 - for subclasses
+        position: Point,  # noqa: ARG002
+        wxyz: Quaternion,  # noqa: ARG002
+    ) -> dict[str, Any] | None:
+        """Return the command that a move of the gizmo ``name`` gives, None for none. As :meth:`on_scene_click`."""
+        return None
 
     def parameters_message(self) -> dict[str, Any]:
         """The ``parameters`` message."""

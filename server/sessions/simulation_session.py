@@ -20,6 +20,8 @@ from mapper.simulation.edits import solid_ids
 from mapper.simulation.faults import polished_faces
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
+from server.sessions.drawings import Drawing, Walls
+from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.session import Session
 from server.sessions.simulation_commands import ACTIONS, act, edits_of, story_of
 from server.sessions.tick import TickResult
@@ -185,6 +187,31 @@ class SimulationSession(Session):
     def frame(self) -> dict[str, Any]:
         """As every session's, and whether the robot walks by itself."""
         return super().frame() | {"auto": self._mapper.simulation.auto}
+
+    def drawings(self) -> list[Drawing]:
+        """The true world, besides what every session shows."""
+        world = self.world
+        return [
+            *super().drawings(),
+            Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
+        ]
+
+    def controls(self) -> SceneControls:
+        """The sensor's parameters and the world, besides what every session offers."""
+        common = super().controls()
+        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
+        return replace(
+            common,
+            hint="Click the floor to put the robot there.",
+            tables=(*common.tables, sensor),
+            choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
+            can_restart=True,
+            bounds=self.world.bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Put the robot there."""
+        return {"type": "teleport", "x": x, "y": y}
 
     def remake(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make the map anew from everything that was seen."""

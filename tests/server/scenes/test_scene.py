@@ -23,7 +23,8 @@ from websockets.typing import Subprotocol
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
-from server.scenes.proxy import SUBPROTOCOL, passes
+from server.scenes.browser_messages import passes
+from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import Session, SessionRegistry
 from server.sessions.view import SessionView
 from tests.server.listening import listening_ports
@@ -258,6 +259,16 @@ CLICK = {
 }
 
 
+MOVE = {
+    "type": "TransformControlsUpdateMessage",
+    "name": "/goal/handles",
+    "wxyz": (0.6, 0.0, 0.0, 0.8),
+    "position": (1.0, 2.0, 0),
+    "owner": "",
+}
+GRIP = {"type": "TransformControlsDragStartMessage", "name": "/goal/handles", "owner": ""}
+
+
 @pytest.mark.parametrize(
     ("message", "passed"),
     [
@@ -284,6 +295,32 @@ CLICK = {
         ({"type": "GuiUpdateMessage", "uuid": "x"}, False),
         ({"type": "RunJavascriptMessage", "source": "alert(1)"}, False),
         ({"type": "GetRenderResponseMessage"}, False),
+        (MOVE, True),
+        (MOVE | {"wxyz": (0, 0, 0, -1)}, True),
+        (MOVE | {"wxyz": (0.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (2.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (float("nan"), 0.0, 0.0, 1.0)}, False),
+        (MOVE | {"wxyz": (1.0, 0.0, 0.0)}, False),
+        (MOVE | {"position": (0.0, float("inf"), 0.0)}, False),
+        (MOVE | {"position": (0.0, 1e10, 0.0)}, False),
+        (MOVE | {"position": "abc"}, False),
+        (MOVE | {"position": None}, False),
+        (MOVE | {"name": "goal"}, False),
+        (MOVE | {"name": "/"}, False),
+        (MOVE | {"name": "/goal\n"}, False),
+        (MOVE | {"name": "/" + 1000 * "x"}, False),
+        (MOVE | {"name": 7}, False),
+        (MOVE | {"owner": "1"}, False),
+        (MOVE | {"props": {}}, False),
+        ({key: value for key, value in MOVE.items() if key != "position"}, False),
+        (GRIP, True),
+        (GRIP | {"type": "TransformControlsDragEndMessage"}, True),
+        (GRIP | {"owner": "1"}, False),
+        (GRIP | {"name": ["/goal/handles"]}, False),
+        (GRIP | {"wxyz": (1.0, 0.0, 0.0, 0.0)}, False),
+        ({"type": "TransformControlsDragEndMessage"}, False),
+        ({"type": "TransformControlsMessage", "name": "/goal/handles"}, False),
+        ({"type": "SceneNodeDragMessage", "name": "/goal/handles"}, False),
         (["ViewerCameraMessage"], False),
         ({"type": ["ViewerCameraMessage"]}, False),
         (17, False),
