@@ -48,6 +48,11 @@ class SceneContents:
         """Let every drawing be due."""
         self._due.clear()
 
+    @property
+    def unsettled(self) -> bool:
+        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        return any(drawer.unsettled for drawer in self._drawers.values())
+
     def show(self, state: SceneState) -> float | None:
         """Draw what changed. Return in how many seconds the first drawing is due that was not read, None for none."""
         readings = [reading for reading in state.readings if self._is_allowed(reading.drawing)]

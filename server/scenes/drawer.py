@@ -59,6 +59,11 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
     def show(self, content: ContentT) -> None:
         """Draw ``content``: send what differs from what was shown before."""
 
+    @property
+    def unsettled(self) -> bool:
+        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        return False
+
     def remove(self) -> None:
         """Remove everything from the scene."""
         self.frame.remove()

@@ -115,6 +115,9 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
                 pump.cancel()
             results = await asyncio.gather(*pumps, return_exceptions=True)
     codes = [result for result in results if isinstance(result, int)]
+    if scene.protocol.close_sent is not None and scene.protocol.close_sent.code == TOO_BIG:
+        _log.warning("message of a 3D view too large", limit=MAX_FROM_SCENE)
+        codes = [TOO_BIG]
     if codes and codes[0] != 0:
         await _close(browser, codes[0])
     for result in results:
@@ -144,9 +147,6 @@ async def _to_browser(scene: ClientConnection, browser: WebSocket) -> int:
         async for data in scene:
             await browser.send_bytes(data if isinstance(data, bytes) else data.encode())
     except ConnectionClosed as closed:
-        if closed.sent is not None and closed.sent.code == TOO_BIG:
-            _log.warning("message of a 3D view too large", limit=MAX_FROM_SCENE)
-            return TOO_BIG
         return 1002 if closed.rcvd is not None and closed.rcvd.code == 1002 else 1001
     except (WebSocketDisconnect, RuntimeError):  # the browser went while we sent
         return 0

@@ -179,6 +179,7 @@ class Scene:
         self._posts_moves = bool(moves)
         if moves:
             self._loop.call_later(1.0 / MAX_HZ, self._post_moves)
+            self._changed.set()
         for name, (position, wxyz) in moves.items():
             command = self._session.on_gizmo_moved(name, position, wxyz)
             if command is not None:
@@ -203,6 +204,6 @@ class Scene:
         wait = self._contents.show(state)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS)
         self._panel.show(state.controls)
-        if wait is not None or self._panel.unsettled:
+        if wait is not None or self._panel.unsettled or self._contents.unsettled:
             later = partial(self._loop.call_later, max(wait or 0.0, SETTLE_S), self._changed.set)
             self._loop.call_soon_threadsafe(later)

@@ -42,6 +42,11 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
                 return
         node.position, node.wxyz = content.position, content.wxyz
 
+    @property
+    def unsettled(self) -> bool:
+        """Whether the model has not confirmed the last move yet."""
+        return self._moved_at is not None
+
     def _add(self, content: Gizmo) -> viser.TransformControlsHandle:
         node = self.scene.add_transform_controls(
             f"{self.path}/handles",
