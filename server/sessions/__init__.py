@@ -6,7 +6,7 @@ from server.sessions.kinds import KINDS
 from server.sessions.model import SessionModel
 from server.sessions.models.log_kind import log_plan
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
-from server.sessions.view import LogView, SessionView
+from server.sessions.view import LogView
 
 __all__ = [
     "KINDS",
@@ -18,6 +18,5 @@ __all__ = [
     "SessionModel",
     "SessionNotFoundError",
     "SessionRegistry",
-    "SessionView",
     "log_plan",
 ]

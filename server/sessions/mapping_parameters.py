@@ -10,6 +10,7 @@ from typing import Any
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.sessions.hosting import ModelHost
+from server.sessions.scene_controls import ParameterTable
 from server.sessions.tick import TickResult
 from server.stream.hub import Client
 from server.stream.protocol import values
@@ -76,6 +77,10 @@ class MappingParameters:
         """Return the ``parameters`` of ``hello``: the table, with ``first`` as its initial values, and the values."""
         rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in PARAMETERS]
         return {"table": rows, "values": asdict(self.config)}
+
+    def controls(self) -> ParameterTable:
+        """Return the table for the panel of the 3D view."""
+        return ParameterTable("Mapping", PARAMETERS, asdict(self.config), "parameters", ("model",))
 
     def frame(self) -> dict[str, Any]:
         """Return the field of ``frame`` about the newest map that was made anew."""

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from mapper.grid import OccupancyGrid
 from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
+from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.map_layer import MapLayer
 from server.sessions.playback import Playback
+from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import SessionView
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
@@ -114,13 +115,31 @@ class SessionModel(ABC):
         """Return the fields of ``frame`` about the newest scan: the same object while that is the same."""
         return NO_SCAN
 
-    def drawings(self) -> list[Any]:
-        """Return what the 3D view shows."""
+    # -- 3D -------------------------------------------------------------------------------------------------------
+
+    def drawings(self) -> list[Drawing]:
+        """Return what is shown in 3D (event loop, between two ticks). The arrays may be the model's own."""
         return []
 
-    def view(self) -> SessionView:
-        """Return what the 3D view shows."""
-        raise NotImplementedError
+    def controls(self) -> SceneControls:
+        """Return what the panel of the 3D view offers (event loop, between two ticks)."""
+        return SceneControls(playing=self.playback.playing)
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any] | None:  # noqa: ARG002 - most kinds need none
+        """Return the command that a click on the floor of the 3D view at (x, y) gives, None for none.
+
+        Event loop, possibly during a tick: read only what a tick replaces as a whole.
+        """
+        return None
+
+    def on_gizmo_moved(
+        self,
+        name: str,  # noqa: ARG002 - most kinds have none
+        position: Point,  # noqa: ARG002
+        wxyz: Quaternion,  # noqa: ARG002
+    ) -> dict[str, Any] | None:
+        """Return the command that a move of the gizmo ``name`` gives, None for none. As :meth:`on_scene_click`."""
+        return None
 
     # -- commands -------------------------------------------------------------------------------------------------
 

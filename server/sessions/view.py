@@ -8,36 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, ScanLog
-from mapper.simulation import SensorConfig, World
 
 Pose = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class SessionView:
-    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
-
-    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``,
-    at the bearings ``angles``, radians.
-    """
-
-    geometry: GridGeometry
-    log_odds: NDArray[np.float32]
-    observed: NDArray[np.bool_]
-    pose: Pose
-    sensor_pose: Pose
-    ranges: NDArray[np.float32]
-    angles: NDArray[np.float64]
-    range_max: float
-    world: World | None
-    config: MappingConfig
-    sensor: SensorConfig | None
-    playing: bool
-    index: int
-    count: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,35 +56,6 @@ class RobotState:
     stamp_s: float
     believed_pose: Pose | None = None
     believed_scan_pose: Pose | None = None
-
-
-def view_of(
-    grid: OccupancyGrid,
-    robot: RobotState,
-    config: MappingConfig,
-    progress: tuple[int, int],
-    *,
-    playing: bool,
-    world: World | None = None,
-    sensor: SensorConfig | None = None,
-) -> SessionView:
-    """Return what is shown of a map and a robot."""
-    return SessionView(
-        geometry=grid.geometry,
-        log_odds=grid.log_odds,
-        observed=grid.observed,
-        pose=robot.pose,
-        sensor_pose=robot.scan_pose,
-        ranges=robot.scan.ranges,
-        angles=robot.scan.angles,
-        range_max=min(robot.scan.range_max, config.range_max),
-        world=world,
-        config=config,
-        sensor=sensor,
-        playing=playing,
-        index=progress[0],
-        count=progress[1],
-    )
 
 
 def as_pose(row: NDArray[np.float64]) -> Pose:

@@ -13,7 +13,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
 from server.sessions.map_layer import MapLayer
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
@@ -22,13 +24,14 @@ from server.sessions.models.log_comparison import LogComparison
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import SessionView, view_of
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
 MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
 DEFAULT_GAP_S = 0.1  #: between two scans whose stamps do not tell
+PATH_MARGIN = 5.0  #: metres around the path that the first camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
 
 
@@ -44,6 +47,12 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     if not gaps.any():
         gaps = np.full(len(gaps), DEFAULT_GAP_S)
     return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def bounds_of(poses: NDArray[np.float64]) -> Bounds:
+    """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
+    (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
+    return (float(x0), float(y0), float(x1), float(y1))
 
 
 def _playback(times: NDArray[np.float64]) -> Playback:
@@ -71,6 +80,7 @@ class LogModel(SessionModel):
         replay.wanted = host.goes_on
         self._host = host
         self._title = title or replay.log.name
+        self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands ask for
         self.recording = LogRecording(host, replay, log_id, topic)
@@ -130,10 +140,34 @@ class LogModel(SessionModel):
         own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])
         return [own, *self.comparison.explained()]
 
-    def view(self) -> SessionView:
-        """Return what the 3D view shows."""
-        robot = self.recording.robot_state()
-        return view_of(self.grid, robot, self.config, self.progress, playing=self.playback.playing)
+    def drawings(self) -> list[Drawing]:
+        """Return the map, the robot and the path."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        return [
+            *map_drawings(self.grid, self.recording.robot_state(), self.config),
+            Path(name="trajectory", label="Path", poses=poses),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map, the place in the log, and the trajectories where there are several."""
+        index, count = self.progress
+        names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
+        return SceneControls(
+            playing=self.playback.playing,
+            hint="Click near the path to go to that scan.",
+            tables=(self.parameters.controls(),),
+            choices=(Choice("Trajectory", names, current, "trajectory"),) if len(names) > 1 else (),
+            index=index,
+            count=count,
+            can_restart=True,
+            bounds=self._path_bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Go to the scan nearest to that place."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
+        return {"type": "seek", "index": int(gaps.argmin()) + 1}
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return what stores the checkpoints that lie ahead."""

@@ -19,7 +19,9 @@ from mapper.simulation.faults import polished_faces
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
 from server.sessions.map_layer import MapLayer
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
@@ -27,8 +29,9 @@ from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.story import SimulationStory
 from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import RobotState, SessionView, as_pose, view_of
+from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
 from server.stream.protocol import ProtocolError, integer, text, values
 
@@ -143,17 +146,29 @@ class SimulationModel(SessionModel):
     def _explained(self) -> list[ExplainedMap]:
         return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
 
-    def view(self) -> SessionView:
-        """Return what the 3D view shows."""
-        return view_of(
-            self.grid,
-            self.robot_state(),
-            self.config,
-            self.progress,
+    def drawings(self) -> list[Drawing]:
+        """Return the map, the robot and the true world."""
+        world = self.world
+        return [
+            *map_drawings(self.grid, self.robot_state(), self.config),
+            Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map and the sensor, and the worlds."""
+        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
+        return SceneControls(
             playing=self.playback.playing,
-            world=self.world,
-            sensor=self.sensor,
+            hint="Click the floor to put the robot there.",
+            tables=(self.parameters.controls(), sensor),
+            choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
+            can_restart=True,
+            bounds=self.world.bounds,
         )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Put the robot there."""
+        return {"type": "teleport", "x": x, "y": y}
 
     # -- messages -------------------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from mapper.io.maps import pgm_bytes
 from mapper.simulation import WORLDS
 from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
+from tests.server.view import view_of
 
 
 def session_of(service: Service, session_id: str) -> Any:
@@ -23,7 +24,7 @@ def session_of(service: Service, session_id: str) -> Any:
 
 def expected_log_odds(service: Service, session_id: str) -> Any:
     """The session's own grid as a client should see it, to half a step of the int8 picture."""
-    view = session_of(service, session_id).model.view()
+    view = view_of(session_of(service, session_id))
     low, high = view.config.clamp_limits
     return np.where(view.observed, np.clip(view.log_odds, low, high), np.nan)
 

@@ -23,19 +23,20 @@ from websockets.typing import Subprotocol
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
-from server.scenes.proxy import SUBPROTOCOL, passes
+from server.scenes.browser_messages import passes
+from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
-from server.sessions.view import SessionView
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, viser_client
 from tests.server.service import eventually
+from tests.server.view import SessionView, view_of
 
 
 async def changed(session: SessionHost, wanted: Callable[[SessionView], bool]) -> None:
     """Wait until ``wanted`` is true of the session's view."""
-    await eventually(lambda: wanted(session.model.view()))
+    await eventually(lambda: wanted(view_of(session)))
 
 
 async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
@@ -79,18 +80,18 @@ async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service
         session.post({"type": "parameters", "values": {"log_odds_hit": 2.0}})
         moved = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert moved["updates"] == {"value": 2.0}
-        assert session.model.view().config.log_odds_hit == 2.0
+        assert view_of(session).config.log_odds_hit == 2.0
 
 
 async def test_a_refused_value_snaps_back(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
-        before = asdict(session.model.view().config)
+        before = asdict(view_of(session).config)
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 99.0})
         back = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert back["updates"] == {"value": before["log_odds_hit"]}
-        assert asdict(session.model.view().config) == before
+        assert asdict(view_of(session).config) == before
 
 
 async def test_a_click_on_the_floor_teleports(service: Service) -> None:
@@ -259,6 +260,16 @@ CLICK = {
 }
 
 
+MOVE = {
+    "type": "TransformControlsUpdateMessage",
+    "name": "/goal/handles",
+    "wxyz": (0.6, 0.0, 0.0, 0.8),
+    "position": (1.0, 2.0, 0),
+    "owner": "",
+}
+GRIP = {"type": "TransformControlsDragStartMessage", "name": "/goal/handles", "owner": ""}
+
+
 @pytest.mark.parametrize(
     ("message", "passed"),
     [
@@ -285,6 +296,32 @@ CLICK = {
         ({"type": "GuiUpdateMessage", "uuid": "x"}, False),
         ({"type": "RunJavascriptMessage", "source": "alert(1)"}, False),
         ({"type": "GetRenderResponseMessage"}, False),
+        (MOVE, True),
+        (MOVE | {"wxyz": (0, 0, 0, -1)}, True),
+        (MOVE | {"wxyz": (0.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (2.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (float("nan"), 0.0, 0.0, 1.0)}, False),
+        (MOVE | {"wxyz": (1.0, 0.0, 0.0)}, False),
+        (MOVE | {"position": (0.0, float("inf"), 0.0)}, False),
+        (MOVE | {"position": (0.0, 1e10, 0.0)}, False),
+        (MOVE | {"position": "abc"}, False),
+        (MOVE | {"position": None}, False),
+        (MOVE | {"name": "goal"}, False),
+        (MOVE | {"name": "/"}, False),
+        (MOVE | {"name": "/goal\n"}, False),
+        (MOVE | {"name": "/" + 1000 * "x"}, False),
+        (MOVE | {"name": 7}, False),
+        (MOVE | {"owner": "1"}, False),
+        (MOVE | {"props": {}}, False),
+        ({key: value for key, value in MOVE.items() if key != "position"}, False),
+        (GRIP, True),
+        (GRIP | {"type": "TransformControlsDragEndMessage"}, True),
+        (GRIP | {"owner": "1"}, False),
+        (GRIP | {"name": ["/goal/handles"]}, False),
+        (GRIP | {"wxyz": (1.0, 0.0, 0.0, 0.0)}, False),
+        ({"type": "TransformControlsDragEndMessage"}, False),
+        ({"type": "TransformControlsMessage", "name": "/goal/handles"}, False),
+        ({"type": "SceneNodeDragMessage", "name": "/goal/handles"}, False),
         (["ViewerCameraMessage"], False),
         ({"type": ["ViewerCameraMessage"]}, False),
         (17, False),

@@ -28,6 +28,7 @@ from server.sessions import LogView, SessionRegistry
 from server.sessions.models.log import MAX_GAP_S, play_times
 from tests.server.begin import new_log
 from tests.server.service import eventually
+from tests.server.view import view_of
 
 
 def whole_map(log: ScanLog, config: MappingConfig, stop: int | None = None) -> OccupancyGrid:
@@ -59,13 +60,13 @@ async def test_the_end_of_the_log_is_the_whole_map(
     assert session.model.progress == (0, office_log.n_scans)
     await obey(session, type="seek", index=office_log.n_scans)
     expected = whole_map(office_log, session.model.config)
-    assert session.model.view().geometry == expected.geometry
-    np.testing.assert_array_equal(session.model.view().log_odds, expected.log_odds)
-    np.testing.assert_array_equal(session.model.view().observed, expected.observed)
+    assert view_of(session).geometry == expected.geometry
+    np.testing.assert_array_equal(view_of(session).log_odds, expected.log_odds)
+    np.testing.assert_array_equal(view_of(session).observed, expected.observed)
     for index in (10, 77, 3, 0, 50):
         await obey(session, type="seek", index=index)
         np.testing.assert_array_equal(
-            session.model.view().log_odds, whole_map(office_log, session.model.config, stop=index).log_odds
+            view_of(session).log_odds, whole_map(office_log, session.model.config, stop=index).log_odds
         )
         assert session.model.progress[0] == index
 
@@ -78,7 +79,7 @@ async def test_parameters_remake_the_map_at_the_same_scan(
     await obey(session, type="seek", index=40)
     await obey(session, type="parameters", values={"update": "per_scan", "resolution": 0.1})
     np.testing.assert_array_equal(
-        session.model.view().log_odds, whole_map(office_log, session.model.config, stop=40).log_odds
+        view_of(session).log_odds, whole_map(office_log, session.model.config, stop=40).log_odds
     )
     assert session.model.progress[0] == 40
 
@@ -140,9 +141,9 @@ async def test_another_trajectory_makes_another_map(
     grid = OccupancyGrid(geometry_for(office_log, config, "odometry"))
     integrate_log(grid, office_log, config, "odometry", stop=100)
     assert session.model.recording.trajectory == "odometry"
-    assert session.model.view().geometry == grid.geometry
-    np.testing.assert_array_equal(session.model.view().log_odds, grid.log_odds)
-    assert session.model.view().pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
+    assert view_of(session).geometry == grid.geometry
+    np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
+    assert view_of(session).pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
 
 
 @pytest.mark.parametrize(
@@ -164,13 +165,13 @@ async def test_a_refused_command_changes_nothing(
     session = await new_log(registry, "me", office_log)
     await obey(session, type="pause")
     await obey(session, type="seek", index=20)
-    before = session.model.view()
+    before = view_of(session)
     client = session.join()
     client.take()
     session.enqueue(command, client)
     await obey(session, type="pause")
     assert '"type":"error"' in "".join(str(message) for message in client.take())
-    after = session.model.view()
+    after = view_of(session)
     assert (after.index, after.playing, session.model.config) == (20, False, before.config)
     np.testing.assert_array_equal(after.log_odds, before.log_odds)
 
@@ -256,7 +257,7 @@ async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(
 ) -> None:
     session = await new_log(registry, "me", replace(office_log, upside_down=True))
     await obey(session, type="seek", index=1)
-    view = session.model.view()
+    view = view_of(session)
     np.testing.assert_array_equal(view.angles, -office_log.angles)
 
 
@@ -315,5 +316,5 @@ async def test_the_intel_log(
     session = await new_log(registry, "me", log)
     await obey(session, type="seek", index=log.n_scans)
     expected = whole_map(log, MappingConfig(range_max=30.0, resolution=0.05))
-    assert session.model.view().geometry == expected.geometry
-    np.testing.assert_array_equal(session.model.view().log_odds, expected.log_odds)
+    assert view_of(session).geometry == expected.geometry
+    np.testing.assert_array_equal(view_of(session).log_odds, expected.log_odds)

@@ -21,6 +21,7 @@ from server.sessions import host as host_module
 from server.sessions.models.simulation import SimulationModel
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
+from tests.server.view import view_of
 
 
 async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
@@ -85,7 +86,7 @@ async def test_a_map_is_given_up_for_newer_parameters(
     assert session.model.config.log_odds_hit == 1.5  # what the map given up was for is not lost
     whole = OccupancyGrid(geometry_for(office_log, session.model.config), session.model.config.log_odds_prior)
     integrate_log(whole, office_log, session.model.config)
-    np.testing.assert_array_equal(session.model.view().log_odds, whole.log_odds)
+    np.testing.assert_array_equal(view_of(session).log_odds, whole.log_odds)
     texts = [json.loads(message) for message in client.take() if isinstance(message, str)]
     assert "error" not in {message["type"] for message in texts}
 
@@ -119,7 +120,7 @@ async def test_a_seek_is_given_up_for_another(
     await eventually(lambda: session.model.progress[0] == 2)
     assert len(parts.windows) < 10
     shown = session.hub.picture.cells != -128
-    np.testing.assert_array_equal(shown, session.model.view().observed)
+    np.testing.assert_array_equal(shown, view_of(session).observed)
 
 
 def test_the_parts_of_a_map_take_a_few_hundredths_of_a_second(

@@ -20,6 +20,7 @@ from server.sessions import prefetching as preparing
 from server.sessions.prefetching import CheckpointPrefetching
 from tests.server.begin import new_log
 from tests.server.service import eventually
+from tests.server.view import view_of
 
 
 @pytest.fixture(autouse=True)
@@ -51,7 +52,7 @@ async def test_a_log_that_stands_still_is_prepared_to_its_end(
         await obey(session, type="seek", index=index)
         grid = OccupancyGrid(geometry_for(office_log, session.model.config))
         integrate_log(grid, office_log, session.model.config, stop=index)
-        np.testing.assert_array_equal(session.model.view().log_odds, grid.log_odds)
+        np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
     session.leave(client)
 
 

@@ -22,6 +22,7 @@ from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
+from tests.server.view import view_of
 
 
 @pytest.mark.parametrize("values", [{}, {"resolution": 0.1}, {"update": "per_scan", "window": 0.4}, {"range_max": 3.0}])
@@ -83,7 +84,7 @@ def test_a_map_that_would_be_too_large_is_refused_and_the_old_one_stays() -> Non
 
 async def test_a_visitor_arrives_at_a_map_that_is_alive(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    view = session.model.view()
+    view = view_of(session)
     assert view.observed.sum() > 5000
     assert view.playing
     assert view.index == view.count > 10
@@ -96,25 +97,25 @@ async def test_the_same_seed_gives_the_same_map(registry: SessionRegistry) -> No
     one = await new_simulation(registry, "me", "room", seed=4)
     same = await new_simulation(registry, "me", "room", seed=4)
     other = await new_simulation(registry, "me", "room", seed=5)
-    assert one.model.view().log_odds.tobytes() == same.model.view().log_odds.tobytes()
-    assert one.model.view().log_odds.tobytes() != other.model.view().log_odds.tobytes()
+    assert view_of(one).log_odds.tobytes() == view_of(same).log_odds.tobytes()
+    assert view_of(one).log_odds.tobytes() != view_of(other).log_odds.tobytes()
 
 
 async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    count = session.model.view().count
+    count = view_of(session).count
     await asyncio.sleep(0.3)
-    assert session.model.view().count == count
+    assert view_of(session).count == count
     ticks = asyncio.Event()
     session.listen(ticks.set)
     await asyncio.wait_for(ticks.wait(), PATIENCE_S)
-    await eventually(lambda: session.model.view().count != count)
+    await eventually(lambda: view_of(session).count != count)
     session.ignore(ticks.set)
     await between_ticks(session)
     await asyncio.sleep(0.1)
-    stopped = session.model.view().pose
+    stopped = view_of(session).pose
     await asyncio.sleep(0.2)
-    assert session.model.view().pose == stopped
+    assert view_of(session).pose == stopped
 
 
 async def test_whoever_comes_late_is_not_sent_the_past(registry: SessionRegistry) -> None:
@@ -125,19 +126,19 @@ async def test_whoever_comes_late_is_not_sent_the_past(registry: SessionRegistry
         client = session.join()
         frames = [json.loads(m) for m in client.take() if isinstance(m, str) and '"type":"frame"' in m]
         assert [frame["t"] >= came - 1e-4 for frame in frames] == [True]
-        count = session.model.view().count
-        await eventually(lambda count=count: session.model.view().count > count)  # type: ignore[misc]
+        count = view_of(session).count
+        await eventually(lambda count=count: view_of(session).count > count)  # type: ignore[misc]
         session.leave(client)
 
 
 async def test_a_teleport_sees_at_once_even_when_paused(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "office", seed=4)
     await obey(session, type="pause")
-    before = session.model.view().observed.copy()
-    count = session.model.view().count
+    before = view_of(session).observed.copy()
+    count = view_of(session).count
     room = WORLDS["office"].nearest_free((17.0, 12.0), 0.3)
     await obey(session, type="teleport", x=float(room[0]), y=float(room[1]))
-    view = session.model.view()
+    view = view_of(session)
     assert not view.playing
     assert view.count == count + 1
     assert view.pose[:2] == pytest.approx(tuple(room))
@@ -153,10 +154,10 @@ def cell_centres(geometry: Any) -> NDArray[np.float64]:
 
 async def test_step_takes_that_many_scans(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    count = session.model.view().count
+    count = view_of(session).count
     await obey(session, type="step", scans=7)
-    assert session.model.view().count == count + 7
-    assert not session.model.view().playing
+    assert view_of(session).count == count + 7
+    assert not view_of(session).playing
 
 
 @pytest.mark.parametrize("values", [{}, {"drift": True, "specular": True}])
@@ -192,32 +193,30 @@ def test_steps_back_and_on_are_the_map_of_so_many_scans(values: dict[str, bool])
 async def test_a_step_back_is_told(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
-    before = session.model.view()
+    before = view_of(session)
     index, log_odds = before.index, before.log_odds.copy()
     await obey(session, type="step", scans=-3)
-    view = session.model.view()
+    view = view_of(session)
     assert (view.index, view.count) == (index - 3, index)
     assert view.pose == pytest.approx(view.sensor_pose)
     assert np.any(view.log_odds != log_odds)
     await obey(session, type="step", scans=3)
-    np.testing.assert_array_equal(session.model.view().log_odds, log_odds)
+    np.testing.assert_array_equal(view_of(session).log_odds, log_odds)
 
 
 async def test_restart_and_another_world_begin_anew(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    count, first = session.model.view().count, session.model.view().log_odds.copy()
+    count, first = view_of(session).count, view_of(session).log_odds.copy()
     await obey(session, type="step", scans=50)
     await obey(session, type="restart")
-    again = session.model.view()
+    again = view_of(session)
     assert again.count == count
     np.testing.assert_array_equal(again.log_odds, first)
     await obey(session, type="world", name="maze")
-    assert session.model.view().world is WORLDS["maze"]
+    assert view_of(session).world is WORLDS["maze"]
     assert session.model.title == WORLDS["maze"].title
     x0, y0, x1, y1 = WORLDS["maze"].bounds
-    assert (
-        session.model.view().geometry.contains(session.model.view().geometry.world_to_cell([(x0, y0), (x1, y1)])).all()
-    )
+    assert view_of(session).geometry.contains(view_of(session).geometry.world_to_cell([(x0, y0), (x1, y1)])).all()
 
 
 @pytest.mark.usefixtures("one_tick")
@@ -237,8 +236,8 @@ async def test_of_many_parameters_only_the_newest_is_made(
         session.enqueue({"type": "parameters", "values": {"window": 0.01 * i}})
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
     assert made == [0.99]
-    assert session.model.view().config.window == 0.99
-    assert session.model.view().config.log_odds_hit == 1.5
+    assert view_of(session).config.window == 0.99
+    assert view_of(session).config.log_odds_hit == 1.5
 
 
 @pytest.mark.parametrize(
@@ -276,14 +275,14 @@ async def test_a_refused_command_changes_nothing(
 ) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
-    before, config, sensor = session.model.view(), session.model.config, session.model.sensor
+    before, config, sensor = view_of(session), session.model.config, session.model.sensor
     client = session.join()
     client.take()
     session.enqueue(command, client)
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
-    after = session.model.view()
+    after = view_of(session)
     assert (after.count, after.pose, after.playing) == (before.count, before.pose, before.playing)
     assert (session.model.config, session.model.sensor, session.model.playback.speed) == (config, sensor, 1.0)
     np.testing.assert_array_equal(after.log_odds, before.log_odds)
@@ -311,8 +310,8 @@ async def test_a_defect_stops_the_session_and_says_so(
     assert '"playing":false' in session.hub.frame_text()
     assert '"code":"internal"' in "".join(str(message) for message in client.take())
     await obey(session, type="play")
-    count = session.model.view().count
-    await eventually(lambda: session.model.view().count != count)
+    count = view_of(session).count
+    await eventually(lambda: view_of(session).count != count)
 
 
 async def test_commands_come_from_any_thread(registry: SessionRegistry) -> None:
@@ -337,9 +336,9 @@ async def test_a_sensor_of_another_kind_begins_the_map_anew_with_the_model_that_
 ) -> None:
     session = await new_simulation(registry, "me", "room")
     await obey(session, type="sensor", values={"kind": "sonar_ring", "beam_width": 0.5})
-    view = session.model.view()
+    view = view_of(session)
     assert (view.config.model, view.config.opening) == ("sonar_cone", 0.5)
     assert len(view.ranges) == 16
     assert view.observed.any()
     await obey(session, type="sensor", values={"kind": "lidar"})
-    assert session.model.view().config.model == "fixed_increments"
+    assert view_of(session).config.model == "fixed_increments"

@@ -18,6 +18,7 @@ from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models.story import replayed, story_of
 from tests.server.begin import new_simulation
+from tests.server.view import view_of
 
 
 def by_hand(mapper: LiveMap, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
@@ -167,13 +168,13 @@ async def test_a_story_told_again_is_the_same_map(registry: SessionRegistry, obe
     story = json.loads(json.dumps(await session.model.story.current()))
     assert len(story["journal"]) == len(ACTS)
     other = await new_simulation(registry, "somebody", story["world"], story["seed"], story)
-    here, there = session.model.view(), other.model.view()
+    here, there = view_of(session), view_of(other)
     assert there.pose == here.pose
     assert there.config == here.config
     assert there.count == here.count
     np.testing.assert_array_equal(there.ranges, here.ranges)
     np.testing.assert_array_equal(there.log_odds, here.log_odds)
-    assert [s.tobytes() for s in there.world.solids] == [s.tobytes() for s in here.world.solids]
+    assert [s.tobytes() for s in there.world.solids] == [s.tobytes() for s in here.world.solids]  # type: ignore[union-attr]
     assert json.loads(json.dumps(await other.model.story.current())) == story
 
 

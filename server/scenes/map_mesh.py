@@ -24,7 +24,7 @@ _FLOOR = np.column_stack([np.interp(np.linspace(0, 1, 256), _FLOOR_P, _FLOOR_RGB
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class MapLevels:
     """What is drawn of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
 
     Row 0 lies at the smallest y. A cell is ``cell`` metres wide.
@@ -40,7 +40,7 @@ class Picture:
         return self.levels.shape[1] * self.cell, self.levels.shape[0] * self.cell
 
 
-def picture(geometry: GridGeometry, values: NDArray[np.float32], observed: NDArray[np.bool_]) -> Picture:
+def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: NDArray[np.bool_]) -> MapLevels:
     """Return what is drawn of the log-odds ``values`` and ``observed`` (rows, cols).
 
     A block of cells has the log-odds of its most occupied cell, so that thin walls stay.
@@ -61,7 +61,7 @@ def picture(geometry: GridGeometry, values: NDArray[np.float32], observed: NDArr
     floor = np.empty((*seen.shape, 4), dtype=np.uint8)
     floor[..., :3] = _FLOOR.astype(np.uint8)[(p_occ * 255.0).astype(np.uint8)]
     floor[..., 3] = np.where(unseen, 0, 255)
-    return Picture(levels, floor, geometry.resolution * block)
+    return MapLevels(levels, floor, geometry.resolution * block)
 
 
 def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list[tuple[int, int]]:

@@ -9,11 +9,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from server.scenes.state import read_state
-from server.sessions.view import SessionView
+from server.scenes.drawers import DRAWERS
+from server.scenes.drawers.grid_columns import GridContent
+from server.scenes.reading import SceneState, read_state
+from server.sessions.drawings import Drawing, GridColumns, RobotBody
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.service import eventually
+from tests.server.view import view_of
 
 
 class GuardedArray:
@@ -45,18 +48,22 @@ async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypat
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     session.model.playback.playing = False
     scene = await service.scenes.get(session)
-    guard, view = Guard(), session.model.view
+    guard, drawings = Guard(), session.model.drawings
 
-    def guarded_view() -> SessionView:
-        guard.note("view")
-        seen: SessionView = view()
-        return replace(
-            seen,
-            log_odds=cast("Any", GuardedArray(seen.log_odds, guard)),
-            observed=cast("Any", GuardedArray(seen.observed, guard)),
-        )
+    def guarded_drawings() -> list[Drawing]:
+        guard.note("drawings")
+        return [
+            replace(
+                one,
+                log_odds=cast("Any", GuardedArray(one.log_odds, guard)),
+                observed=cast("Any", GuardedArray(one.observed, guard)),
+            )
+            if isinstance(one, GridColumns)
+            else one
+            for one in drawings()
+        ]
 
-    monkeypatch.setattr(session.model, "view", guarded_view)
+    monkeypatch.setattr(session.model, "drawings", guarded_drawings)
     async with session.still():
         guard.computing = True
         scene.enter()  # which asks for a drawing with the map
@@ -70,16 +77,36 @@ async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypat
     scene.leave()
 
 
+def contents(state: SceneState, kind: type[Drawing]) -> Any:
+    (content,) = (one.content for one in state.readings if isinstance(one.drawing, kind))
+    return content
+
+
 async def test_a_later_tick_does_not_change_what_was_read(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     session.model.playback.playing = False
-    state = await read_state(session, with_map=True)
-    assert state.picture is not None
-    before = state.picture.floor.copy(), state.beams.copy()
+    state = await read_state(session, DRAWERS, lambda _: True)
+    grid, robot = contents(state, GridColumns), contents(state, RobotBody)
+    assert isinstance(grid, GridContent)
+    before = grid.levels.floor.copy(), robot.beams.copy()
     async with session.still():
         session.model.grid.log_odds += 1.0
         session.model.grid.observed[:] = True
-        session.model.view().ranges[:] = 0.5
-    np.testing.assert_array_equal(state.picture.floor, before[0])
-    np.testing.assert_array_equal(state.beams, before[1])
-    assert (await read_state(session, with_map=False)).picture is None
+        view_of(session).ranges[:] = 0.5
+    np.testing.assert_array_equal(grid.levels.floor, before[0])
+    np.testing.assert_array_equal(robot.beams, before[1])
+
+
+async def test_what_is_not_due_is_not_read(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    state = await read_state(session, DRAWERS, lambda drawing: not isinstance(drawing, GridColumns))
+    assert contents(state, GridColumns) is None
+    assert contents(state, RobotBody) is not None
+
+
+async def test_two_drawings_of_one_name_are_a_defect(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    twice = 2 * session.model.drawings()
+    monkeypatch.setattr(session.model, "drawings", lambda: twice)
+    with pytest.raises(ValueError, match="one name"):
+        await read_state(session, DRAWERS, lambda _: True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mapper.grid import OCCUPIED, GridGeometry, OccupancyGrid
-from server.scenes.belief import HEIGHTS, MAX_SIDE, changed_tiles, picture, tile_columns
+from server.scenes.map_mesh import HEIGHTS, MAX_SIDE, changed_tiles, map_levels, tile_columns
 
 
 def grid_of(rows: int, cols: int, seed: int = 0) -> OccupancyGrid:
@@ -32,7 +32,7 @@ def covered(vertices: np.ndarray, cell: float, shape: tuple[int, int]) -> np.nda
 
 def test_columns_stand_on_the_occupied_cells_and_nowhere_else() -> None:
     grid = grid_of(100, 150)
-    drawn = picture(grid.geometry, grid.log_odds, grid.observed)
+    drawn = map_levels(grid.geometry, grid.log_odds, grid.observed)
     assert drawn.cell == 0.1
     assert drawn.size_m == (15.0, 10.0)
     heights = np.zeros(grid.geometry.shape)
@@ -54,21 +54,21 @@ def test_a_vertical_wall_is_one_box_as_a_horizontal_one_is() -> None:
 
 def test_the_floor_shows_what_was_observed() -> None:
     grid = grid_of(64, 64)
-    floor = picture(grid.geometry, grid.log_odds, grid.observed).floor
+    floor = map_levels(grid.geometry, grid.log_odds, grid.observed).floor
     np.testing.assert_array_equal(floor[..., 3] == 255, grid.observed)
     free, occupied = grid.log_odds < -1.5, grid.log_odds > 3.0
-    blue, precompile = floor[grid.observed & free], floor[grid.observed & occupied]
+    blue, orange = floor[grid.observed & free], floor[grid.observed & occupied]
     assert (blue[:, 2] > blue[:, 0]).all()
-    assert (precompile[:, 0] > precompile[:, 2]).all()
+    assert (orange[:, 0] > orange[:, 2]).all()
 
 
 def test_only_changed_tiles_are_sent_again() -> None:
     grid = grid_of(200, 130)
-    before = picture(grid.geometry, grid.log_odds, grid.observed).levels
+    before = map_levels(grid.geometry, grid.log_odds, grid.observed).levels
     assert changed_tiles(before, before) == []
     grid.log_odds[150, 70] = -2.0 if before[150, 70] else 3.5
     grid.observed[150, 70] = True
-    after = picture(grid.geometry, grid.log_odds, grid.observed).levels
+    after = map_levels(grid.geometry, grid.log_odds, grid.observed).levels
     assert changed_tiles(after, before) == [(2, 1)]
     # A cell that becomes free empties its tile: that is a change as well.
     assert changed_tiles(np.zeros_like(before), before) == [(r, c) for r in range(4) for c in range(3)]
@@ -80,7 +80,7 @@ def test_a_large_grid_is_drawn_by_blocks_that_keep_thin_walls() -> None:
     log_odds = np.full(geometry.shape, -1.0, dtype=np.float32)
     observed = np.ones(geometry.shape, dtype=np.bool_)
     log_odds[1000, :] = 3.5
-    drawn = picture(geometry, log_odds, observed)
+    drawn = map_levels(geometry, log_odds, observed)
     assert max(drawn.levels.shape) <= MAX_SIDE
     assert drawn.cell == pytest.approx(0.15)
     assert (drawn.levels[1000 // 3] == 4).all()
