@@ -44,7 +44,7 @@ class _SessionCollector(Collector):
     def collect(self) -> Iterable[Metric]:
         live = self._sessions.all()
         by_kind = GaugeMetricFamily("gridbloom_sessions", "Live sessions.", labels=["kind"])
-        for kind in ("world", "log"):
+        for kind in ("simulation", "log"):
             by_kind.add_metric([kind], sum(s.kind == kind for s in live))
         yield by_kind
         clients = [client for session in live for client in session.hub.clients]

@@ -17,8 +17,7 @@ from server.sessions.second_map_view import SecondMapView, Wanted, comparison_me
 from server.sessions.session import Session
 from server.sessions.tick import TickResult
 from server.sessions.view import Side
-from server.stream.hub import Hub
-from server.stream.tiles import TilePicture, picture_of, update_picture
+from server.stream.layers import GridLayer, Layer
 from server.work.scheduler import checkpoint
 
 
@@ -26,7 +25,7 @@ class ComparableSession(Session):
     """A session of a replay, B, with another side beside it, A, where somebody compares."""
 
     _other: SecondMapView | None = None
-    _second: Hub | None = None  #: who watches A; stays when the comparison ends
+    _second_layer: GridLayer | None = None  #: shows A
     _wish = 0  #: counts the wishes to compare: only the newest is fulfilled
 
     @property
@@ -35,9 +34,9 @@ class ComparableSession(Session):
         """What the session's map is made by."""
 
     @property
-    def hubs(self) -> tuple[Hub, ...]:
-        """Who watches the map, and who the other side."""
-        return (self.hub,) if self._second is None else (self.hub, self._second)
+    def layers(self) -> tuple[Layer, ...]:
+        """The map, and the other side where there is one."""
+        return (self.map_layer,) if self._second_layer is None else (self.map_layer, self._second_layer)
 
     @property
     def cells(self) -> int:
@@ -67,11 +66,7 @@ class ComparableSession(Session):
         async with self._lock:
             if wish != self._wish or self.closed:
                 raise _superseded()
-            outcome, picture = await self.on_thread(partial(self._take_over, other))
-            if picture is not None and self._second is None:
-                self._second = Hub(picture, self._clock)
-            elif picture is not None and self._second is not None:
-                self._second.set_picture(picture)
+            outcome = await self.on_thread(partial(self._take_over, other))
         self._deliver(outcome)
         self._wake.set()
 
@@ -107,24 +102,23 @@ class ComparableSession(Session):
         except WorkCancelledError as error:
             raise _superseded() from error
 
-    def _take_over(self, other: SecondMapView | None) -> tuple[TickResult, TilePicture | None]:
-        """Go on with another other side; return what to send, and its picture, in which a new epoch begins."""
+    def _take_over(self, other: SecondMapView | None) -> TickResult:
+        """Go on with another other side, in a layer of its own; return what to send."""
         outcome = TickResult(changed=True)
         if other is None:
-            self._other = None
+            self._other = self._second_layer = None
             outcome.slot(comparison_message(self.replay.index))
             outcome.slot(self.parameters_message())
-            return outcome, None
+            return outcome
         other.replay.wanted = self.goes_on
         other.follow(self.config)
         other.advance(self.replay.index)
         other.second.changed()
-        shown = None if self._second is None else self._second.picture
-        epoch, revision = (1, 0) if shown is None else (shown.epoch + 1, shown.newest)
-        picture = picture_of(other.second.grid, other.second.config, epoch, revision)
-        self._other = other
+        layer = GridLayer("second_map", "Second map")
+        layer.update(other.second.grid, other.second.config, None, whole=True)
+        self._other, self._second_layer = other, layer
         outcome.slot(self.parameters_message())
-        return outcome, picture
+        return outcome
 
     def follow(self, config: MappingConfig, outcome: TickResult) -> None:
         """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
@@ -138,16 +132,16 @@ class ComparableSession(Session):
                 other.follow(before)
             raise
 
-    def draw_second(self, outcome: TickResult) -> list[TilePicture | None]:
-        """Bring the other side, and its picture, to where the session is."""
-        other, hub = self._other, self._second
-        if other is None or hub is None:
-            return []
+    def draw_second(self, outcome: TickResult) -> None:
+        """Bring the other side, and its layer, to where the session is."""
+        other, layer = self._other, self._second_layer
+        if other is None or layer is None:
+            return
         other.advance(self.replay.index)
         whole, box = other.second.changed()
         other.is_new |= whole or box is not None or outcome.new_grid or outcome.box is not None
         outcome.changed |= whole or box is not None
-        return [update_picture(hub.picture, other.second.grid, other.second.config, box, whole=whole)]
+        outcome.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
 
     @property
     def has_deferred_work(self) -> bool:
@@ -170,12 +164,12 @@ class ComparableSession(Session):
         other = self._other
         return super().parameters_message() | {"compare": None if other is None else other.description()}
 
-    def side(self, *, second: bool) -> Side:
+    def side(self, layer: str) -> Side:
         """As every session's, and the other side where there is one."""
-        other = self._other
-        if not second or other is None:
-            return super().side(second=second)
-        return Side(other.replay.grid, other.replay.config, other.sources, other.replay.index, 1)
+        other, shown = self._other, self._second_layer
+        if other is None or shown is None or layer != shown.name:
+            return super().side(layer)
+        return Side(other.replay.grid, other.replay.config, other.sources, other.replay.index, shown)
 
 
 def _superseded() -> MapperError:

@@ -83,7 +83,7 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
 class LogSession(ComparableSession):
     """A session of one log."""
 
-    kind: ClassVar[Literal["world", "log"]] = "log"
+    kind: ClassVar[Literal["simulation", "log"]] = "log"
 
     def __init__(
         self,

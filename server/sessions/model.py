@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal
@@ -23,9 +23,9 @@ from server.sessions.messages import cell_message, frame_fields, parameters_mess
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.sessions.view import RobotState, SessionView, Side
 from server.sessions.why import Source, why_message
-from server.stream.hub import Client, Hub
-from server.stream.protocol import ProtocolError, integer, number, values
-from server.stream.tiles import TilePicture, update_picture
+from server.stream.hub import Client
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError, integer, number, text, values
 
 ORDERS_S = 0.05  #: computing time of a tick after which its further commands wait: other sessions want the threads too
 
@@ -33,14 +33,14 @@ _log = structlog.get_logger(__name__)
 
 
 class SessionModel(ABC):
-    """What world and log sessions compute."""
+    """What simulation and log sessions compute."""
 
-    kind: ClassVar[Literal["world", "log"]]
+    kind: ClassVar[Literal["simulation", "log"]]
 
-    def __init__(self, *, config: MappingConfig, speed: float, hub: Hub) -> None:
+    def __init__(self, *, config: MappingConfig, speed: float) -> None:
         self.config = config
         self.speed = speed
-        self.hub = hub
+        self.map_layer = GridLayer("map", "Map")
         self.playing = True
         self.closed = False
         self._remade_ms: float | None = None
@@ -98,19 +98,18 @@ class SessionModel(ABC):
         """What ``hello`` says beyond the common fields."""
 
     @property
-    def hubs(self) -> tuple[Hub, ...]:
-        """Who watches each of the session's maps: the map, and where there is one the second beside it."""
-        return (self.hub,)
+    def layers(self) -> tuple[Layer, ...]:
+        """What the session shows: the map first."""
+        return (self.map_layer,)
 
-    def draw_second(self, _outcome: TickResult) -> list[TilePicture | None]:
-        """Bring the second map's picture up to date (worker thread); return it where a new epoch begins."""
-        return []
+    def draw_second(self, outcome: TickResult) -> None:  # noqa: B027 - most sessions have no second map
+        """Bring the second map's layer up to date (worker thread)."""
 
-    def side(self, *, second: bool) -> Side:
-        """Return the map, or the ``second`` one. Raises :class:`ProtocolError` where a session explains no second."""
-        if second:
-            raise ProtocolError("command.map", "There is no second map to ask about.")
-        return Side(self.grid, self.config, self.sources, self.progress[0], 0)
+    def side(self, layer: str) -> Side:
+        """Return the map that a layer shows. Raises :class:`ProtocolError` for a layer that shows none."""
+        if layer != self.map_layer.name:
+            raise ProtocolError("command.layer", f"There is no map {layer!r:.80} to ask about.")
+        return Side(self.grid, self.config, self.sources, self.progress[0], self.map_layer)
 
     @property
     def fraction(self) -> float | None:
@@ -269,12 +268,11 @@ class SessionModel(ABC):
         outcome.slot(self.parameters_message())
 
     def _draw(self, outcome: TickResult) -> None:
-        """Bring the pictures up to date with what changed in the maps."""
+        """Bring the layers up to date with what changed in the maps."""
         whole = outcome.new_grid or self._redraw
-        outcome.pictures = [update_picture(self.hub.picture, self.grid, self.config, outcome.box, whole=whole)]
+        outcome.changed |= self.map_layer.update(self.grid, self.config, outcome.box, whole=whole)
         self._redraw = False
-        outcome.pictures += self.draw_second(outcome)
-        outcome.changed |= any(picture is not None for picture in outcome.pictures)
+        self.draw_second(outcome)
 
     def _obey(self, order: QueuedCommand, outcome: TickResult) -> None:
         command = order.command
@@ -292,7 +290,7 @@ class SessionModel(ABC):
             case "inspect":
                 side = self._side_of(command)
                 row, col, epoch = self._cell_of(command, side)
-                answer = cell_message(side.grid, row, col, epoch) | _which(side)
+                answer = cell_message(side.grid, row, col, epoch) | {"layer": side.layer.name}
                 outcome.answers.append((order.client, answer))
                 return
             case "why":
@@ -304,21 +302,12 @@ class SessionModel(ABC):
 
     def _side_of(self, command: dict[str, Any]) -> Side:
         """Return the map that a command is about."""
-        which = command.get("map", "first")
-        if which not in ("first", "second"):
-            raise ProtocolError("command.map", f'"map" must be "first" or "second", not {which!r:.80}.')
-        return self.side(second=which == "second")
+        return self.side(text(command, "layer") if "layer" in command else self.map_layer.name)
 
-    def _cell_of(
-        self, command: dict[str, Any], side: Side, pictures: Sequence[TilePicture | None] = ()
-    ) -> tuple[int, int, int]:
-        """Return the row, column and epoch that a command names, of a cell of a map.
-
-        ``pictures`` are new ones that the hubs are about to have.
-        """
+    def _cell_of(self, command: dict[str, Any], side: Side) -> tuple[int, int, int]:
+        """Return the row, column and epoch that a command names, of a cell of a map."""
         row, col, epoch = (integer(command, key) for key in ("row", "col", "epoch"))
-        coming = pictures[side.place] if side.place < len(pictures) else None
-        now = (coming or self.hubs[side.place].picture).epoch
+        now = side.layer.epoch
         if epoch != now:
             raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {now}.")
         if not side.grid.geometry.contains((row, col)):
@@ -329,21 +318,16 @@ class SessionModel(ABC):
         """Answer a "why" from the map as this tick leaves it."""
         try:
             side = self._side_of(command)
-            row, col, epoch = self._cell_of(command, side, outcome.pictures)
+            row, col, epoch = self._cell_of(command, side)
             until = None if command.get("until") is None else integer(command, "until")
             about = {"row": row, "col": col, "epoch": epoch, "index": side.index}
             answer = why_message(side.grid, side.sources(), side.config, about, until)
-            outcome.answers.append((client, answer | _which(side)))
+            outcome.answers.append((client, answer | {"layer": side.layer.name}))
         except (ProtocolError, MapperError) as error:
             self._refuse(outcome, client, error)
         except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
             _log.exception("a command failed", command="why")
             outcome.answers.append((client, error_message("internal", "The cell could not be explained.")))
-
-
-def _which(side: Side) -> dict[str, Any]:
-    """Return what an answer says of the map that it is about: nothing where that is the first."""
-    return {"map": "second"} if side.place else {}
 
 
 def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:

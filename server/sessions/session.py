@@ -19,7 +19,6 @@ from typing import Any, TypeVar
 
 import structlog
 
-from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
@@ -29,7 +28,6 @@ from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
-from server.stream.tiles import picture_of
 from server.work.scheduler import Party, Scheduler, checkpoint
 
 TICK_S = 1.0 / 30.0
@@ -48,7 +46,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Session(SessionModel):
-    """What world and log sessions share. Make them with the registry, on the event loop."""
+    """What simulation and log sessions share. Make them with the registry, on the event loop."""
 
     def __init__(
         self,
@@ -62,7 +60,9 @@ class Session(SessionModel):
         limits: Callable[[Session | None], Limits],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        super().__init__(config=config, speed=speed, hub=Hub(picture_of(grid, config), clock))
+        super().__init__(config=config, speed=speed)
+        self.map_layer.update(grid, config, None, whole=True)
+        self.hub = Hub(self.layers, clock)
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
         self.owner = owner
@@ -103,7 +103,7 @@ class Session(SessionModel):
         self._wake.set()
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
-        for client in [client for hub in self.hubs for client in hub.clients]:
+        for client in self.hub.clients:
             client.wake.set()
         for callback in (*self.on_close,):
             try:
@@ -123,23 +123,16 @@ class Session(SessionModel):
             self.listeners.remove(callback)
             self._left()
 
-    def hub_of(self, *, second: bool) -> Hub:
-        """Return who watches the map, or the ``second`` one. Raises :class:`MapperError` where there is no second."""
-        if second and len(self.hubs) < 2:
-            raise MapperError("session.second", "This session keeps no second map.")
-        return self.hubs[1] if second else self.hub
-
-    def join(self, hub: Hub | None = None) -> Client:
-        """Return a new client of one of the session's hubs, None for the first, which is sent everything."""
-        hub = hub or self.hub
-        hub.slots["hello"] = encode_text(self._hello())
-        client = hub.join()
+    def join(self) -> Client:
+        """Return a new client, which is sent everything."""
+        self.hub.slots["hello"] = encode_text(self._hello())
+        client = self.hub.join()
         self._wake.set()
         return client
 
     def leave(self, client: Client) -> None:
         """Forget a client."""
-        client.hub.leave(client)
+        self.hub.leave(client)
         self._left()
 
     def _left(self) -> None:
@@ -230,8 +223,7 @@ class Session(SessionModel):
     def _publish_frame(self) -> None:
         frame, scan = self.frame(), self.scan_fields()
         running = self.playing and self.watched
-        for hub in self.hubs:
-            hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+        self.hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
 
     # -- the task -------------------------------------------------------------------------------------------------
 
@@ -353,9 +345,7 @@ class Session(SessionModel):
         """Send what a tick left (event loop)."""
         if self.closed:
             return
-        for hub, picture in zip(self.hubs, outcome.pictures, strict=False):
-            if picture is not None:
-                hub.set_picture(picture)
+        self.hub.set_layers(self.layers)
         for message in outcome.slots.values():
             self.hub.set_slot(message)
         if outcome.remade_ms is not None:

@@ -25,9 +25,8 @@ from server.sessions.simulation_commands import ACTIONS, act, edits_of, story_of
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
-from server.stream.hub import Hub
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text, values
-from server.stream.tiles import TilePicture, picture_of, update_picture
 
 DEFAULT_WORLD = "office"
 MAX_STEP_SCANS = 100
@@ -35,9 +34,9 @@ SCANS_AT_ONCE = 10  #: of a step in one tick
 
 
 class SimulationSession(Session):
-    """A session of the live world."""
+    """A session of a simulation."""
 
-    kind: ClassVar[Literal["world", "log"]] = "world"
+    kind: ClassVar[Literal["simulation", "log"]] = "simulation"
 
     def __init__(
         self,
@@ -50,6 +49,7 @@ class SimulationSession(Session):
         self._mapper = mapper
         mapper.limits = lambda: limits(self)
         mapper.wanted = self.goes_on
+        self._second_layer: GridLayer | None = None
         self.max_story_s = math.inf  #: computing that a story of this world may take
         super().__init__(
             owner=owner,
@@ -61,12 +61,11 @@ class SimulationSession(Session):
             limits=limits,
         )
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: what was told of it last
-        self._second = Hub(picture_of(mapper.grid, mapper.config), self._clock)
 
     @property
-    def hubs(self) -> tuple[Hub, ...]:
-        """Who watches the map, and who the second one beside it."""
-        return (self.hub, self._second)
+    def layers(self) -> tuple[Layer, ...]:
+        """The map, and the second one where there is one."""
+        return (self.map_layer,) if self._second_layer is None else (self.map_layer, self._second_layer)
 
     @property
     def grid(self) -> OccupancyGrid:
@@ -103,7 +102,7 @@ class SimulationSession(Session):
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = mapper.newest
         if scan is None:
-            raise RuntimeError("a world session has taken a scan before it starts")
+            raise RuntimeError("a simulation has taken a scan before it starts")
         seen_from = as_pose(compose(mapper.newest_pose, simulation.mount))
         robot_state = RobotState(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
         if mapper.hidden:
@@ -198,17 +197,20 @@ class SimulationSession(Session):
             for change in self._mapper.advance(dt * self.speed):
                 outcome.add(change)
 
-    def draw_second(self, outcome: TickResult) -> list[TilePicture | None]:
-        """Bring the second map's picture up to date, and tell how the two maps forget."""
+    def draw_second(self, outcome: TickResult) -> None:
+        """Bring the second map's layer up to date, and tell how the two maps forget."""
         second, vanishing = self._mapper.second, self._mapper.vanishing
         told = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if told != self._forgetting:
             self._forgetting = told
             outcome.slot(forgetting_message(vanishing))
         if second is None:
-            return []
+            self._second_layer = None
+            return
+        if self._second_layer is None:
+            self._second_layer = GridLayer("second_map", "Second map")
         whole, box = second.changed()
-        return [update_picture(self._second.picture, second.grid, second.config, box, whole=whole)]
+        outcome.changed |= self._second_layer.update(second.grid, second.config, box, whole=whole)
 
     def obey(self, command: dict[str, Any], outcome: TickResult) -> None:
         """Carry out a command."""
@@ -246,7 +248,7 @@ class SimulationSession(Session):
             case "seek":
                 raise ProtocolError("world.seek", "A live world cannot go to another time; restart begins it anew.")
             case other:
-                raise ProtocolError("command.unknown", f"A world session knows no command {other!r:.80}.")
+                raise ProtocolError("command.unknown", f"A simulation knows no command {other!r:.80}.")
 
     def _step(self, command: dict[str, Any], outcome: TickResult) -> None:
         scans = integer(command, "scans", 1)

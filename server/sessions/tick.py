@@ -7,7 +7,6 @@ from typing import Any
 
 from mapper.mapping.integrate import CellBox, Change
 from server.stream.hub import Client
-from server.stream.tiles import TilePicture
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +26,6 @@ class TickResult:
     changed: bool = False  #: whether there is a new frame to publish
     new_grid: bool = False  #: whether the whole picture has to be read anew
     box: CellBox | None = None  #: otherwise: the cells that may have changed
-    pictures: list[TilePicture | None] = field(default_factory=list)  #: of a new epoch, for each map of the session
     remade_ms: float | None = None
     slots: dict[str, dict[str, Any]] = field(default_factory=dict)
     notices: list[dict[str, Any]] = field(default_factory=list)

@@ -14,6 +14,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan
 from mapper.simulation import SensorConfig, World
 from server.sessions.why import Source
+from server.stream.layers import GridLayer
 
 Pose = tuple[float, float, float]
 
@@ -44,13 +45,13 @@ class SessionView:
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """One of a session's maps, for questions about its cells; ``place`` is that of its hub among the session's."""
+    """One of a session's maps, for questions about its cells, and the layer that shows it."""
 
     grid: OccupancyGrid
     config: MappingConfig
     sources: Callable[[], list[Source]]
     index: int
-    place: int
+    layer: GridLayer
 
 
 @dataclass(frozen=True, slots=True)

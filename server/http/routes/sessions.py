@@ -41,12 +41,12 @@ class Story(BaseModel):
     speed: float | None = Field(None, description="Seconds of the world's time in a second.")
 
 
-class NewWorld(BaseModel):
+class NewSimulation(BaseModel):
     """A session of a live world."""
 
     model_config = ConfigDict(extra="forbid")
 
-    kind: Literal["world"]
+    kind: Literal["simulation"]
     playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
     world: str | None = Field(
         None, max_length=100, description="Name of the world; the first one where it is left out."
@@ -88,7 +88,7 @@ def public(session: Session) -> dict[str, Any]:
 @router.post("/sessions", status_code=201)
 async def create(
     request: Request,
-    wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")],
+    wanted: Annotated[NewSimulation | NewLog, Body(discriminator="kind")],
     sessions: Sessions,
     library: Logs,
     visitor: Visitor,
@@ -98,10 +98,10 @@ async def create(
 
 
 async def _create(
-    wanted: NewWorld | NewLog, sessions: SessionRegistry, library: Library, visitor: str, address: str
+    wanted: NewSimulation | NewLog, sessions: SessionRegistry, library: Library, visitor: str, address: str
 ) -> Response:
     session: Session
-    if isinstance(wanted, NewWorld):
+    if isinstance(wanted, NewSimulation):
         story = None if wanted.story is None else wanted.story.model_dump()
         session = await sessions.create_world(
             visitor, wanted.world, wanted.seed, story, playing=wanted.playing, address=address, name=wanted.name

@@ -180,7 +180,7 @@ async def test_the_page(service: Service) -> None:
 async def test_a_client_of_another_version_is_refused(service: Service) -> None:
     session = await service.sessions.create_world("ann", "room", seed=1)
     url = f"ws://127.0.0.1:{service.port}/scenes/{session.id}"
-    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v1")]):
+    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v2")]):
         with pytest.raises((InvalidStatus, ConnectionClosed)):
             async with connect(url, subprotocols=protocols) as socket:
                 await socket.recv()

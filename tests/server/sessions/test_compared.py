@@ -39,7 +39,7 @@ async def test_a_keeps_its_parameters_while_b_follows_the_hand(
     _, found = await session.compared()
     assert found.max_difference == 0.0
     await obey(session, type="parameters", values={"log_odds_hit": 0.4, "window": 0.2})
-    other = session.side(second=True)
+    other = session.side("second_map")
     np.testing.assert_array_equal(other.grid.log_odds, whole_map(office_log, kept).log_odds)
     np.testing.assert_array_equal(session.grid.log_odds, whole_map(office_log, session.config).log_odds)
     _, found = await session.compared()
@@ -47,7 +47,7 @@ async def test_a_keeps_its_parameters_while_b_follows_the_hand(
     # Both stand at the same scan, forwards and backwards.
     for index in (30, 55):
         await obey(session, type="seek", index=index)
-        other = session.side(second=True)
+        other = session.side("second_map")
         assert other.index == index
         np.testing.assert_array_equal(other.grid.log_odds, whole_map(office_log, kept, stop=index).log_odds)
 
@@ -60,7 +60,7 @@ async def test_another_trajectory_follows_all_parameters(
     await session.compare(Wanted({}, wheel))
     for values in ({"update": "per_scan"}, {"resolution": 0.1}):
         await obey(session, type="parameters", values=values)
-        other = session.side(second=True)
+        other = session.side("second_map")
         assert other.config == session.config
         from mapper.mapping.integrate import grid_for, integrate_log
 
@@ -82,7 +82,7 @@ async def test_what_has_no_lattice_in_common_is_told_and_seen_all_the_same(
         await session.compared()
     assert error.value.code == "compare.lattice"
     await eventually(lambda: '"refused":"A has cells' in session.hub.slots.get("comparison", ""))
-    assert session.side(second=True).grid.geometry.resolution == 0.05
+    assert session.side("second_map").grid.geometry.resolution == 0.05
     session.leave(client)
 
 
@@ -121,7 +121,7 @@ async def test_a_map_that_grows_too_large_for_either_changes_neither(
     before = session.config
     await obey(session, type="parameters", values={"resolution": 0.03})
     assert session.config == before
-    assert session.side(second=True).config == before
+    assert session.side("second_map").config == before
     assert isinstance(session.limits(), Limits)
     assert session.cells == 2 * session.grid.log_odds.size
 
@@ -177,20 +177,20 @@ async def test_the_numbers_are_those_of_the_two_downloaded_maps(service: Service
         assert {key: told[key] for key in numbers} == numbers
         # The reach is shorter, so the second map is the smaller one: lay both onto one sheet, by their origins.
         geometry_b = watcher.newest["geometry"]
-        async with service.connect(session, "?map=second") as beside:
-            second = Watcher(beside)
+        async with service.connect(session) as beside:
+            second = Watcher(beside, layer="second_map")
             await second.until(lambda: second.complete)
             geometry_a = second.newest["geometry"]
             np.testing.assert_array_equal(second.log_odds(), log_odds_a)
             row, col = np.argwhere(~np.isnan(log_odds_a))[0].tolist()
-            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             cell = await watcher.answer("cell")
-            assert cell["map"] == "second"
+            assert cell["layer"] == "second_map"
             assert cell["log_odds"] == pytest.approx(log_odds_a[row, col], abs=5.5 / 254)
-            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             why = await watcher.answer("why")
-            assert (why["map"], why["log_odds"]) == ("second", cell["log_odds"])
-            for touch in why["touches"]:
+            assert (why["layer"], why["log_odds"]) == ("second_map", cell["log_odds"])
+            for touch in why["contributions"]:
                 assert touch["increment"] == pytest.approx(kept["log_odds_hit" if touch["hit"] else "log_odds_miss"])
         offset = np.rint(
             (np.array(geometry_b["origin"][:2]) - np.array(geometry_a["origin"][:2])) / geometry_a["resolution"]

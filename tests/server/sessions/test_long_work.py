@@ -116,7 +116,9 @@ async def test_a_seek_is_given_up_for_another(
     await obey(session, type="pause")
     await eventually(lambda: session.progress[0] == 2)
     assert len(parts.windows) < 10
-    shown = session.hub.picture.cells != -128
+    picture = session.map_layer.picture
+    assert picture is not None
+    shown = picture.cells != -128
     np.testing.assert_array_equal(shown, session.view().observed)
 
 

@@ -16,6 +16,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
 from server.sessions import LiveMap, SessionRegistry
 from server.sessions.simulation_commands import retold, story_of
+from server.stream.layers import GridLayer
 
 
 def by_hand(mapper: LiveMap, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
@@ -213,11 +214,13 @@ async def test_a_story_that_makes_no_sense_is_refused(
 
 async def test_whoever_watches_the_second_map_sees_it(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await registry.create_world("me", "room", seed=4)
-    client = session.join(session.hub_of(second=True))
+    client = session.join()
+    client.subscribe(["second_map"])
     await obey(session, type="compare", values={"log_odds_hit": 0.2})
     await obey(session, type="step", scans=3)
-    first, second = (hub.picture.cells for hub in session.hubs)
+    shown = (layer.picture for layer in session.layers if isinstance(layer, GridLayer))
+    first, second = (picture.cells for picture in shown if picture is not None)
     assert first.shape == second.shape
     assert np.any(first != second)
     texts = [message for message in client.take() if isinstance(message, str)]
-    assert {json.loads(text)["type"] for text in texts} >= {"hello", "geometry", "frame"}
+    assert {json.loads(text)["type"] for text in texts} >= {"hello", "layers", "geometry", "frame"}
