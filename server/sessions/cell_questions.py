@@ -11,12 +11,12 @@ import structlog
 from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from server.sessions.map_layer import MapLayer
 from server.sessions.messages import cell_message
 from server.sessions.tick import TickResult, error_message
 from server.sessions.why import Source, why_message
 from server.stream.hub import Client
-from server.stream.protocol import ProtocolError, integer
+from server.stream.layers import GridLayer
+from server.stream.protocol import ProtocolError, integer, text
 
 _log = structlog.get_logger(__name__)
 
@@ -25,7 +25,7 @@ _log = structlog.get_logger(__name__)
 class ExplainedMap:
     """A map about whose cells can be asked: its layer, what it is made of, and how many scans are in it."""
 
-    layer: MapLayer
+    layer: GridLayer
     grid: OccupancyGrid
     config: MappingConfig
     sources: Callable[[], Sequence[Source]]
@@ -48,7 +48,7 @@ class CellQuestions:
             case "inspect":
                 asked = self._map_of(command)
                 row, col, epoch = _cell_of(command, asked)
-                result.answer(cell_message(asked.grid, row, col, epoch) | self._which(asked))
+                result.answer(cell_message(asked.grid, row, col, epoch) | {"layer": asked.layer.name})
             case "why":
                 client = result.client
                 result.questions[client] = lambda: self._explain(client, command, result)
@@ -57,16 +57,12 @@ class CellQuestions:
         return True
 
     def _map_of(self, command: dict[str, Any]) -> ExplainedMap:
-        which = command.get("map", "first")
-        if which not in ("first", "second"):
-            raise ProtocolError("command.map", f'"map" must be "first" or "second", not {which!r:.80}.')
         maps = self._maps()
-        if which == "second" and len(maps) < 2:
-            raise ProtocolError("command.map", "There is no second map to ask about.")
-        return maps[1 if which == "second" else 0]
-
-    def _which(self, asked: ExplainedMap) -> dict[str, Any]:
-        return {} if asked.layer is self._maps()[0].layer else {"map": "second"}
+        name = text(command, "layer") if "layer" in command else maps[0].layer.name
+        for one in maps:
+            if one.layer.name == name:
+                return one
+        raise ProtocolError("command.layer", f"There is no map {name!r:.80} to ask about.")
 
     def _explain(self, client: Client | None, command: dict[str, Any], result: TickResult) -> None:
         try:
@@ -75,7 +71,7 @@ class CellQuestions:
             until = None if command.get("until") is None else integer(command, "until")
             about = {"row": row, "col": col, "epoch": epoch, "index": asked.index}
             answer = why_message(asked.grid, asked.sources(), asked.config, about, until)
-            result.answers.append((client, answer | self._which(asked)))
+            result.answers.append((client, answer | {"layer": asked.layer.name}))
         except (ProtocolError, MapperError) as error:
             result.refuse(client, error)
         except Exception:  # noqa: BLE001 - a defect in one answer must not end the session

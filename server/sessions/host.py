@@ -2,7 +2,7 @@
 
 One asyncio task for each session waits for commands and for the next tick, has a worker thread compute (the kernels
 release the GIL), and publishes the result. What the worker thread uses is used by nobody else meanwhile; everything
-else (hubs, listeners, messages) belongs to the event loop. The host knows no kind of session.
+else (hub, listeners, messages) belongs to the event loop. The host knows no kind of session.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from typing import Any, TypeVar
 
 import structlog
 
-from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
 from mapper.replay.incremental import CheckpointPrefetcher
 from server.sessions.computation import compute_tick
@@ -48,7 +47,7 @@ class SessionHost:
     """Runs one model. Made by the registry, on the event loop; :meth:`start` gives it its model."""
 
     model: SessionModel
-    hub: Hub  #: of the first layer
+    hub: Hub
 
     def __init__(
         self,
@@ -72,7 +71,6 @@ class SessionHost:
         self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = self.commanded_at = clock()
-        self.hubs: list[Hub] = []  #: one for each layer of the model
         self._traffic, self._remake_seconds = traffic or Traffic(), remake_seconds
         self._clock = clock
         self._pool = pool
@@ -94,8 +92,7 @@ class SessionHost:
     def start(self, model: SessionModel) -> None:
         """Begin to run ``model``."""
         self.model = model
-        self._follow_layers()
-        self.hub = self.hubs[0]
+        self.hub = Hub(model.layers, self._clock, self._traffic)
         for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()
@@ -109,7 +106,7 @@ class SessionHost:
         self._wake.set()
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
-        for client in [client for hub in self.hubs for client in hub.clients]:
+        for client in self.hub.clients:
             client.wake.set()
         for callback in (*self.on_close,):
             try:
@@ -129,23 +126,16 @@ class SessionHost:
             self.listeners.remove(callback)
             self._left()
 
-    def hub_of(self, *, second: bool) -> Hub:
-        """Return who watches the map, or the ``second`` one. Raises :class:`MapperError` where there is no second."""
-        if second and len(self.hubs) < 2:
-            raise MapperError("session.second", "This session keeps no second map.")
-        return self.hubs[1] if second else self.hub
-
-    def join(self, hub: Hub | None = None) -> Client:
-        """Return a new client of one of the session's hubs, None for the first, which is sent everything."""
-        hub = hub or self.hub
-        hub.slots["hello"] = encode_text(self._hello())
-        client = hub.join()
+    def join(self) -> Client:
+        """Return a new client, which is sent everything."""
+        self.hub.slots["hello"] = encode_text(self._hello())
+        client = self.hub.join()
         self._wake.set()
         return client
 
     def leave(self, client: Client) -> None:
         """Forget a client."""
-        client.hub.leave(client)
+        self.hub.leave(client)
         self._left()
 
     def _left(self) -> None:
@@ -233,8 +223,7 @@ class SessionHost:
     def _publish_frame(self) -> None:
         frame, scan = self._frame(), self.model.scan()
         running = self.model.playback.playing and self.watched
-        for hub in self.hubs:
-            hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+        self.hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
 
     # -- the task -------------------------------------------------------------------------------------------------
 
@@ -368,21 +357,12 @@ class SessionHost:
             async with asyncio.timeout(seconds):
                 await self._wake.wait()
 
-    def _follow_layers(self) -> None:
-        """Let the hubs follow the model's layers: new ones, and new epochs of the others."""
-        for place, layer in enumerate(self.model.layers):
-            picture = layer.take_epoch()
-            if place == len(self.hubs):
-                self.hubs.append(Hub(layer.picture, self._clock, self._traffic))
-            elif picture is not None:
-                self.hubs[place].set_picture(picture)
-
     def deliver(self, result: TickResult) -> None:
         """Send what a computation left (event loop)."""
         self._wake.set()
         if self.closed:
             return
-        self._follow_layers()
+        self.hub.set_layers(self.model.layers)
         for message in result.slots.values():
             self.hub.set_slot(message)
         if result.remade_ms is not None:

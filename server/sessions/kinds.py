@@ -10,4 +10,4 @@ from server.sessions.models.log_kind import LOG
 from server.sessions.models.simulation_kind import SIMULATION
 
 #: By name, as ``POST /api/sessions`` and the message ``hello`` have it.
-KINDS: Mapping[str, Kind] = MappingProxyType({"world": SIMULATION, "log": LOG})
+KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG})

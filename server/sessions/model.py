@@ -16,10 +16,10 @@ from mapper.grid import OccupancyGrid
 from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
-from server.sessions.map_layer import MapLayer
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
+from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class SessionModel(ABC):
 
     @property
     @abstractmethod
-    def layers(self) -> Sequence[MapLayer]:
+    def layers(self) -> Sequence[Layer]:
         """What is shown, the map first."""
 
     @abstractmethod

@@ -220,7 +220,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     evaluate(viewer, "(place) => gridbloom.connection.store.ask(place)", place)
     until("the answer", lambda: store(viewer, "why"))
     assert store(viewer, "why")["map"] == "second"
-    assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["touches"] if not t["hit"])
+    assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["contributions"] if not t["hit"])
     viewer.locator(".why .choice-option", has_text="In B").click()
     until("the other answer", lambda: (why := store(viewer, "why")) and "map" not in why)
     viewer.keyboard.press("Escape")

@@ -7,30 +7,30 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from server.sessions import SimulationSession
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion
+from server.sessions.models.simulation import SimulationModel
 from tests.browser.conftest import visiting
 from tests.browser.looking import until
 from tests.server.service import running, settings_for
 
 
-def centre_of(session: SimulationSession) -> Point:
-    x0, y0, x1, y1 = session.world.bounds
+def centre_of(model: SimulationModel) -> Point:
+    x0, y0, x1, y1 = model.world.bounds
     return ((x0 + x1) / 2, (y0 + y1) / 2, 0.0)
 
 
 def test_a_dragged_gizmo_reaches_the_session(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     positions: list[Point] = []
 
-    def drawings(session: SimulationSession) -> list[Drawing]:
-        return [Gizmo(name="goal", label="Goal", position=centre_of(session), scale=3.0, turns=False)]
+    def drawings(model: SimulationModel) -> list[Drawing]:
+        return [Gizmo(name="goal", label="Goal", position=centre_of(model), scale=3.0, turns=False)]
 
-    def moved(_session: SimulationSession, name: str, position: Point, _wxyz: Quaternion) -> None:
+    def moved(_model: SimulationModel, name: str, position: Point, _wxyz: Quaternion) -> None:
         assert name == "goal"
         positions.append(position)
 
-    monkeypatch.setattr(SimulationSession, "drawings", drawings)
-    monkeypatch.setattr(SimulationSession, "on_gizmo_moved", moved)
+    monkeypatch.setattr(SimulationModel, "drawings", drawings)
+    monkeypatch.setattr(SimulationModel, "on_gizmo_moved", moved)
     with running(settings_for(tmp_path)) as service, visiting(browser, f"http://127.0.0.1:{service.port}") as context:
         session_id = service.begin()
         page = context.new_page()
@@ -51,8 +51,8 @@ def test_a_dragged_gizmo_reaches_the_session(browser: Browser, tmp_path: Path, m
             return bool(positions)
 
         until("the session to be told of the move", dragged)
-        session = service.state.sessions.get(session_id)
-        assert isinstance(session, SimulationSession)
-        x, y, z = centre_of(session)
+        model = service.state.sessions.get(session_id).model
+        assert isinstance(model, SimulationModel)
+        x, y, z = centre_of(model)
         assert positions[-1][0] > x
         assert positions[-1][1:] == pytest.approx((y, z), abs=1e-6)

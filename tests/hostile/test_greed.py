@@ -28,7 +28,7 @@ async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
-    session_id = await asyncio.to_thread(lambda: service.begin(kind="world", world="office"))
+    session_id = await asyncio.to_thread(lambda: service.begin(kind="simulation", world="office"))
     session = session_of(service, session_id)
     async with undisturbed(service), service.connect(session_id) as socket:
         started = session.model.progress[0]

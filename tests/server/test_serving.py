@@ -254,4 +254,4 @@ server.sessions.models.simulation_kind.replayed = never_ends
 
 def post_and_be_cut(address: str) -> None:
     with contextlib.suppress(httpx.TransportError):
-        httpx.post(address, json={"kind": "world", "world": "room"}, timeout=PATIENCE_S)
+        httpx.post(address, json={"kind": "simulation", "world": "room"}, timeout=PATIENCE_S)

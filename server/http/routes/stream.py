@@ -53,11 +53,10 @@ async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSett
         await websocket.accept()
         await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
         return
-    hub = session.hub_of(second=websocket.query_params.get("map") == "second")
-    if len(hub.clients) >= settings.max_clients_per_session:
+    if len(session.hub.clients) >= settings.max_clients_per_session:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
-    client = session.join(hub)
+    client = session.join()
     tasks = [
         asyncio.create_task(_send(websocket, session, client), name="stream out"),
         asyncio.create_task(_receive(websocket, session, client), name="stream in"),
@@ -135,7 +134,9 @@ def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None
             client.acknowledge(integer(command, "seq"))
         case "resume":
             if text(command, "epoch_id") == session.epoch_id:
-                client.resume(integer(command, "epoch"), integer(command, "revision"))
+                client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))
+        case "subscribe":
+            client.subscribe(command["layers"])
         case "ping":
             client.tell({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
         case _:

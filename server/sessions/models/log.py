@@ -16,7 +16,6 @@ from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
 from server.sessions.map_drawings import map_drawings
-from server.sessions.map_layer import MapLayer
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
@@ -26,6 +25,7 @@ from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
@@ -88,7 +88,8 @@ class LogModel(SessionModel):
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
-        self._map = MapLayer("map", replay.grid, replay.config)
+        self._map = GridLayer("map", "Map")
+        self._map.update(replay.grid, replay.config, None, whole=True)
         if replay.index:
             self.playback.playing = False
             self._go_to(replay.index)
@@ -96,8 +97,8 @@ class LogModel(SessionModel):
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[MapLayer]:
-        """The map, and the one with which it was compared."""
+    def layers(self) -> Sequence[GridLayer]:
+        """The map, and the one with which it is compared."""
         return (self._map, *self.comparison.layers)
 
     @property
@@ -240,7 +241,7 @@ class LogModel(SessionModel):
 
     def draw(self, result: TickResult) -> None:
         """Draw the map, and bring the one with which it is compared to the same scan."""
-        result.changed |= self._map.draw(self.grid, self.config, result.box, whole=result.new_grid)
+        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
 
     @property

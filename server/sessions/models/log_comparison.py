@@ -14,12 +14,12 @@ from mapper.mapping.parameters import MappingConfig
 from server.sessions.cell_questions import ExplainedMap
 from server.sessions.comparison_numbers import comparison_message
 from server.sessions.hosting import ModelHost
-from server.sessions.map_layer import MapLayer
 from server.sessions.model import Footprint
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.models.second_map_view import SecondMapView
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
+from server.stream.layers import GridLayer
 from server.work.scheduler import checkpoint
 
 
@@ -29,7 +29,7 @@ class LogComparison:
     def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
         self._host, self._recording, self._message = host, recording, message
         self._other: SecondMapView | None = None
-        self._layer: MapLayer | None = None  #: stays when the comparison ends
+        self._layer: GridLayer | None = None
         self._request = 0  #: counts the requests to compare: only the newest one is fulfilled
 
     # -- for everybody on the event loop --------------------------------------------------------------------------
@@ -77,8 +77,8 @@ class LogComparison:
     # -- for the model --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> tuple[MapLayer, ...]:
-        """The layer of A, once there was one."""
+    def layers(self) -> tuple[GridLayer, ...]:
+        """The layer of A, where there is one."""
         return () if self._layer is None else (self._layer,)
 
     @property
@@ -118,7 +118,7 @@ class LogComparison:
         result = TickResult(changed=True)
         replay = self._recording.replay
         if other is None:
-            self._other = None
+            self._other = self._layer = None
             result.slot(comparison_message(replay.index))
             result.slot(self._message())
             return result
@@ -126,11 +126,9 @@ class LogComparison:
         other.follow(replay.config)
         other.advance(replay.index)
         other.second.changed()
-        if self._layer is None:
-            self._layer = MapLayer("second_map", other.second.grid, other.second.config)
-        else:
-            self._layer.begin_epoch(other.second.grid, other.second.config)
-        self._other = other
+        layer = GridLayer("second_map", "Second map")
+        layer.update(other.second.grid, other.second.config, None, whole=True)
+        self._other, self._layer = other, layer
         result.slot(self._message())
         return result
 
@@ -155,7 +153,7 @@ class LogComparison:
         whole, box = other.second.changed()
         other.is_new |= whole or box is not None or result.new_grid or result.box is not None
         result.changed |= whole or box is not None
-        result.changed |= layer.draw(other.second.grid, other.second.config, box, whole=whole)
+        result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
 
     def count(self, result: TickResult) -> None:
         """Compare the two maps as they are, and send the numbers."""

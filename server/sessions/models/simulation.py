@@ -22,7 +22,6 @@ from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
 from server.sessions.map_drawings import map_drawings
-from server.sessions.map_layer import MapLayer
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
@@ -33,6 +32,7 @@ from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
+from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, integer, text, values
 
 MAX_STEP_SCANS = 100
@@ -42,7 +42,7 @@ SCANS_AT_ONCE = 10  #: of a step in one tick
 class SimulationModel(SessionModel):
     """A simulated world, its robot and the map of what that has seen."""
 
-    kind: ClassVar[str] = "world"
+    kind: ClassVar[str] = "simulation"
     replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "restart"})
     resent: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
 
@@ -55,16 +55,17 @@ class SimulationModel(SessionModel):
         self.story = SimulationStory(host, mapper, self.playback, max_story_s)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
-        self._map = MapLayer("map", mapper.grid, mapper.config)
-        self._second = MapLayer("second_map", mapper.grid, mapper.config)
+        self._map = GridLayer("map", "Map")
+        self._map.update(mapper.grid, mapper.config, None, whole=True)
+        self._second: GridLayer | None = None
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: what was last sent of it
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[MapLayer]:
-        """The map, and the second one beside it."""
-        return (self._map, self._second)
+    def layers(self) -> Sequence[GridLayer]:
+        """The map, and the second one where there is one."""
+        return (self._map,) if self._second is None else (self._map, self._second)
 
     @property
     def title(self) -> str:
@@ -244,15 +245,18 @@ class SimulationModel(SessionModel):
 
     def draw(self, result: TickResult) -> None:
         """Draw the maps, and tell how the two forget what was erased from the world."""
-        result.changed |= self._map.draw(self.grid, self.config, result.box, whole=result.new_grid)
+        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if forgetting != self._forgetting:
             self._forgetting = forgetting
             result.slot(forgetting_message(vanishing))
-        if second is not None:
-            whole, box = second.changed()
-            result.changed |= self._second.draw(second.grid, second.config, box, whole=whole)
+        if second is None:
+            self._second = None
+            return
+        self._second = self._second or GridLayer("second_map", "Second map")
+        whole, box = second.changed()
+        result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
@@ -283,7 +287,7 @@ class SimulationModel(SessionModel):
             case "seek":
                 raise ProtocolError("world.seek", "A live world cannot go to another time; restart begins it anew.")
             case other:
-                raise ProtocolError("command.unknown", f"A world session knows no command {other!r:.80}.")
+                raise ProtocolError("command.unknown", f"A simulation knows no command {other!r:.80}.")
         result.changed = True
 
     def _act(self, command: dict[str, Any], result: TickResult) -> None:

@@ -42,7 +42,7 @@ class Story(BaseModel):
 class NewSimulation(SessionRequest):
     """A session of a live world."""
 
-    kind: Literal["world"]
+    kind: Literal["simulation"]
     playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
     world: str | None = Field(
         None, max_length=100, description="Name of the world; the first one where it is left out."

@@ -34,7 +34,7 @@ def saved(folder: Path, answer: httpx.Response) -> Path:
 
 
 async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Service, tmp_path: Path) -> None:
-    session_id = service.begin(kind="world", world="office", seed=5)
+    session_id = service.begin(kind="simulation", world="office", seed=5)
     session: Any = service.state.sessions.get(session_id)
     pairs = []
     async with service.connect(session_id) as socket:
@@ -81,7 +81,7 @@ def test_names_are_those_of_the_log(service: Service) -> None:
 
 
 def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
-    session = service.begin(kind="world", world="room", seed=6)
+    session = service.begin(kind="simulation", world="room", seed=6)
     address = f"/api/sessions/{session}/map"
     for number in range(5):
         assert service.http.get(f"{address}.pgm?at=n{number}").status_code == 200
@@ -93,7 +93,7 @@ def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
 
 
 def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    session = service.begin(kind="world", world="room", seed=7)
+    session = service.begin(kind="simulation", world="room", seed=7)
     asked, bands = threading.Event(), []
 
     def endless(_: object) -> Bands:
@@ -120,7 +120,7 @@ def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, m
 def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = service.begin(kind="world", world="room", seed=8)
+    session = service.begin(kind="simulation", world="room", seed=8)
     places = service.state.downloads.places
     release = threading.Event()
 
@@ -156,7 +156,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
 
 
 def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    session = service.begin(kind="world", world="room", seed=9)
+    session = service.begin(kind="simulation", world="room", seed=9)
     noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
     monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)

@@ -54,7 +54,7 @@ def test_the_trajectory(service: Service, session: Any) -> None:
 
 
 def test_a_world_has_no_run_to_take_away(service: Service) -> None:
-    world = service.begin(kind="world", world="room", seed=5)
+    world = service.begin(kind="simulation", world="room", seed=5)
     for name in ("run.mcap", "trajectory.tum"):
         answer = service.http.get(f"/api/sessions/{world}/{name}")
         assert (answer.status_code, answer.json()["code"]) == (409, "session.no_log")

@@ -237,7 +237,7 @@ def test_guests_take_no_place_of_others(
 
 
 def test_odd_requests(ann: httpx.Client) -> None:
-    world = ann.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+    world = ann.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
     assert refusal(ann.post("/api/links", json={"session": world})) == (409, "session.not_a_log")
     assert refusal(ann.post("/api/links", json={"session": "none"})) == (404, "session.unknown")
     session = opened(ann, "sample-office")

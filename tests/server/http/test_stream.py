@@ -36,20 +36,20 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         await watcher.until(lambda: watcher.frames > 10)
         await watcher.settle()
         assert watcher.messages[0]["type"] == "hello"
-        assert {"hello", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
+        assert {"hello", "layers", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
         np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
         frame = watcher.newest["frame"]
         assert len(frame["ranges"]) == 360
         assert watcher.frames > watcher.scans >= 1  # a scan is sent once, however many frames show it
         assert WORLDS["room"].is_free(frame["pose"][:2])
         hello = watcher.newest["hello"]
-        assert hello["kind"] == "world"
+        assert hello["kind"] == "simulation"
         # A session that nobody has touched differs in nothing from what its table calls initial.
         assert {row["name"]: row["initial"] for row in hello["parameters"]["table"]} == hello["parameters"]["values"]
 
 
 async def test_every_kind_of_change_reaches_the_picture(service: Service) -> None:
-    session_id = service.begin(kind="world", world="room", seed=8)
+    session_id = service.begin(kind="simulation", world="room", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         for values in (
@@ -66,7 +66,7 @@ async def test_every_kind_of_change_reaches_the_picture(service: Service) -> Non
                 answer = await watcher.answer("parameters")
             await watcher.settle()
             geometry = watcher.newest["geometry"]
-            step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+            step = (geometry["high"] - geometry["low"]) / 254
             expected = expected_log_odds(service, session_id)
             np.testing.assert_allclose(watcher.log_odds(), expected, atol=step + 1e-6)
             assert watcher.newest["frame"]["remade_ms"] > 0
@@ -77,7 +77,7 @@ async def test_every_kind_of_change_reaches_the_picture(service: Service) -> Non
 
 
 async def test_a_teleport_brings_new_cells_around_the_new_place(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=8)
+    session_id = service.begin(kind="simulation", world="office", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         await watcher.settle()
@@ -120,11 +120,12 @@ async def test_inspect_reads_one_cell(service: Service) -> None:
 
 
 async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=1)
+    session_id = service.begin(kind="simulation", world="office", seed=1)
     async with service.connect(session_id) as socket:
         first = Watcher(socket)
         await first.settle()
         told = {"epoch_id": first.newest["hello"]["epoch_id"], "epoch": first.epoch, "revision": first.revision}
+        told["layer"] = "map"
         kept = first.picture.copy()
     async with service.connect(session_id) as socket:
         again = Watcher(socket)
@@ -270,8 +271,8 @@ async def test_a_session_that_is_ended_says_so(service: Service) -> None:
 
 
 async def test_the_stream_is_not_compressed_twice(service: Service) -> None:
-    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v1"]) as socket:  # type: ignore[list-item]
-        assert socket.subprotocol == "gridbloom.v1"
+    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v2"]) as socket:  # type: ignore[list-item]
+        assert socket.subprotocol == "gridbloom.v2"
         assert "Sec-WebSocket-Extensions" not in socket.response.headers  # type: ignore[union-attr]
 
 

@@ -178,20 +178,20 @@ async def test_the_numbers_are_those_of_the_two_downloaded_maps(service: Service
         assert {key: told[key] for key in numbers} == numbers
         # The reach is shorter, so the second map is the smaller one: lay both onto one sheet, by their origins.
         geometry_b = watcher.newest["geometry"]
-        async with service.connect(session, "?map=second") as beside:
-            second = Watcher(beside)
+        async with service.connect(session) as beside:
+            second = Watcher(beside, layer="second_map")
             await second.until(lambda: second.complete)
             geometry_a = second.newest["geometry"]
             np.testing.assert_array_equal(second.log_odds(), log_odds_a)
             row, col = np.argwhere(~np.isnan(log_odds_a))[0].tolist()
-            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             cell = await watcher.answer("cell")
-            assert cell["map"] == "second"
+            assert cell["layer"] == "second_map"
             assert cell["log_odds"] == pytest.approx(log_odds_a[row, col], abs=5.5 / 254)
-            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             why = await watcher.answer("why")
-            assert (why["map"], why["log_odds"]) == ("second", cell["log_odds"])
-            for touch in why["touches"]:
+            assert (why["layer"], why["log_odds"]) == ("second_map", cell["log_odds"])
+            for touch in why["contributions"]:
                 assert touch["increment"] == pytest.approx(kept["log_odds_hit" if touch["hit"] else "log_odds_miss"])
         offset = np.rint(
             (np.array(geometry_b["origin"][:2]) - np.array(geometry_a["origin"][:2])) / geometry_a["resolution"]

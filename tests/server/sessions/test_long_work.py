@@ -119,7 +119,7 @@ async def test_a_seek_is_given_up_for_another(
     await obey(session, type="pause")
     await eventually(lambda: session.model.progress[0] == 2)
     assert len(parts.windows) < 10
-    shown = session.hub.picture.cells != -128
+    shown = session.model.layers[0].picture.cells != -128
     np.testing.assert_array_equal(shown, view_of(session).observed)
 
 

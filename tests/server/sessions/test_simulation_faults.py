@@ -17,6 +17,7 @@ from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models.story import replayed, story_of
+from server.stream.layers import GridLayer
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 
@@ -216,11 +217,13 @@ async def test_a_story_that_makes_no_sense_is_refused(
 
 async def test_whoever_watches_the_second_map_sees_it(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    client = session.join(session.hub_of(second=True))
+    client = session.join()
+    client.subscribe(["second_map"])
     await obey(session, type="compare", values={"log_odds_hit": 0.2})
     await obey(session, type="step", scans=3)
-    first, second = (hub.picture.cells for hub in session.hubs)
+    shown = (layer.picture for layer in session.model.layers if isinstance(layer, GridLayer))
+    first, second = (picture.cells for picture in shown if picture is not None)
     assert first.shape == second.shape
     assert np.any(first != second)
     texts = [message for message in client.take() if isinstance(message, str)]
-    assert {json.loads(text)["type"] for text in texts} >= {"hello", "geometry", "frame"}
+    assert {json.loads(text)["type"] for text in texts} >= {"hello", "layers", "geometry", "frame"}

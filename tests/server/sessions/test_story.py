@@ -176,7 +176,7 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
 
 def _check_leaving(service: Service, went_on: threading.Event, ended: threading.Event) -> None:
     service.http.get("/")  # the visitor's cookie
-    wanted = {"kind": "world", "name": "mine", "story": {"steps": 5}}
+    wanted = {"kind": "simulation", "name": "mine", "story": {"steps": 5}}
     base = service.http.base_url
     cookies = "; ".join(f"{name}={value}" for name, value in service.http.cookies.items())
     headers = {"Content-Type": "application/json", "Cookie": cookies}

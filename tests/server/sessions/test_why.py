@@ -13,7 +13,7 @@ from mapper.core.se2 import compose
 from mapper.mapping import textbook
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
-from server.sessions.why import MAX_TOUCHES, STRETCHES, thinned
+from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
 from server.stream.protocol import encode_text
 from tests.server.begin import new_log, new_simulation
 
@@ -22,7 +22,7 @@ async def answer(obey: Callable[..., Any], session: Any, **question: Any) -> dic
     """Ask a session and return what it says: a ``why`` or an ``error``."""
     client = session.join()
     client.take()
-    session.enqueue({"type": "why", "epoch": session.hub.picture.epoch} | question, client)
+    session.enqueue({"type": "why", "epoch": session.model.layers[0].epoch} | question, client)
     await obey(session, type="pause")
     said = [json.loads(message) for message in client.take() if isinstance(message, str)]
     session.leave(client)
@@ -54,10 +54,10 @@ async def test_every_touch_is_the_textbooks(
         assert told["hits"] == sum(evidence > 0 for _, _, evidence, _ in expected)
         assert told["first_scan"] == (expected[0][0] if expected else None)
         assert told["log_odds"] == session.model.grid.log_odds[row, col]
-        newest = expected[-MAX_TOUCHES:]
-        assert [(t["scan"], t["beam"]) for t in told["touches"]] == [(scan, beam) for scan, beam, _, _ in newest]
+        newest = expected[-MAX_CONTRIBUTIONS:]
+        assert [(t["scan"], t["beam"]) for t in told["contributions"]] == [(scan, beam) for scan, beam, _, _ in newest]
         for n, touch, (scan, beam, evidence, log_odds) in zip(
-            range(len(expected) - len(newest) + 1, len(expected) + 1), told["touches"], newest, strict=True
+            range(len(expected) - len(newest) + 1, len(expected) + 1), told["contributions"], newest, strict=True
         ):
             z = float(scans[scan].ranges[beam])
             assert touch["n"] == n
@@ -82,11 +82,11 @@ async def test_the_last_value_is_the_maps(
         assert (told["log_odds_min"], told["log_odds_max"]) == (None, None)
         assert told["per_scan"] is (update == "per_scan")
         if told["total"]:
-            assert told["touches"][-1]["n"] == told["curve"][-1][0] == told["total"]
-            assert told["touches"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-5)
+            assert told["contributions"][-1]["n"] == told["curve"][-1][0] == told["total"]
+            assert told["contributions"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-5)
         else:
             assert told["log_odds"] == told["prior"]
-            assert (told["touches"], told["curve"]) == ([], [])
+            assert (told["contributions"], told["curve"]) == ([], [])
 
 
 async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
@@ -102,15 +102,15 @@ async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, 
         told = await answer(obey, session, row=row, col=col)
         if told["total"] == 0:
             continue
-        assert told["touches"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-6)
-        assert [t["n"] for t in told["touches"]] == list(
-            range(told["total"] - len(told["touches"]) + 1, told["total"] + 1)
+        assert told["contributions"][-1]["log_odds"] == pytest.approx(told["log_odds"], abs=1e-6)
+        assert [t["n"] for t in told["contributions"]] == list(
+            range(told["total"] - len(told["contributions"]) + 1, told["total"] + 1)
         )
-        scans = [t["scan"] for t in told["touches"]]
+        scans = [t["scan"] for t in told["contributions"]]
         assert scans == sorted(scans)
         both += told["first_scan"] < lengths[0] <= scans[-1]
         # Each touch goes on from where the one before it left the cell, over the change of the sensor as well.
-        for touch, following in zip(told["touches"], told["touches"][1:], strict=False):
+        for touch, following in zip(told["contributions"], told["contributions"][1:], strict=False):
             assert following["log_odds"] == pytest.approx(
                 float(np.clip(touch["log_odds"] + following["increment"], -2.0, 3.5)), abs=1e-5
             )
@@ -126,14 +126,14 @@ async def test_earlier_touches_can_be_asked_for(
     x, y, _ = office_log.trajectory(None).poses[0]
     row, col = (int(i) for i in session.model.grid.geometry.world_to_cell((x, y)))
     newest = await answer(obey, session, row=row, col=col)
-    assert newest["total"] > MAX_TOUCHES == len(newest["touches"])  # beams start here
+    assert newest["total"] > MAX_CONTRIBUTIONS == len(newest["contributions"])  # beams start here
     first = await answer(obey, session, row=row, col=col, until=40)
-    assert [touch["n"] for touch in first["touches"]] == list(range(1, 41))
-    assert first["touches"][0]["scan"] == first["first_scan"] == 0
-    assert {key: first[key] for key in first if key != "touches"} == {
-        key: newest[key] for key in newest if key != "touches"
+    assert [touch["n"] for touch in first["contributions"]] == list(range(1, 41))
+    assert first["contributions"][0]["scan"] == first["first_scan"] == 0
+    assert {key: first[key] for key in first if key != "contributions"} == {
+        key: newest[key] for key in newest if key != "contributions"
     }
-    assert (await answer(obey, session, row=row, col=col, until=10**9))["touches"] == newest["touches"]
+    assert (await answer(obey, session, row=row, col=col, until=10**9))["contributions"] == newest["contributions"]
     assert len(encode_text(newest)) < 80_000
 
 
@@ -161,7 +161,7 @@ async def test_a_question_that_has_no_answer(
 async def test_of_many_questions_the_last_is_answered(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
-    epoch = session.hub.picture.epoch
+    epoch = session.model.layers[0].epoch
     for col in range(20):
         session.enqueue({"type": "why", "row": 0, "col": col, "epoch": epoch}, None)
     assert (await answer(obey, session, row=3, col=5))["col"] == 5
