@@ -23,8 +23,7 @@ from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
-from server.sessions.kind import Kind
-from server.sessions.kinds import KINDS
+from server.sessions import KINDS, Kind
 from server.settings import Settings
 
 BACKLOG = 2048
@@ -86,7 +85,7 @@ class Server(uvicorn.Server):
 
 
 def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server:
-    """Return a uvicorn server of the service, with sessions of these kinds, not yet running. Run it on sockets."""
+    """Return a uvicorn server of the service with sessions of these kinds, not yet running. Run it on sockets."""
     connections = Connections(settings.max_connections, settings.max_connections_per_address)
     return Server(
         uvicorn.Config(

@@ -158,7 +158,7 @@ class Image(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Gizmo(PlacedDrawing):
-    """Handles by which a person moves and turns a frame; the model's ``on_gizmo_moved`` is told of each move.
+    """Handles by which a person moves and turns a frame; the model's ``on_gizmo_moved`` is called at each move.
 
     The gizmo stays where it was moved to until the model shows it there or, if it does not, for some seconds.
     ``axes`` says along and about which of x, y and z it can be moved and turned, ``turns`` whether it can be turned,

@@ -1,7 +1,7 @@
 """The host of a session: its clients, its queue of commands, its clock, and the turns in which its model computes.
 
 One asyncio task for each session waits for commands and for the next tick, has a worker thread compute (the kernels
-release the GIL), and publishes the result. What the worker thread uses is used by nobody else meanwhile; everything
+release the GIL), and publishes the result. What the worker thread uses is used by nothing else meanwhile; everything
 else (hub, listeners, messages) belongs to the event loop. The host knows no kind of session.
 """
 
@@ -87,7 +87,7 @@ class SessionHost:
         self._requests = self._requests_begun = 0
         self._requested_since: float | None = None  #: when the first came of those for which no map was finished yet
 
-    # -- for everybody on the event loop --------------------------------------------------------------------------
+    # -- on the event loop --------------------------------------------------------------------------------------
 
     def start(self, model: SessionModel) -> None:
         """Begin to run ``model``."""
@@ -99,7 +99,7 @@ class SessionHost:
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
 
     async def close(self) -> None:
-        """End the session: the task, then its clients and whoever asked to be told."""
+        """End the session: the task, then its clients and the callbacks of ``on_close``."""
         if self.closed:
             return
         self.closed = True
@@ -145,7 +145,7 @@ class SessionHost:
 
     @property
     def watched(self) -> bool:
-        """Whether anybody sees what the session does."""
+        """Whether a client or a listener follows the session."""
         return bool(self.hub.clients or self.listeners)
 
     @property
@@ -175,7 +175,7 @@ class SessionHost:
         return self.has_queued_commands or self._lock.locked()
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what prepares seeks while nobody waits; None where there is nothing to prepare."""
+        """Return what prepares seeks in idle time; None where there is nothing to prepare."""
         return self.model.prefetcher()
 
     def post(self, command: dict[str, Any]) -> None:
@@ -291,7 +291,7 @@ class SessionHost:
             async with self._lock:
                 await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
             self.deliver(result)
-        except Exception:  # noqa: BLE001 - a defect in what nobody waits for must not stop the map
+        except Exception:  # noqa: BLE001 - a defect in deferred work must not stop the session
             _log.exception("deferred work failed")
         now = self._clock()
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))

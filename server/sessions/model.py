@@ -177,5 +177,5 @@ class SessionModel(ABC):
         """Compute it."""
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what prepares seeks while nobody waits, None where there is nothing to prepare (event loop)."""
+        """Return what prepares seeks in idle time, None where there is nothing to prepare (event loop)."""
         return None

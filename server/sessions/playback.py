@@ -1,4 +1,4 @@
-"""The clock of a session as its watchers set it: whether time passes, and how fast."""
+"""The clock of a session as clients set it: whether time passes, and how fast."""
 
 from __future__ import annotations
 

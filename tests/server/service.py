@@ -26,9 +26,7 @@ from websockets.exceptions import ConnectionClosed
 
 from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
-from server.sessions import SessionNotFoundError
-from server.sessions.kind import Kind
-from server.sessions.kinds import KINDS
+from server.sessions import KINDS, Kind, SessionNotFoundError
 from server.settings import Settings
 from server.stream.messages import ServerMessage
 
@@ -108,7 +106,7 @@ class Service:
 
 @contextmanager
 def running(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Iterator[Service]:
-    """Run a service, with sessions of these kinds, in a thread until the block ends."""
+    """Run a service with sessions of these kinds in a thread until the block ends."""
     bound = listen("127.0.0.1", 0)
     server = make_server(settings, kinds)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, name="uvicorn")

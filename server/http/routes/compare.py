@@ -55,7 +55,7 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
         await sessions.free_bytes(log, session.owner)
     await comparison.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
     try:
-        return await _told(comparison)
+        return await _comparison(comparison)
     except MapperError as error:
         # Both maps are shown all the same, only without a comparison of cells.
         return {"a": comparison.description(), "refused": error.message}
@@ -71,12 +71,12 @@ async def end(sessions: Sessions, session_id: str) -> None:
 
 @router.get("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
-async def told(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return A and the numbers of the comparison of the two maps (:class:`mapper.grid.compare.Comparison`)."""
-    return await _told(_compared(sessions, session_id)[1])
+    return await _comparison(_compared(sessions, session_id)[1])
 
 
-async def _told(comparison: Comparable) -> dict[str, Any]:
+async def _comparison(comparison: Comparable) -> dict[str, Any]:
     other, found = await comparison.compared()
     return {"a": other, "refused": None} | numbers(found)
 

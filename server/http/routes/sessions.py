@@ -41,7 +41,7 @@ def public(session: SessionHost) -> dict[str, Any]:
 
 
 def creating(kinds: Mapping[str, Kind]) -> APIRouter:
-    """Return the route that begins sessions of these kinds: its body is one of their requests, told by ``kind``."""
+    """Return the route that begins sessions of these kinds; its body is the request of one of them, by ``kind``."""
     router = APIRouter(prefix="/api", tags=["sessions"])
 
     async def create(

@@ -1,4 +1,4 @@
-"""Where logs are examined: on a few threads that step back behind those for which somebody waits."""
+"""Examination of logs on a few threads of lower priority than those of sessions."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from server.work.scheduler import Party, Scheduler
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
 
-AT_ONCE = 2  #: logs, in the whole service
+AT_ONCE = 2  #: logs that are examined at the same time, in the whole service
 _NICENESS = 10  # more than the service has
 
 
-def _step_back() -> None:
+def _lower_priority() -> None:
     # Linux gives each thread a niceness of its own. Elsewhere the number would mean another process, or this whole one.
     if sys.platform == "linux":
         thread = threading.get_native_id()
@@ -28,7 +28,7 @@ def _step_back() -> None:
 
 
 _PLACES = Scheduler(AT_ONCE)
-_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_step_back)
+_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_lower_priority)
 
 
 async def examination(
@@ -36,7 +36,7 @@ async def examination(
 ) -> list[Finding]:
     """Return what the doctor finds in a log. Raises as :func:`mapper.diagnosis.examine`, which asks ``wanted``.
 
-    Parties that wait for one of the few threads have it in the order that the scheduler's rules say.
+    Examinations wait for one of the threads in the order of the scheduler.
     """
 
     def examined() -> list[Finding]:

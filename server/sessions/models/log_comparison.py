@@ -1,4 +1,4 @@
-"""The comparison of a log's map, B, with another map, A, which watchers are sent beside it."""
+"""The comparison of a log's map, B, with another map, A, which is a layer of its own."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from server.work.scheduler import checkpoint
 
 
 class LogComparison:
-    """A second map beside that of a log, where somebody compares. ``message`` returns the ``parameters`` message."""
+    """A second map beside that of a log, while it is compared. ``message`` returns the ``parameters`` message."""
 
     def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
         self._host, self._recording, self._message = host, recording, message
@@ -32,20 +32,20 @@ class LogComparison:
         self._layer: GridLayer | None = None
         self._request = 0  #: counts the requests to compare: only the newest one is fulfilled
 
-    # -- for everybody on the event loop --------------------------------------------------------------------------
+    # -- on the event loop --------------------------------------------------------------------------------------
 
     async def compare(self, wanted: Wanted | None) -> None:
         """Begin to compare with another map, or, None, end it; what was compared before ends.
 
-        Raises :class:`MapperError` where the other map cannot be made, or somebody asked for another one meanwhile;
-        what was compared before goes on then.
+        Raises :class:`MapperError` where the other map cannot be made, or another one was requested meanwhile; what was
+        compared before goes on then.
         """
         self._request += 1
         request = self._request
         other = None
         if wanted is not None:
             # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
-            other = await self._host.on_thread(partial(self._other_side, wanted, request))
+            other = await self._host.on_thread(partial(self._second_view, wanted, request))
         async with self._host.still():
             if request != self._request or self._host.closed:
                 raise _superseded()
@@ -101,7 +101,7 @@ class LogComparison:
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
-    def _other_side(self, wanted: Wanted, request: int) -> SecondMapView:
+    def _second_view(self, wanted: Wanted, request: int) -> SecondMapView:
         def is_wanted() -> bool:
             checkpoint()
             return request == self._request and not self._host.closed
@@ -168,4 +168,4 @@ class LogComparison:
 
 
 def _superseded() -> MapperError:
-    return MapperError("compare.superseded", "Somebody wished for another comparison meanwhile; this one was dropped.")
+    return MapperError("compare.superseded", "Another comparison was requested meanwhile; this one was dropped.")

@@ -119,14 +119,16 @@ class LogRecording:
     async def examined(self) -> list[Finding]:
         """Return what the doctor finds in the log with the present trajectory.
 
-        Whoever asks while it is being examined waits for the same answer; an examination that failed is made anew for
-        the next who asks, and the end of the session ends it. Raises as :func:`mapper.diagnosis.examine`.
+        Requests during an examination wait for its result. One that failed is repeated at the next request, and one
+        that is under way ends with the session. Raises as :func:`mapper.diagnosis.examine`.
         """
         name = self.trajectory
         known = self._examinations.get(name)
         if known is None or (known.done() and known.exception() is not None):
             known = asyncio.ensure_future(self._examine(name))
-            known.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may wait any more
+            known.add_done_callback(
+                lambda done: done.cancelled() or done.exception()
+            )  # its exception is then not logged as never retrieved
             self._examinations[name] = known
         return await asyncio.shield(known)
 

@@ -33,8 +33,8 @@ class SimulationStory:
     async def current(self) -> dict[str, Any]:
         """Return it as it is between two ticks."""
         async with self._host.still():
-            told = story_of(self._mapper, self._most_s)
-            return told | {"speed": self._playback.speed, "playing": self._playback.playing}
+            story = story_of(self._mapper, self._most_s)
+            return story | {"speed": self._playback.speed, "playing": self._playback.playing}
 
 
 def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
@@ -44,8 +44,8 @@ def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
     then only begins as it stands now.
     """
     short = len(mapper.journal) <= MAX_JOURNAL and mapper.simulation.steps * STEP <= MAX_STORY_S
-    told = {"sensor": asdict(mapper.first_sensor), "steps": mapper.simulation.steps, "journal": mapper.journal}
-    short = short and story_seconds(told) <= most_s
+    whole = {"sensor": asdict(mapper.first_sensor), "steps": mapper.simulation.steps, "journal": mapper.journal}
+    short = short and story_seconds(whole) <= most_s
     first = mapper.first_edits if short else mapper.edits
     added, erased = first.as_lists()
     sensor = mapper.first_sensor if short else mapper.simulation.sensor
@@ -74,7 +74,7 @@ def replayed(
     ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
     and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
     that is too long, :class:`mapper.core.errors.WorkCancelledError` where it is not wanted any more, and as the
-    mapper does for one that cannot be followed.
+    mapper does for one that cannot be replayed.
     """
     journal, steps = story.get("journal"), story.get("steps", 0)
     if len(journal or ()) > MAX_JOURNAL or not 0 <= steps * STEP <= MAX_STORY_S:
@@ -87,7 +87,7 @@ def replayed(
         sensor=sensor,
         edits=edits,
         limits=limits,
-        mapping=False,  # one map at the end costs less than one that follows
+        mapping=False,  # one map at the end costs less than one after each scan
         wanted=wanted,
     )
 

@@ -1,4 +1,4 @@
-"""What it costs to replay a story, estimated before it begins."""
+"""The computing time that replaying a story takes, estimated before it begins."""
 
 from __future__ import annotations
 

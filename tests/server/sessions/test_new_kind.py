@@ -116,15 +116,3 @@ async def test_its_surface_is_drawn_in_3d(waves: Service) -> None:
         vertices = np.asarray(mesh["props"]["vertices"]).reshape(-1, 3)
         np.testing.assert_allclose(vertices[:, 2], AMPLITUDE * np.sin(2.0 * np.pi * vertices[:, 0] / 4.0), atol=1e-6)
         assert len(vertices) == 20 * 30
-
-
-def test_what_it_has_not_is_refused_and_what_it_is_asked_wrongly_too(waves: Service) -> None:
-    session_id = waves.begin(kind="waves")
-    for path in ("map.png", "map.pgm", "doctor", "story", "compare", "run.mcap"):
-        answer = waves.http.get(f"/api/sessions/{session_id}/{path}")
-        assert 400 <= answer.status_code < 500, path
-        assert answer.json()["message"].endswith("."), path
-    refused = waves.http.post("/api/sessions", json={"kind": "waves", "wavelength": 0.0})
-    assert refused.status_code == 422
-    assert waves.http.post("/api/sessions", json={"kind": "tides"}).status_code == 422
-    assert waves.http.get(f"/api/sessions/{session_id}").json()["kind"] == "waves"
