@@ -65,23 +65,25 @@ class _GizmoMove(msgspec.Struct, tag_field="type", tag="TransformControlsUpdateM
     owner: _Owner = ""
 
 
-class _GizmoGrip(msgspec.Struct, tag_field="type", tag="TransformControlsDragStartMessage", forbid_unknown_fields=True):
-    """viser's message on a gizmo that was gripped."""
+class _GizmoDragStart(
+    msgspec.Struct, tag_field="type", tag="TransformControlsDragStartMessage", forbid_unknown_fields=True
+):
+    """viser's message on the start of a gizmo's drag."""
 
     name: _NodeName
     owner: _Owner = ""
 
 
-class _GizmoRelease(
+class _GizmoDragEnd(
     msgspec.Struct, tag_field="type", tag="TransformControlsDragEndMessage", forbid_unknown_fields=True
 ):
-    """viser's message on a gizmo that was let go of."""
+    """viser's message on the end of a gizmo's drag."""
 
     name: _NodeName
     owner: _Owner = ""
 
 
-_passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update | _GizmoMove | _GizmoGrip | _GizmoRelease)
+_passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update | _GizmoMove | _GizmoDragStart | _GizmoDragEnd)
 
 
 def passes(message: bytes) -> bool:

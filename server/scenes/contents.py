@@ -15,7 +15,8 @@ from server.scenes.reading import Reading, SceneState
 from server.scenes.viser_server import ViserServer
 from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing
 
-SHARE = 0.1  #: of a processor, that one drawing may take at most
+SHARE = 0.1  #: of the time that one drawing may take at most,
+QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take some milliseconds
 
 _log = structlog.get_logger(__name__)
 
@@ -71,17 +72,19 @@ class SceneContents:
         return max(min(late) - time.monotonic(), 0.0) if late else None
 
     def _show_one(self, reading: Reading) -> None:
-        drawing, started, computing = reading.drawing, time.monotonic(), time.thread_time()
+        drawing, started = reading.drawing, time.monotonic()
         with self._server.atomic():
             drawer = self._drawers.get(drawing.name)
             if drawer is None:
                 drawer = self._drawers[drawing.name] = self._types[type(drawing)](self._context, drawing)
             drawer.show(reading.content)
-        took = reading.seconds + time.thread_time() - computing
+        took = reading.seconds + time.monotonic() - started
+        if took < QUICK_S:
+            took = 0.0
         self._due[drawing.name] = started + max(1.0 / drawer.max_hz, took / SHARE)
 
     def _is_allowed(self, drawing: Drawing) -> bool:
-        """Return whether a drawing is small enough to be sent; say once in the log where it is not."""
+        """Return whether a drawing is small enough to be sent; log once that it is not."""
         if drawing.nbytes <= MAX_DRAWING_BYTES:
             self._refused.discard(drawing.name)
             return True

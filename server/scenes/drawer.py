@@ -1,4 +1,4 @@
-"""What every drawer has: the part of the scene that shows one drawing and sends only what changed of it."""
+"""The base class of drawers: a drawer shows one drawing with viser and sends only what changed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GizmoMoved = Callable[[str, Point, Quaternion], None]  #: name of the drawing, p
 
 @dataclass(frozen=True, slots=True)
 class DrawerContext:
-    """What a drawer needs: viser's scene, and whom to tell of moved gizmos (any thread)."""
+    """What a drawer needs: viser's scene, and the function to call when a gizmo was moved (any thread)."""
 
     scene: viser.SceneApi
     gizmo_moved: GizmoMoved
@@ -39,8 +39,8 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
     """Whether drawings hold arrays that the session goes on writing: :meth:`read` is then called with the session's
     lock held, and has to copy."""
     max_hz: ClassVar[float] = 15.0
-    """How often a second the drawing is read and shown at most. Less often where that takes more than a tenth of a
-    processor's time."""
+    """How often a second the drawing is read and shown at most. Less often where that would take more than a tenth of
+    the time."""
 
     def __init__(self, context: DrawerContext, drawing: DrawingT) -> None:
         self.context = context

@@ -1,4 +1,4 @@
-"""Drawable geometry of a map: columns for occupied cells, an image for the floor. NumPy only.
+"""The geometry of a map in 3D: columns for occupied cells, an image for the floor. NumPy only.
 
 The height of a column grows with p_occ; the floor shows p_occ as a colour and is transparent in unobserved cells.
 Large grids are drawn at a lower resolution, which bounds the cost of the scene.

@@ -16,7 +16,7 @@ from server.sessions.scene_controls import SceneControls
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read of one drawing, in ``seconds`` of computing.
+    """What was read of one drawing, in ``seconds``.
 
     ``content`` is what its drawer returned, None where the drawing is not due yet.
     """
@@ -55,7 +55,7 @@ async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Draw
 def _read(drawings: list[Drawing], drawers: Drawers) -> dict[str, Reading]:
     readings = {}
     for drawing in drawings:
-        started = time.thread_time()
+        started = time.monotonic()
         content = drawers[type(drawing)].read(drawing)
-        readings[drawing.name] = Reading(drawing, content, time.thread_time() - started)
+        readings[drawing.name] = Reading(drawing, content, time.monotonic() - started)
     return readings

@@ -77,8 +77,8 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
                 model.obey(command, result)
     except (ProtocolError, MapperError) as error:
         result.refuse(queued.client, error)
-        if command["type"] in model.resent:
-            result.resent.append((queued.client, model.resent[command["type"]]))
+        if command["type"] in model.resent_on_refusal:
+            result.resent.append((queued.client, model.resent_on_refusal[command["type"]]))
     except Exception:  # noqa: BLE001 - a defect in one command must not end the session
         _log.exception("a command failed", command=command["type"])
         message = "The command failed because of a defect in the service."

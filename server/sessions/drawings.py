@@ -158,9 +158,9 @@ class Image(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Gizmo(PlacedDrawing):
-    """Handles by which a person moves and turns a frame; the model's ``on_gizmo_moved`` is called at each move.
+    """Handles by which a person moves and turns a frame; each move calls the model's ``on_gizmo_moved``.
 
-    The gizmo stays where it was moved to until the model shows it there or, if it does not, for some seconds.
+    The gizmo stays where it was moved to until the model shows it there. If the model does not, it returns after 1.5 s.
     ``axes`` says along and about which of x, y and z it can be moved and turned, ``turns`` whether it can be turned,
     ``moves`` whether it can be moved. An arrow is ``scale`` metres long.
     """

@@ -42,7 +42,7 @@ class SessionModel(ABC):
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sessions.kinds.KINDS`
     replacing: ClassVar[frozenset[str]] = frozenset()
     """Types of commands that make a map useless which is still being computed."""
-    resent: ClassVar[Mapping[str, str]] = {}
+    resent_on_refusal: ClassVar[Mapping[str, str]] = {}
     """Where a command of this type is refused: the type of the message that its sender gets again."""
 
     recording: Recording | None = None  #: the log that is shown

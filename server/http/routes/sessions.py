@@ -88,7 +88,7 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 
 @router.get("/sessions/{session_id}/story")
-async def told_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the history of a live world, from which another session can begin."""
     story = sessions.get(session_id).model.story
     if story is None:

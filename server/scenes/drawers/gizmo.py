@@ -11,12 +11,12 @@ from server.scenes.drawer import Drawer, DrawerContext
 from server.scenes.panel import PATIENCE_S
 from server.sessions.drawings import Gizmo, Point, Quaternion
 
-NEAR_M = 1e-3  #: a gizmo of the model's that is no further from where a person put it confirms the move
+NEAR_M = 1e-3  #: metres between the model's position and a person's up to which the model confirms the move
 NEAR_TURN = 1e-3
 
 
 class GizmoDrawer(Drawer[Gizmo, Gizmo]):
-    """Tells of each move, and follows the model except for :data:`PATIENCE_S` after a move that it does not confirm."""
+    """Reports moves. Follows the model, except for :data:`PATIENCE_S` after a move that the model did not confirm."""
 
     def __init__(self, context: DrawerContext, drawing: Gizmo) -> None:
         super().__init__(context, drawing)
@@ -38,7 +38,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
             if not confirmed and time.monotonic() < moved_at + PATIENCE_S:
                 return
             self._moved_at = None
-            if confirmed:  # its last digits need not go back to the hand that moved it
+            if confirmed:  # a correction of the last digits would move the gizmo during the drag
                 return
         node.position, node.wxyz = content.position, content.wxyz
 

@@ -67,7 +67,7 @@ class LogModel(SessionModel):
 
     kind: ClassVar[str] = "log"
     replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "seek", "restart", "trajectory"})
-    resent: ClassVar[dict[str, str]] = {"parameters": "parameters"}
+    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters"}
 
     recording: LogRecording
     comparison: LogComparison

@@ -44,7 +44,7 @@ class SimulationModel(SessionModel):
 
     kind: ClassVar[str] = "simulation"
     replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "restart"})
-    resent: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
+    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
         """``max_story_s`` is the computing time that replaying its story may take, seconds."""

@@ -16,6 +16,8 @@ from websockets.exceptions import ConnectionClosed
 
 from mapper.grid import GridGeometry
 from mapper.simulation import WORLDS
+from server.scenes.drawer import Drawer
+from server.scenes.drawers import DRAWERS
 from server.sessions import SessionHost
 from server.sessions.drawings import (
     MAX_DRAWING_BYTES,
@@ -188,6 +190,22 @@ async def test_a_switch_hides_all_of_its_label(service: Service, monkeypatch: py
         await client.until(lambda m: m["type"] == "GuiRemoveMessage" and m["uuid"] == switch["uuid"])
 
 
+class Ball(Drawing):
+    """A type of drawing that only this test knows."""
+
+
+class BallDrawer(Drawer[Ball, Ball]):
+    def show(self, content: Ball) -> None:
+        self.scene.add_icosphere(f"{self.path}/ball", radius=0.5)
+
+
+async def test_a_type_of_its_own_needs_one_drawer(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(service.scenes, "_drawers", {**DRAWERS, Ball: BallDrawer})
+    async with showing(service, monkeypatch, Ball(name="ball", label="Ball")) as (_, client):
+        await client.until(named("IcosphereMessage", "/ball/ball"))
+        await client.control("Ball")
+
+
 async def test_a_small_change_of_a_map_sends_little(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     geometry = GridGeometry(0.05, 1000, 1000)
     log_odds = np.full(geometry.shape, -2.0, np.float32)
@@ -236,7 +254,7 @@ async def test_a_moved_gizmo_becomes_a_command(service: Service, monkeypatch: py
         await move(client, (*target, 0.0))
         await client.send(type="TransformControlsDragEndMessage", name="/goal/handles", owner="")
         await eventually(lambda: view_of(session).pose[:2] == pytest.approx(target, abs=1e-3))
-        # What the model confirms is not sent back to the hand that moved it.
+        # What the model confirms is not sent back.
         client.forget()
         shown.show(replace(gizmo, position=(*target, 0.0)))
         scene = await service.scenes.get(session)

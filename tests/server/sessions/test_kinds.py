@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 import pytest
@@ -61,6 +61,11 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     kinds = {**KINDS, "stopwatch": Kind(NewStopwatch, plan)}
     with running(settings_for(tmp_path_factory.mktemp("data")), kinds) as one:
         yield one
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_kind_has_one_name(name: str) -> None:
+    assert get_args(KINDS[name].request.model_fields["kind"].annotation) == (name,)
 
 
 async def test_its_layer_its_clock_and_its_errors_reach_a_page(service: Service) -> None:
