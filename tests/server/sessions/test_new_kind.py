@@ -1,10 +1,15 @@
-"""A kind of session that is added in one file: its layers, its commands and its 3D drawing reach a client."""
+"""A kind of session that is added in one file: its layers, its commands and its 3D drawing reach a client.
+
+``python -m tests.server.sessions.test_new_kind`` writes what such a session sends into the file with which the pages'
+side is tested.
+"""
 
 from __future__ import annotations
 
 import json
 import struct
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,9 +18,13 @@ import zstandard
 from numpy.typing import NDArray
 
 from server.sessions.kinds import KINDS
+from server.stream.codecs import decode_frame
+from server.stream.hub import Hub
 from tests.server.scenes.viser_client import viser_client
 from tests.server.service import Service, running, settings_for
-from tests.server.sessions.waves_kind import AMPLITUDE, GEOMETRY, STEP_S, WAVES
+from tests.server.sessions.waves_kind import AMPLITUDE, GEOMETRY, STEP_S, WAVES, WavesModel
+
+RECORDED = Path(__file__).parents[3] / "static" / "src" / "tools" / "example" / "waves.vectors.json"
 
 
 @pytest.fixture(scope="module")
@@ -116,3 +125,42 @@ async def test_its_surface_is_drawn_in_3d(waves: Service) -> None:
         vertices = np.asarray(mesh["props"]["vertices"]).reshape(-1, 3)
         np.testing.assert_allclose(vertices[:, 2], AMPLITUDE * np.sin(2.0 * np.pi * vertices[:, 0] / 4.0), atol=1e-6)
         assert len(vertices) == 20 * 30
+
+
+def sent() -> list[dict[str, str]]:
+    """What a session with a wavelength of 4 m sends of both layers at its start: texts, and binary frames as hex."""
+    model = WavesModel(4.0)
+    hub = Hub(model.layers, clock=lambda: 0.0)
+    client = hub.join()
+    client.subscribe([layer.name for layer in model.layers])
+    clock = {"playing": False, "speed": 1.0, "index": 0, "count": 0, "auto": False}
+    at_origin = {"pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}  # as the host has it for a kind without robot
+    hub.publish(clock | at_origin | model.frame(), {}, (0.0, 0.0), settled=True)
+    return [{"text": one} if isinstance(one, str) else {"hex": one.hex()} for one in client.take()]
+
+
+def content(messages: list[dict[str, str]]) -> list[Any]:
+    """The messages without epochs, which count all grids of the process, and with the tiles unpacked: how well they
+    are packed may change with the library.
+    """
+
+    def unpacked(frame: bytes) -> Any:
+        kind, body = frame[0], decode_frame(frame).content
+        if kind != 1:
+            return frame
+        return [(one.tx, one.ty, one.revision, zstandard.ZstdDecompressor().decompress(one.data)) for one in body]
+
+    return [
+        {key: value for key, value in json.loads(one["text"]).items() if key != "epoch"}
+        if "text" in one
+        else unpacked(bytes.fromhex(one["hex"]))
+        for one in messages
+    ]
+
+
+def test_what_the_pages_are_tested_with_is_what_the_server_sends() -> None:
+    assert content(json.loads(RECORDED.read_text(encoding="utf-8"))) == content(sent())
+
+
+if __name__ == "__main__":
+    RECORDED.write_text(json.dumps(sent(), indent=1) + "\n", encoding="utf-8")

@@ -1,7 +1,7 @@
 """An example of a session kind, whole in one file: a wave on water, and floats that ride on it.
 
 It shows a grid layer (the height of the water), a point layer (the floats) and a 3D drawing (the surface). The page's
-side is ``static/src/store/wavesKind.example.ts``.
+side is ``static/src/tools/example/waves.ts``.
 """
 
 from __future__ import annotations
