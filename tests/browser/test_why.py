@@ -81,7 +81,7 @@ def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
     why: dict[str, Any] = store(page, "why")
     cell = page.evaluate("(xy) => gridbloom.readState(xy)", xy)
     geometry = page.evaluate("() => gridbloom.connection.store.map.peek().geometry")
-    step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+    step = (geometry["high"] - geometry["low"]) / 254
     assert (why["row"], why["col"]) == (cell["row"], cell["col"])
     assert why["log_odds"] == pytest.approx(cell["log_odds"], abs=step)
     # The whole story told again, beam by beam, ends at what the map shows.
