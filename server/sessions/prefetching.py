@@ -58,7 +58,7 @@ class CheckpointPrefetching:
     ) -> None:
         self._sessions, self._is_room, self._clock = sessions, is_room, clock
         self._given_up: WeakSet[Prefetchable] = WeakSet()
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="scout")
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="prefetch")
 
     async def run(self) -> None:
         """Prepare whatever there is, until cancelled."""
