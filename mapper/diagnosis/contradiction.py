@@ -3,7 +3,8 @@
 A beam that ends in a cell is evidence for an object; a beam that passes through it is evidence for free space. Where
 the poses are right, two parts of a log contradict each other only by what moved and by noise, and that share is the
 same for parts recorded a moment apart and for parts recorded minutes
-apart. Where the poses drift it grows with the time between them. So the second share is compared with the first, from the same log.
+apart. Where the poses drift it grows with the time between them. So the second share is compared with the first, from
+the same log.
 """
 
 from __future__ import annotations

@@ -214,8 +214,8 @@ def draw_fields(
 
     ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which starts at ``seen_place`` in it, the
     bits of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a sheet, all 0 before and
-    after, have as many rows and words as any of the views of ``plan`` within these rows. The other arguments are those of
-    :func:`plan_fields` and what it gave.
+    after, have as many rows and words as any view of ``plan`` has within these rows. The other arguments are those of
+    :func:`plan_fields` and its results.
     """
     ranges, sensors, fields, headings = scans.ranges, scans.sensors, scans.fields, scans.headings
     starts, sure, views = plan

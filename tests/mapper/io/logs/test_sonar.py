@@ -78,7 +78,7 @@ def test_a_sonar_log_calls_for_cones(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("readings", "poses", "words"),
     [
-        (READINGS, None, "beside measurement.txt there is no poses.txt"),
+        (READINGS, None, "next to measurement.txt there is no poses.txt"),
         (READINGS, POSES[:11], "2 rounds of readings and 1 poses"),
         (READINGS, POSES.replace("1200", "1201"), "the same times"),
         (READINGS + "1400 1 2 3\n", POSES, "Line 3 of measurement.txt has 4 numbers, not 5"),
