@@ -54,7 +54,7 @@ class SecondMapView:
 
     def follow(self, config: MappingConfig) -> None:
         """Make the map anew where it follows the session's parameters. Raises as :meth:`Replay.reconfigure`."""
-        beside = self.second.beside(config)
+        beside = self.second.config_for(config)
         if beside != self.replay.config:
             self.replay.reconfigure(beside)
             self.second.begin(beside, self.replay.grid)

@@ -68,7 +68,7 @@ async def test_nothing_is_prepared_that_nobody_watches(
 
 
 class Steps(CheckpointPrefetcher):
-    """A scout who never comes to an end, or falls over."""
+    """A prefetcher that never ends, or fails."""
 
     def __init__(self, fault: Exception | None = None) -> None:
         self.fault, self.taken = fault, 0
@@ -90,10 +90,10 @@ class Watched:
     watched: bool = True
     is_busy: bool = False
     cells: int = 1
-    scouts: int = 0
+    begun: int = 0
 
     def prefetcher(self) -> CheckpointPrefetcher:
-        self.scouts += 1
+        self.begun += 1
         return self.steps
 
 
@@ -115,7 +115,7 @@ async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() 
     now += 2.0 * preparing.QUIET_S
     other.closed = True
     await eventually(lambda: one.steps.taken > taken)
-    assert one.scouts == 2  # begun anew, from what is kept
+    assert one.begun == 2  # begun anew, from what is kept
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
 
