@@ -2,13 +2,13 @@ import { computed } from "@preact/signals";
 import { tokenRgb } from "../../style/colour";
 import { isDark } from "../../ui/theme";
 
-/** A colour token with an opacity, as a canvas takes it. */
+/** A colour token with an opacity, as a CSS colour. */
 const ink = (token: `--${string}`, alpha = 1): string => {
   const [red, green, blue] = tokenRgb(token);
   return `rgb(${red} ${green} ${blue} / ${alpha})`;
 };
 
-/** The colours of the pictures in the theme of the moment. */
+/** The colours of the pictures in the current theme. */
 export const inks = computed(() => {
   void isDark.value;
   return {
