@@ -46,7 +46,7 @@ def seeking(log: ScanLog) -> Laps:
         with running_server(Path(folder), "--logs-dir", str(logs)) as server, running_chromium() as browser:
             page = new_page(browser)
             page.goto(f"{server}/logs.html")
-            page.locator(".log-card", has_text="long").get_by_role("button", name="Make its map").click()
+            page.locator(".log-card", has_text="long").get_by_role("button", name="Open map").click()
             page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()", timeout=60_000)
             timeline = page.get_by_role("slider", name="Scans in the map")
             timeline.focus()

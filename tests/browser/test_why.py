@@ -41,7 +41,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 def viewer(page: Page, server: str) -> Page:
     """The viewer on the sample log, standing at its end."""
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")
@@ -105,12 +105,12 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     pose = frame(lab)["pose"]
     why = check_answer(lab, ask(lab))
     assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
-    scrub = lab.get_by_role("slider", name="Beams through this cell")
-    assert int(scrub.input_value()) == why["total"] > 3
+    slider = lab.get_by_role("slider", name="Beams through this cell")
+    assert int(slider.input_value()) == why["total"] > 3
     equation = lab.locator(".why-equation output")
     newest = equation.inner_text()
     assert re.fullmatch(r"−?\d\.\d\d [+−] 0\.\d\d = −?\d\.\d\d( → −?\d\.\d\d)?", newest)
-    scrub.focus()
+    slider.focus()
     lab.keyboard.press("Home")
     expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
     assert store(lab, "touch")["n"] == 1
@@ -169,8 +169,8 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
 
 def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
     why = check_answer(viewer, ask(viewer))
-    scrub = viewer.get_by_role("slider", name="Beams through this cell")
-    scrub.focus()
+    slider = viewer.get_by_role("slider", name="Beams through this cell")
+    slider.focus()
     viewer.keyboard.press("Home")
     first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
     assert first["scan"] == why["first_scan"]

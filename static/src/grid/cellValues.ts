@@ -1,11 +1,14 @@
-/** What a cell's byte means: log-odds, probability and state, for the geometry that the bytes came with. */
+/** The meaning of a cell's byte: log-odds, probability and state, for the geometry of the same stream. */
 
 import type { CellState, Geometry } from "../wire/protocol";
 import { logOdds } from "./logOdds";
 
 type Range = Pick<Geometry, "low" | "high">;
 
-/** p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py (map_server's). */
+/**
+ * p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py
+ * (map_server's).
+ */
 export const OCCUPIED_THRESHOLD = 0.65;
 export const FREE_THRESHOLD = 0.25;
 
@@ -19,7 +22,7 @@ export function byteAt(logOdds: number, range: Range): number {
   return 1 + (254 * (logOdds - range.low)) / (range.high - range.low);
 }
 
-/** The same, limited to what a byte can say: its ends stand for all that lies beyond them. */
+/** The same, limited to 1 … 255: the ends stand for all values beyond them. */
 export const shownByteAt = (logOdds: number, range: Range): number =>
   Math.min(255, Math.max(1, byteAt(logOdds, range)));
 

@@ -3,7 +3,7 @@ import { tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
 import { isDark } from "../../ui/theme";
 
-/** A colour token with an opacity, as a canvas takes it. */
+/** A colour token with an opacity, as a CSS colour. */
 const ink = (token: `--${string}`, alpha = 1): string => {
   const [red, green, blue] = tokenRgb(token);
   return `rgb(${red} ${green} ${blue} / ${alpha})`;
@@ -18,7 +18,7 @@ function shades(): readonly string[] {
   return Array.from({ length: SHADES }, (_, i) => `rgb(${fromLab(mixed(low, high, i / (SHADES - 1))).join(" ")})`);
 }
 
-/** The colours of the pictures in the theme of the moment. */
+/** The colours of the pictures in the current theme. */
 export const inks = computed(() => {
   void isDark.value;
   return {

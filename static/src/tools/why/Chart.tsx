@@ -6,7 +6,7 @@ import { logOddsCurve } from "./model";
 
 const WIDTH = 400;
 const HEIGHT = 150;
-/** Touches that lie closer than this are marked on the edges instead of on the line. */
+/** Updates that are closer than this are marked at the edges instead of on the line. */
 const ROOMY_PX = 7;
 
 interface ChartProps {
@@ -15,7 +15,7 @@ interface ChartProps {
   readonly onTouch: (n: number) => void;
 }
 
-/** The running log-odds of one cell over its touches; the pointer chooses one. */
+/** The log-odds of one cell over its updates; the pointer selects one. */
 export function Chart({ why, touch, onTouch }: ChartProps) {
   const story = logOddsCurve(why);
   const limits = [why.log_odds_min, why.log_odds_max].filter((limit) => limit !== null);
@@ -68,7 +68,7 @@ export function Chart({ why, touch, onTouch }: ChartProps) {
   );
 }
 
-/** A tick for each touch of one kind along an edge: where the clamp holds, the line alone does not show them. */
+/** A tick for each hit, or each miss, along an edge: at the clamp the line alone does not show them. */
 function rug(why: WhyMessage, hits: boolean, x: (n: number) => number, top: number): string {
   let path = "";
   for (const { n, hit } of why.contributions) if (hit === hits) path += `M${x(n)} ${top}v5`;

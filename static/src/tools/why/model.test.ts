@@ -55,14 +55,14 @@ describe("the sentence", () => {
 
   it("says that a per-scan update counts scans", () => {
     const why = whyOf([true, true, false], { per_scan: true });
-    expect(sentence(why, last(why), 0)).toContain("each scan counts once, and 2 said occupied, 1 said free; the last");
+    expect(sentence(why, last(why), 0)).toContain("each scan counts once, 2 as a hit, 1 as a miss; the last");
   });
 
   it("says when nothing ever touched the cell", () => {
     const why = whyOf([], { prior: -0.3, log_odds: -0.3, index: 1 });
     expect(stateOf(why)).toBe("never observed");
     expect(sentence(why, null, 0)).toBe(
-      "Never observed: no beam of the 1 scan in the map touched this cell. It holds the prior, ℓ −0.30.",
+      "Never observed: no beam of the 1 scan in the map updated this cell. It has its prior value, ℓ −0.30.",
     );
   });
 });

@@ -2,10 +2,10 @@ import { reducedMotion } from "../../ui/reducedMotion";
 
 const FADE_MS = 260;
 
-/** The strength 0 … 1 of what was cast with the newest scan: full at the scan, then fading. */
-export type Pulse = (index: number, now: number) => number;
+/** The strength 0 … 1 of the beams of the newest scan: 1 at the scan, then fading. */
+export type ScanFade = (index: number, now: number) => number;
 
-export function pulse(): Pulse {
+export function scanFade(): ScanFade {
   let newest = -1;
   let at = Number.NEGATIVE_INFINITY;
   return (index, now) => {

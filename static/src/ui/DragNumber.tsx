@@ -2,16 +2,16 @@ import { useId, useRef } from "preact/hooks";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
 
-interface ScrubProps extends Range {
+interface DragNumberProps extends Range {
   readonly label: string;
   /** One sentence on what it does. */
   readonly sentence: string;
   readonly value: number;
   readonly unit?: string;
   readonly tone?: Tone;
-  /** How it is written; fixed decimals otherwise. */
+  /** Its text; by default the value with fixed decimals and the unit. */
   readonly text?: string;
-  /** Punctuation that must not be parted from it at a line's end. */
+  /** Punctuation that must stay on the same line. */
   readonly after?: string;
   readonly onInput: (value: number) => void;
 }
@@ -19,18 +19,18 @@ interface ScrubProps extends Range {
 const PX_PER_STEP = 6;
 
 /** A number in a sentence that can be dragged sideways, or moved by the arrow keys. After Bret Victor's Tangle. */
-export function Scrub(props: ScrubProps) {
+export function DragNumber(props: DragNumberProps) {
   const { label, sentence, value, unit, tone = "accent", text, low, high, step, after, onInput } = props;
   const id = useId();
   const range = { low, high, step };
-  const grip = useRef<{ readonly x: number; readonly from: number } | null>(null);
+  const start = useRef<{ readonly x: number; readonly from: number } | null>(null);
   const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
   const end = (): void => {
-    grip.current = null;
+    start.current = null;
   };
   const number = (
     <span
-      class={`scrub tone-${tone}`}
+      class={`drag-number tone-${tone}`}
       role="slider"
       tabIndex={0}
       aria-label={label}
@@ -45,11 +45,11 @@ export function Scrub(props: ScrubProps) {
         event.preventDefault();
         event.currentTarget.focus({ preventScroll: true });
         event.currentTarget.setPointerCapture(event.pointerId);
-        grip.current = { x: event.clientX, from: value };
+        start.current = { x: event.clientX, from: value };
       }}
       onPointerMove={(event) => {
-        if (!grip.current) return;
-        const next = snap(grip.current.from + ((event.clientX - grip.current.x) / PX_PER_STEP) * step, range);
+        if (!start.current) return;
+        const next = snap(start.current.from + ((event.clientX - start.current.x) / PX_PER_STEP) * step, range);
         if (next !== value) onInput(next);
       }}
       onPointerUp={end}
@@ -66,7 +66,7 @@ export function Scrub(props: ScrubProps) {
     </span>
   );
   return (
-    <span class="scrub-phrase">
+    <span class="drag-number-phrase">
       {number}
       <span id={id} hidden>
         {sentence}

@@ -1,4 +1,4 @@
-/** The handles that stand in more than one part of the figure: on the curve, on the cone, on the whole beam. */
+/** Handles that are used in several parts of the figure: on the curve, on the cone, on the whole beam. */
 
 import { halfWindow } from "../../grid/sensorModel";
 import { Handle } from "../../ui/Handle";
@@ -6,27 +6,27 @@ import { written } from "../../ui/numbers";
 import type { Controls } from "./controls";
 import type { ProfileView } from "./view";
 
-interface GripProps {
+interface SharedHandleProps {
   readonly view: ProfileView;
   readonly controls: Controls;
 }
 
-/** What the window is called in the shape of the moment. */
+/** Name of the window in the current model. */
 type WindowName = "hit window" | "ramp" | "arc";
 
-interface WindowEdgesProps extends GripProps {
+interface WindowEdgesProps extends SharedHandleProps {
   readonly name: WindowName;
-  /** Where the two edges are, and the middle of their arrows; pixels. */
+  /** Positions of the two edges and of the middle of their arrows; pixels. */
   readonly near: number;
   readonly far: number;
   readonly y: number;
   readonly top: number;
   readonly height: number;
-  /** Metres from the reading that an edge can go. */
+  /** Greatest distance of an edge from the reading, metres. */
   readonly widest: number;
 }
 
-/** The two edges of the window around the reading: the other one follows. */
+/** Handles of the two edges of the window around the reading; the window stays symmetric. */
 export function WindowEdges({ view, controls, name, near, far, y, top, height, widest }: WindowEdgesProps) {
   const z = view.z.value;
   const half = halfWindow(z, view.values.value);
@@ -39,7 +39,7 @@ export function WindowEdges({ view, controls, name, near, far, y, top, height, w
           <Handle
             key={side}
             label={`${side === "near" ? "Near" : "Far"} edge of the ${name}`}
-            sentence={`Widens the ${name} around the reading or narrows it; the other edge follows.`}
+            sentence={`Changes the width of the ${name} around the reading; the other edge follows.`}
             axis="x"
             tone="tone-hit"
             now={z + out * half}
@@ -49,7 +49,7 @@ export function WindowEdges({ view, controls, name, near, far, y, top, height, w
             grab={{ x: side === "near" ? at - 40 : at - 4, y: top, width: 44, height }}
             {...controls.edge(side)}
           >
-            <path class="knob" d={`M${at + out * 4} ${y - 11}l${out * 11} 11l${-out * 11} 11z`} />
+            <path class="handle-mark" d={`M${at + out * 4} ${y - 11}l${out * 11} 11l${-out * 11} 11z`} />
           </Handle>
         );
       })}
@@ -57,21 +57,21 @@ export function WindowEdges({ view, controls, name, near, far, y, top, height, w
   );
 }
 
-interface ReadingPillProps extends GripProps {
+interface ReadingLabelProps extends SharedHandleProps {
   readonly x: number;
-  /** The middle of the pill, and what can be grabbed around it. */
+  /** The middle of the label, and the area around it that can be dragged. */
   readonly y: number;
   readonly above: number;
   readonly height: number;
 }
 
-/** The reading z as a pill on the axis. */
-export function ReadingPill({ view, controls, x, y, above, height }: ReadingPillProps) {
+/** The reading z as a label on the axis. */
+export function ReadingLabel({ view, controls, x, y, above, height }: ReadingLabelProps) {
   const z = view.z.value;
   return (
     <Handle
       label="Measured range z"
-      sentence="Moves the reading: the curve, the cells and the words then speak of that one."
+      sentence="Moves the reading; the curve, the cells and the text follow."
       axis="x"
       tone="tone-beam"
       now={z}
@@ -89,12 +89,12 @@ export function ReadingPill({ view, controls, x, y, above, height }: ReadingPill
   );
 }
 
-interface RangeMaxFlagProps extends GripProps {
+interface RangeMaxFlagProps extends SharedHandleProps {
   readonly on: "beam" | "curve";
   readonly x: number;
   /** The flag's upper edge. */
   readonly y: number;
-  /** How far down its line goes, where it has one. */
+  /** The lower end of its line, if it has one. */
   readonly down?: number;
   readonly label?: { readonly x: number; readonly anchor: "start" | "end" };
 }
@@ -107,7 +107,7 @@ export function RangeMaxFlag({ view, controls, on, x, y, down, label }: RangeMax
   return (
     <Handle
       label={on === "beam" ? "Max range" : "Max range, on the curve"}
-      sentence="What comes from beyond the max range counts as no return."
+      sentence="Readings beyond the max range count as no return."
       axis="x"
       tone="tone-range"
       now={range_max}
@@ -118,7 +118,7 @@ export function RangeMaxFlag({ view, controls, on, x, y, down, label }: RangeMax
       {...controls.rangeMax(on)}
     >
       {down !== undefined && <line class="range-line" x1={x} x2={x} y1={y + 8} y2={down} />}
-      <path class="knob" d={`M${x - 7} ${y}h14v8l-7 7l-7 -7z`} />
+      <path class="handle-mark" d={`M${x - 7} ${y}h14v8l-7 7l-7 -7z`} />
       {label && (
         <text class="label-range" x={label.x} y={y + 10} text-anchor={label.anchor}>{`max range ${text} m`}</text>
       )}
