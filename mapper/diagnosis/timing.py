@@ -12,7 +12,7 @@ from mapper.diagnosis.finding import Finding
 from mapper.mapping.parameters import BY_NAME
 from mapper.sensors.scan import ScanLog
 
-DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried both ways
+DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
 FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one after another
 BETTER = 1.06
 BY = 0.015

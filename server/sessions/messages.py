@@ -8,17 +8,10 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
-from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from mapper.simulation import SensorConfig
 from server.sessions.view import Pose, RobotState
-
-
-def parameter_table(config: MappingConfig, initial: MappingConfig, *, of_log: bool) -> dict[str, Any]:
-    """Return the ``parameters`` of ``hello``: the table, its initial values being the session's, and the values."""
-    rows = [row for row in PARAMETERS if of_log or row.name not in LOG_ONLY]
-    table = [asdict(row) | {"initial": getattr(initial, row.name)} for row in rows]
-    return {"table": table, "values": asdict(config)}
 
 
 def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:

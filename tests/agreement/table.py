@@ -75,13 +75,13 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     return grid.log_odds, grid.observed, count
 
 
-def tallies_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+def statistics_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = integrate_log(grid, case.log, case.config)
     return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
-def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+def statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
@@ -95,7 +95,7 @@ def sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     return grid.log_odds, grid.observed, count
 
 
-def swept_tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+def swept_statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
     return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
@@ -280,9 +280,27 @@ TABLE = (
     Row("smooth ramp per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", RAMP), ROUNDING),
     Row("sonar cone per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
     Row("sonar cone per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", CONE), ROUNDING),
-    Row("hit counting per beam", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", COUNTING), ROUNDING),
-    Row("hit counting per scan", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_scan", COUNTING), ROUNDING),
-    Row("Moravec and Elfes", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", CERTAINTIES), ROUNDING),
+    Row(
+        "hit counting per beam",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_beam", COUNTING),
+        ROUNDING,
+    ),
+    Row(
+        "hit counting per scan",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_scan", COUNTING),
+        ROUNDING,
+    ),
+    Row(
+        "Moravec and Elfes",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_beam", CERTAINTIES),
+        ROUNDING,
+    ),
     Row("provenance", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam")),
     Row("provenance of ramps", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
     Row("provenance of cones", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
@@ -303,7 +321,7 @@ TABLE = (
     Row("deskewed", map_by_kernel, sweeps_by_textbook, sweeping_cases()),
     Row("deskewed ramps", map_by_kernel, sweeps_by_textbook, sweeping_cases(RAMP), ROUNDING),
     Row("deskewed cones", map_by_kernel, sweeps_by_textbook, sweeping_cases(CONE), ROUNDING),
-    Row("deskewed counting", tallies_by_kernel, swept_tallies_by_textbook, sweeping_cases(COUNTING), ROUNDING),
+    Row("deskewed counting", statistics_by_kernel, swept_statistics_by_textbook, sweeping_cases(COUNTING), ROUNDING),
     Row(
         "provenance of deskewed beams",
         provenance_of_sweeps_by_kernel,

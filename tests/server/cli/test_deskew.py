@@ -58,7 +58,7 @@ def test_why_tells_of_the_beams_that_the_map_is_made_of(run, tmp_path):
     path = written(tmp_path, swept(20), "mcap")
     (told,) = [json.loads(run("why", path, "--at", "3.99,0.5", "--scans", 18, "--json").out)]
     assert told["hits"] > 0
-    assert all(0 <= touch["beam"] < BEAMS for touch in told["touches"])
+    assert all(0 <= one["beam"] < BEAMS for one in told["contributions"])
 
 
 def test_it_is_said_how_many_scans_are_deskewed_and_left_out(run, tmp_path):
