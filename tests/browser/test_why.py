@@ -81,19 +81,19 @@ def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
     why: dict[str, Any] = store(page, "why")
     cell = page.evaluate("(xy) => gridbloom.readState(xy)", xy)
     geometry = page.evaluate("() => gridbloom.connection.store.map.peek().geometry")
-    step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+    step = (geometry["high"] - geometry["low"]) / 254
     assert (why["row"], why["col"]) == (cell["row"], cell["col"])
     assert why["log_odds"] == pytest.approx(cell["log_odds"], abs=step)
     # The whole story told again, beam by beam, ends at what the map shows.
     values = page.evaluate("() => gridbloom.connection.store.mapping.values.peek()")
-    assert why["touches"][-1]["n"] == why["total"]
-    if why["total"] == len(why["touches"]):
+    assert why["contributions"][-1]["n"] == why["total"]
+    if why["total"] == len(why["contributions"]):
         log_odds = why["prior"]
-        for touch in why["touches"]:
+        for touch in why["contributions"]:
             assert touch["increment"] == pytest.approx(values["log_odds_hit" if touch["hit"] else "log_odds_miss"])
             log_odds = min(max(log_odds + touch["increment"], why["log_odds_min"]), why["log_odds_max"])
         assert log_odds == pytest.approx(cell["log_odds"], abs=step)
-        assert why["hits"] == sum(touch["hit"] for touch in why["touches"])
+        assert why["hits"] == sum(touch["hit"] for touch in why["contributions"])
     panel = page.locator(".why")
     expect(panel.locator(".why-sentence")).to_contain_text(re.compile(r"^Occupied, p 0\.9\d: "))
     expect(panel.locator(".why-sentence")).to_contain_text(f"{why['hits']} beam")
@@ -127,7 +127,9 @@ def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
     ask(lab)
     before = store(lab, "why")
     lab.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 0.4)")
-    until("the new increment", lambda: any(abs(t["increment"] - 0.4) < 1e-6 for t in store(lab, "why")["touches"]))
+    until(
+        "the new increment", lambda: any(abs(t["increment"] - 0.4) < 1e-6 for t in store(lab, "why")["contributions"])
+    )
     lab.get_by_role("button", name="Play").click()
     until("more scans in the answer", lambda: store(lab, "why")["index"] > before["index"] + 10)
 

@@ -25,7 +25,7 @@ export class CancelledError extends Error {}
  * want to wait for the story.
  */
 export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
-  const begin = { kind: "world", playing: !reducedMotion.peek() };
+  const begin = { kind: "simulation", playing: !reducedMotion.peek() };
   if (!story) return await asked(begin);
   const name = Array.from(crypto.getRandomValues(new Uint32Array(3)), (n) => n.toString(36)).join("");
   const ending = new AbortController();

@@ -17,9 +17,10 @@ from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions import prefetching as preparing
-from server.sessions.log_session import LogSession
 from server.sessions.prefetching import CheckpointPrefetching
+from tests.server.begin import new_log
 from tests.server.service import eventually
+from tests.server.view import view_of
 
 
 @pytest.fixture(autouse=True)
@@ -30,8 +31,8 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checkpoints, "WORTH_KEEPING", 0)
 
 
-def reached(session: LogSession) -> int:
-    return session.replay._replay.checkpoints.reached
+def reached(session: Any) -> int:
+    return int(session.model.recording.replay._replay.checkpoints.reached)
 
 
 async def test_a_log_that_stands_still_is_prepared_to_its_end(
@@ -39,19 +40,19 @@ async def test_a_log_that_stands_still_is_prepared_to_its_end(
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
     await registry.start()
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=5)
     await eventually(lambda: reached(session) > 100)
-    assert session.progress[0] == 5
+    assert session.model.progress[0] == 5
     # With other parameters nothing of it holds, and it begins again.
     await obey(session, type="parameters", values={"log_odds_hit": 1.0})
     await eventually(lambda: reached(session) > 100)
     for index in (120, 30):
         await obey(session, type="seek", index=index)
-        grid = OccupancyGrid(geometry_for(office_log, session.config))
-        integrate_log(grid, office_log, session.config, stop=index)
-        np.testing.assert_array_equal(session.view().log_odds, grid.log_odds)
+        grid = OccupancyGrid(geometry_for(office_log, session.model.config))
+        integrate_log(grid, office_log, session.model.config, stop=index)
+        np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
     session.leave(client)
 
 
@@ -60,7 +61,7 @@ async def test_nothing_is_prepared_that_nobody_watches(
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
     await registry.start()
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=5)
     await asyncio.sleep(0.05)
     assert reached(session) == 5

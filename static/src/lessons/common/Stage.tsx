@@ -37,7 +37,7 @@ const placeOf = (geometry: GridGeometry, width: number): Place => {
 };
 
 /** Where the colours of the log-odds end. */
-const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
+const RANGE = { low: -2.5, high: 3.5 };
 
 function paint(canvas: HTMLCanvasElement, grid: OccupancyGrid): void {
   const { rows, cols } = grid.geometry;

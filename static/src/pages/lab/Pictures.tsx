@@ -133,7 +133,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
             </p>
           }
         >
-          <Beside store={store} session={session.id} />
+          <Beside store={store} />
         </Plate>
       )}
       {solid.value && !compared && session && (

@@ -4,6 +4,7 @@ import { computed, effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, stateAt } from "../../grid/cellValues";
 import type { MapPicture } from "../../render/map/mapPicture";
+import { MAP, SECOND_MAP } from "../../store/layers";
 import { cellIn } from "../../store/sessionState";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -27,7 +28,7 @@ function heldAt(map: MapPicture | null, place: readonly [number, number], exact:
   if (byte === 0) return { logOdds: null, state: "never observed" };
   const coarse = logOddsAt(byte, geometry);
   const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
-  const step = (geometry.log_odds_max - geometry.log_odds_min) / 254;
+  const step = (geometry.high - geometry.low) / 254;
   const logOdds = isExact && Math.abs(exact.log_odds - coarse) <= step ? exact.log_odds : coarse;
   return { logOdds, state: stateAt(byte, geometry) };
 }
@@ -61,21 +62,21 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
   );
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    const asked = { first: "", second: "" };
+    const asked: Record<string, string> = {};
     const ask = effect(() => {
       void both.value;
       timer ??= setTimeout(() => {
         timer = undefined;
         const place = store.probe.peek();
         if (!place) return;
-        for (const which of ["first", "second"] as const) {
-          const map = which === "first" ? store.map.peek() : (store.second.peek()?.map.peek() ?? null);
+        for (const layer of [MAP, SECOND_MAP]) {
+          const map = store.layers.grid(layer).map.peek();
           const cell = cellIn(map, place);
           if (!map || !cell) continue;
           const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
-          if (question === asked[which]) continue;
-          asked[which] = question;
-          store.inspect(cell, which);
+          if (question === asked[layer]) continue;
+          asked[layer] = question;
+          store.inspect(cell, layer);
         }
       }, ASK_MS);
     });

@@ -13,6 +13,7 @@ import {
   paintRobot,
 } from "../../render/picture/brush";
 import { inks } from "../../render/picture/inks";
+import { paintLayer } from "../../render/picture/overlays";
 import type { Picture } from "../../render/picture/Picture";
 import { pulse } from "../../render/picture/pulse";
 import type { Store } from "../../store/store";
@@ -68,6 +69,7 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
           watch: () => {
             void store.map.value;
             void store.mapVersion.value;
+            void store.layers.contents.value;
             void store.beliefFrame.value;
             void store.trajectory.value;
             void store.cell.value;
@@ -105,6 +107,7 @@ function paintOverlay(
   ctx.beginPath();
   ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
   ctx.clip();
+  for (const content of store.layers.contents.peek()) paintLayer(brush, content);
   const moves = paintScan(store, brush, beat, now);
   ctx.restore();
   paintWhy(store, brush);

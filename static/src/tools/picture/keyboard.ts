@@ -79,9 +79,8 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
 
   const keydown = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const isWorld = store.hello.peek()?.kind === "world";
     const pinned = store.pinned.peek();
-    const drives = isWorld && !event.shiftKey && event.code in DRIVES;
+    const drives = store.isDriven.peek() && !event.shiftKey && event.code in DRIVES;
     const step = STEPS[event.key];
     const zoom = ZOOMS[event.key];
     const view = store.view.peek();
@@ -100,7 +99,7 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
     else if (event.key === "?") store.ask(store.probe.peek());
     else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === "robot")
       store.pinned.value = null;
-    else if (event.key === "Enter" && isWorld && pinned) act(store, pinned, true);
+    else if (event.key === "Enter" && store.isDriven.peek() && pinned) act(store, pinned, true);
     else if (event.key === "Escape" && store.editing.tool.peek() !== "robot") store.editing.take("robot");
     else if (event.key === " ") store.togglePlaying();
     else return;

@@ -9,13 +9,14 @@ import { valueBeforeWalk } from "./stepping";
 
 const GEOMETRY: Geometry = {
   type: "geometry",
+  layer: 1,
   epoch: 1,
   resolution: 0.1,
   rows: 60,
   cols: 60,
   origin: [-3, -3, 0],
-  log_odds_min: -2,
-  log_odds_max: 3.5,
+  low: -2,
+  high: 3.5,
   tile: 64,
 };
 const POSE: Pose = [0.03, -0.04, 0.4];
@@ -86,7 +87,7 @@ test("what has no order of cells says so", () => {
 });
 
 test("what a byte cannot say the server's answer does, as long as it is about the same byte", () => {
-  const geometry = { epoch: 3, log_odds_min: -10, log_odds_max: 10 };
+  const geometry = { epoch: 3, low: -10, high: 10 };
   const told = (byte: number, log_odds: number): number => {
     const store = {
       map: { peek: () => ({ geometry, cells: { at: () => byte } }) },

@@ -4,7 +4,7 @@ import { along } from "../../grid/beams";
 import { type CellParameters, readingsUntil } from "../../grid/cellUpdate";
 import { INITIAL_PARAMETERS } from "../../grid/sensorModel";
 import { FREE } from "../../render/chart/LogOddsBackground";
-import type { Drawn, Forgetting, Frame, Values } from "../../wire/protocol";
+import type { DrawnSolid, Forgetting, Frame, Values } from "../../wire/protocol";
 
 /** Side of the table and how far its middle stands from the robot, metres. */
 const SIDE = 0.6;
@@ -14,7 +14,7 @@ const BEHIND = 0.3;
 const BEARINGS = 36;
 
 /** A table before the robot, where the newest scan sees floor all around it: as straight ahead as can be. */
-export function placeOf(frame: Frame): Drawn | null {
+export function placeOf(frame: Frame): DrawnSolid | null {
   const bearings = Array.from(
     { length: BEARINGS },
     (_, i) => ((i + 1) >> 1) * (i % 2 ? -1 : 1) * ((2 * Math.PI) / BEARINGS),

@@ -1,7 +1,7 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
 import { toPixel, toValue } from "../../render/chart/scale";
-import type { Touch, WhyMessage } from "../../wire/protocol";
+import type { Contribution, WhyMessage } from "../../wire/protocol";
 import { logOddsCurve } from "./model";
 
 const WIDTH = 400;
@@ -11,7 +11,7 @@ const ROOMY_PX = 7;
 
 interface ChartProps {
   readonly why: WhyMessage;
-  readonly touch: ReadonlySignal<Touch | null>;
+  readonly touch: ReadonlySignal<Contribution | null>;
   readonly onTouch: (n: number) => void;
 }
 
@@ -60,7 +60,7 @@ export function Chart({ why, touch, onTouch }: ChartProps) {
         </>
       )}
       {isRoomy &&
-        why.touches.map(({ n, hit, log_odds }) => (
+        why.contributions.map(({ n, hit, log_odds }) => (
           <circle key={n} class={hit ? "dot-hit" : "dot-miss"} cx={x(n)} cy={y(log_odds)} r={2.5} />
         ))}
       {at && <circle class={`why-dot ${at.hit ? "dot-hit" : "dot-miss"}`} cx={x(at.n)} cy={y(at.log_odds)} r={5} />}
@@ -71,6 +71,6 @@ export function Chart({ why, touch, onTouch }: ChartProps) {
 /** A tick for each touch of one kind along an edge: where the clamp holds, the line alone does not show them. */
 function rug(why: WhyMessage, hits: boolean, x: (n: number) => number, top: number): string {
   let path = "";
-  for (const { n, hit } of why.touches) if (hit === hits) path += `M${x(n)} ${top}v5`;
+  for (const { n, hit } of why.contributions) if (hit === hits) path += `M${x(n)} ${top}v5`;
   return path;
 }

@@ -2,10 +2,11 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
+import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
-import type { Touch, Value, Which, WhyMessage } from "../../wire/protocol";
+import type { Contribution, Value, WhyMessage } from "../../wire/protocol";
 import { Chart } from "./Chart";
 import { describe, equation, sentence, updateOf, verdict } from "./model";
 import { pollWhy } from "./queries";
@@ -61,7 +62,7 @@ function Panel({ store, side }: WhyProps) {
           bare
           options={MAPS}
           value={store.askedMap.value}
-          onChange={(which) => store.ask(store.asked.peek(), which as Which)}
+          onChange={(layer) => store.ask(store.asked.peek(), layer)}
         />
       )}
       <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
@@ -74,20 +75,20 @@ function Panel({ store, side }: WhyProps) {
 const OUTSIDE = "This place is outside the map.";
 
 /** The newest touch, where the answer tells of it. */
-function newestOf(why: WhyMessage): Touch | null {
-  const last = why.touches[why.touches.length - 1];
+function newestOf(why: WhyMessage): Contribution | null {
+  const last = why.contributions[why.contributions.length - 1];
   return last && last.n === why.total ? last : null;
 }
 
 /** The two maps of a comparison, as the page names them. */
 const MAPS = [
-  { value: "second", label: "In A" },
-  { value: "first", label: "In B" },
+  { value: SECOND_MAP, label: "In A" },
+  { value: MAP, label: "In B" },
 ];
 
 /** A parameter of the map that is asked about. */
 function parameterOf(store: Store, name: string): Value | undefined {
-  const kept = store.askedMap.value === "second" ? store.compared.value?.values[name] : undefined;
+  const kept = store.askedMap.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
   return kept ?? store.mapping.values.value[name];
 }
 
@@ -110,7 +111,7 @@ function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindo
     return effect(() => {
       const why = store.why.value;
       if (!why) return;
-      const place = `${why.map} ${why.epoch} ${why.row} ${why.col}`;
+      const place = `${why.layer} ${why.epoch} ${why.row} ${why.col}`;
       if (place === said) return;
       said = place;
       spoken.value = sentence(why, newestOf(why), hitWindow.peek());
@@ -141,7 +142,7 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
   };
   const update = why && touch && updateOf(why, touch.n);
   // Of another log than the session's a scan cannot be gone to.
-  const isElsewhere = store.askedMap.value === "second" && Boolean(store.compared.value?.log);
+  const isElsewhere = store.askedMap.value === SECOND_MAP && Boolean(store.compared.value?.log);
   const isLog = store.hello.value?.kind === "log" && !isElsewhere;
   return (
     <div class="why-story" hidden={why !== null && total === 0}>
@@ -196,7 +197,7 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
   );
 }
 
-function TouchWords({ touch, hitWindow }: { readonly touch: Touch; readonly hitWindow: number }) {
+function TouchWords({ touch, hitWindow }: { readonly touch: Contribution; readonly hitWindow: number }) {
   const reading = touch.range === null ? "no return" : `${touch.range.toFixed(2)} m`;
   return (
     <>

@@ -3,7 +3,7 @@
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { probability } from "../../grid/logOdds";
 import { signed, written } from "../../ui/numbers";
-import type { CellState, Touch, WhyMessage } from "../../wire/protocol";
+import type { CellState, Contribution, WhyMessage } from "../../wire/protocol";
 
 export function stateOf(why: WhyMessage): CellState | "never observed" {
   if (why.total === 0) return "never observed";
@@ -14,13 +14,13 @@ export function stateOf(why: WhyMessage): CellState | "never observed" {
 const beams = (n: number): string => (n === 1 ? "1 beam" : `${n} beams`);
 
 /** What a touch says of the cell: with a window, a beam that ends near it argues for occupied as well. */
-export function verdict({ hit, range }: Pick<Touch, "hit" | "range">, window: number): string {
+export function verdict({ hit, range }: Pick<Contribution, "hit" | "range">, window: number): string {
   if (hit) return window > 0 ? "ended at or near it" : "ended here";
   return range === null ? "passed through without return" : "passed through";
 }
 
 /** The cell's story in one sentence. `last` is its newest touch, null where that is not told. */
-export function sentence(why: WhyMessage, last: Touch | null, window: number): string {
+export function sentence(why: WhyMessage, last: Contribution | null, window: number): string {
   const value = `ℓ ${written(why.log_odds, 2)}`;
   if (why.total === 0) {
     const scans = why.index === 1 ? "the 1 scan" : `the ${why.index} scans`;
@@ -49,9 +49,9 @@ export interface Update {
 
 /** The update of touch `n`; null where the answer does not tell of it and of the one before. */
 export function updateOf(why: WhyMessage, n: number): Update | null {
-  const first = why.touches[0]?.n ?? 1;
-  const touch = why.touches[n - first];
-  const before = n === 1 ? why.prior : why.touches[n - first - 1]?.log_odds;
+  const first = why.contributions[0]?.n ?? 1;
+  const touch = why.contributions[n - first];
+  const before = n === 1 ? why.prior : why.contributions[n - first - 1]?.log_odds;
   if (!touch || before === undefined) return null;
   const sum = before + touch.increment;
   return {
@@ -70,7 +70,7 @@ export function equation({ before, increment, sum, after, isClamped }: Update): 
 }
 
 /** What a touch is, in a line. */
-export function describe(touch: Touch, window: number): string {
+export function describe(touch: Contribution, window: number): string {
   const reading = touch.range === null ? "no return" : `${written(touch.range, 2)} m`;
   return `scan ${touch.scan + 1}, beam ${touch.beam + 1}, ${reading}: ${verdict(touch, window)}, ${signed(touch.increment)}`;
 }

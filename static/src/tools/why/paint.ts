@@ -16,7 +16,7 @@ export function paintWhy(store: Store, brush: Brush): void {
   const [x, y] = toScreen(view, size, ...centreOf(map.geometry, cell));
   for (const kind of ["miss", "hit"] as const) {
     ctx.beginPath();
-    for (const { hit, pose } of why?.touches ?? []) {
+    for (const { hit, pose } of why?.contributions ?? []) {
       if (hit !== (kind === "hit")) continue;
       ctx.moveTo(...toScreen(view, size, pose[0], pose[1]));
       ctx.lineTo(x, y);

@@ -8,7 +8,7 @@ const TOUCH_MS = 120;
 const CHANGED_MS = 350;
 const CALM_MS = 1000;
 
-/** The server tells of this many touches at once; a question is about one of its windows. */
+/** The server tells of this many contributions at once; a question is about one of its windows. */
 const WINDOW = 300;
 const STEP = 100;
 
@@ -33,13 +33,13 @@ export function pollWhy(store: Store): () => void {
   const question = (): (Question & { readonly send: () => void }) | null => {
     const cell = store.askedCell.peek();
     const map = store.askedPicture.peek();
-    const which = store.askedMap.peek();
+    const layer = store.askedMap.peek();
     const epoch = map?.geometry.epoch ?? -1;
     if (!cell || !map || epoch < 0) return null;
     const until = untilFor(store.touched.peek(), store.why.peek()?.total ?? 0);
     const { row, col } = cell;
     return {
-      place: `${which} ${epoch} ${row} ${col} ${until}`,
+      place: `${layer} ${epoch} ${row} ${col} ${until}`,
       content: [map.cells.at(row, col), store.mapping.values.peek()],
       index: store.frame.peek()?.index ?? 0,
       send: () =>
@@ -48,8 +48,8 @@ export function pollWhy(store: Store): () => void {
           row,
           col,
           epoch,
+          layer,
           ...(until === undefined ? {} : { until }),
-          ...(which === "second" ? { map: which } : {}),
         }),
     };
   };
