@@ -18,7 +18,7 @@ from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
 
-MAX_CONTRIBUTIONS = 300  #: told in detail
+MAX_CONTRIBUTIONS = 300  #: described in detail, in one message
 STRETCHES = 300  #: of the curve, each with its least and its greatest value
 
 
@@ -47,14 +47,14 @@ def why_message(
     if until is not None and until < 1:
         raise ProtocolError("command.until", f"Contributions count from 1; there is none up to {until}.")
     row, col = about["row"], about["col"]
-    told: list[Provenance] = []
+    parts: list[Provenance] = []
     part: Provenance | None = None
     for source in sources:
         part = provenance(
             grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, part, pause=checkpoint
         )
-        told.append(part)
-    counts = [len(part.scans) for part in told]
+        parts.append(part)
+    counts = [len(part.scans) for part in parts]
     total = sum(counts)
     stop = total if until is None else min(until, total)
     low, high = (limit if np.isfinite(limit) else None for limit in map(float, config.clamp_limits))
@@ -62,7 +62,7 @@ def why_message(
     contributions: list[dict[str, Any]] = []
     first_scan = None
     n = 0
-    for source, part, first in zip(sources, told, first_scans[:-1].tolist(), strict=True):
+    for source, part, first in zip(sources, parts, first_scans[:-1].tolist(), strict=True):
         if first_scan is None and len(part.scans):
             first_scan = first + int(part.scans[0])
         inside = slice(max(0, stop - MAX_CONTRIBUTIONS - n), max(0, stop - n))
@@ -77,9 +77,9 @@ def why_message(
         "log_odds_max": high,
         "per_scan": config.update == "per_scan",
         "total": total,
-        "hits": sum(int(np.count_nonzero(part.hits)) for part in told),
+        "hits": sum(int(np.count_nonzero(part.hits)) for part in parts),
         "first_scan": first_scan,
-        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in told)])),
+        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in parts)])),
         "contributions": contributions,
     }
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from server.stream.layers import GridLayer
 from tests.server.service import Service, Watcher, running, settings_for
 
 PERIOD_S = 0.5
@@ -103,6 +104,7 @@ async def test_twenty_browsers_on_ten_sessions_all_have_their_map(service: Servi
 
     watchers = await asyncio.gather(*(watch(ids[i % 10]) for i in range(20)))
     for i, watcher in enumerate(watchers):
-        picture = service.state.sessions.get(ids[i % 10]).map_layer.picture
-        assert picture is not None
-        assert watcher.picture.tobytes() == picture.cells.tobytes()
+        layer = service.state.sessions.get(ids[i % 10]).model.layers[0]
+        assert isinstance(layer, GridLayer)
+        assert layer.picture is not None
+        assert watcher.picture.tobytes() == layer.picture.cells.tobytes()

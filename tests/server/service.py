@@ -11,7 +11,7 @@ import json
 import struct
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from websockets.exceptions import ConnectionClosed
 
 from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
-from server.sessions import SessionNotFoundError
+from server.sessions import KINDS, Kind, SessionNotFoundError
 from server.settings import Settings
 from server.stream.messages import ServerMessage
 
@@ -105,10 +105,10 @@ class Service:
 
 
 @contextmanager
-def running(settings: Settings) -> Iterator[Service]:
-    """Run a service in a thread until the block ends."""
+def running(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Iterator[Service]:
+    """Run a service with sessions of these kinds in a thread until the block ends."""
     bound = listen("127.0.0.1", 0)
-    server = make_server(settings)
+    server = make_server(settings, kinds)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, name="uvicorn")
     thread.start()
     service = Service(server, bound.getsockname()[1])

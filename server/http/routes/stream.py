@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from server.http.guests import GuestRight, guests_may
 from server.http.services import ServiceSettings, Sessions
-from server.sessions import Session, SessionBudgetError
+from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.hub import Client
@@ -81,7 +81,7 @@ async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
             await websocket.close(code.code, reason)
 
 
-async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
+async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> None:
     while True:
         client.wake.clear()
         for message in client.take():
@@ -100,7 +100,7 @@ async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
                 await client.wake.wait()
 
 
-async def _receive(websocket: WebSocket, session: Session, client: Client) -> None:
+async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -> None:
     malformed = throttled = 0
     allowance = Allowance()
     while True:
@@ -128,7 +128,7 @@ def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
     return decode_command(message.get("bytes") or b"" if data is None else data)
 
 
-def _take(session: Session, client: Client, command: dict[str, Any]) -> None:
+def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None:
     match command["type"]:
         case "ack":
             client.acknowledge(integer(command, "seq"))

@@ -60,7 +60,7 @@ def test_a_cell_of_a_prior_map_is_told_from_there(run, log, tmp_path):
 
 def test_what_there_is_not_is_refused(run, log):
     for options, words in (
-        (["--at", "50,0"], "lies outside the grid"),
+        (["--at", "50,0"], "is outside the grid"),
         (["--at", "1"], "--at needs two numbers"),
         (["--at", "a,b"], "--at needs two numbers"),
         (["--at", "nan,0"], "lies in no cell"),

@@ -8,6 +8,7 @@ import re
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -34,7 +35,7 @@ def saved(folder: Path, answer: httpx.Response) -> Path:
 
 async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Service, tmp_path: Path) -> None:
     session_id = service.begin(kind="simulation", world="office", seed=5)
-    session = service.state.sessions.get(session_id)
+    session: Any = service.state.sessions.get(session_id)
     pairs = []
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
@@ -44,13 +45,13 @@ async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Se
                 address = f"/api/sessions/{session_id}/map.{kind}?at=take-{number}"
                 paths[kind] = saved(tmp_path, await asyncio.to_thread(service.http.get, address))
                 if kind == kinds[0]:
-                    shape, cells = session.grid.geometry.shape, int(session.grid.observed.sum())
+                    shape, cells = session.model.grid.geometry.shape, int(session.model.grid.observed.sum())
                     # The sensor reaches farther: the map grows and moves its corner.
                     await watcher.send("parameters", values={"resolution": 0.05 - 0.01 * (number + 1)})
-                    await watcher.until(lambda: session.grid.geometry.shape != shape)  # noqa: B023
+                    await watcher.until(lambda: session.model.grid.geometry.shape != shape)  # noqa: B023
                     frames = watcher.frames
                     await watcher.until(lambda: watcher.frames > frames + 3)  # noqa: B023
-                    assert int(session.grid.observed.sum()) != cells
+                    assert int(session.model.grid.observed.sum()) != cells
             assert (paths["pgm"].name, paths["yaml"].name) == (
                 f"office_take-{number}.pgm",
                 f"office_take-{number}.yaml",

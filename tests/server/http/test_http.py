@@ -48,7 +48,8 @@ def test_the_map_can_be_taken_away(service: Service, tmp_path: Path) -> None:
         answer = service.http.get(f"/api/sessions/{session_id}/map.{ending}")
         assert answer.headers["content-disposition"] == f'attachment; filename="room.{ending}"'
         (tmp_path / f"room.{ending}").write_bytes(answer.content)
-    grid = service.state.sessions.get(session_id).grid
+    grid = service.state.sessions.get(session_id).model.grid
+    assert grid is not None
     loaded = load_map(tmp_path / "room.yaml").grid
     assert loaded.geometry == grid.geometry
     np.testing.assert_array_equal(loaded.classify(), grid.classify())

@@ -14,18 +14,17 @@ from websockets.asyncio.client import connect
 from mapper.io.maps import pgm_bytes
 from mapper.simulation import WORLDS
 from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
-from server.sessions import Session
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
+from tests.server.view import view_of
 
 
-def session_of(service: Service, session_id: str) -> Session:
-    session: Session = service.state.sessions.get(session_id)
-    return session
+def session_of(service: Service, session_id: str) -> Any:
+    return service.state.sessions.get(session_id)
 
 
 def expected_log_odds(service: Service, session_id: str) -> Any:
     """The session's own grid as a client should see it, to half a step of the int8 picture."""
-    view = session_of(service, session_id).view()
+    view = view_of(session_of(service, session_id))
     low, high = view.config.clamp_limits
     return np.where(view.observed, np.clip(view.log_odds, low, high), np.nan)
 
@@ -248,7 +247,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
     async with service.connect(session_id, close_timeout=0.5) as socket, service.connect(other_id) as other_socket:
         other = Watcher(other_socket)
         session, began = session_of(service, session_id), time.monotonic()
-        before = session.progress[0]
+        before = session.model.progress[0]
         flood = [json.dumps({"type": "teleport", "x": 1.0 + i % 5, "y": 2.0}) for i in range(2000)]
 
         async def pour() -> None:
@@ -258,7 +257,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
         pouring = asyncio.create_task(pour())
         await other.until(lambda: other.frames > 30)
         # Each teleport is a scan, and as it walks there are ten in a second.
-        scans, seconds = session.progress[0] - before, time.monotonic() - began
+        scans, seconds = session.model.progress[0] - before, time.monotonic() - began
         assert scans <= COMMAND_BURST + (COMMANDS_PER_S + 10.0) * seconds + 10
         pouring.cancel()
         await asyncio.gather(pouring, return_exceptions=True)
@@ -314,7 +313,7 @@ async def test_a_log_plays_and_its_end_is_its_map_file(service: Service) -> None
         await watcher.until(lambda: watcher.newest["frame"]["index"] == hello["log"]["n_scans"])
         await watcher.settle()
         image = (await asyncio.to_thread(service.http.get, f"/api/sessions/{session_id}/map.pgm")).content
-        assert image == pgm_bytes(await asyncio.to_thread(lambda: session_of(service, session_id).grid))
+        assert image == pgm_bytes(await asyncio.to_thread(lambda: session_of(service, session_id).model.grid))
         rows, cols = watcher.picture.shape
         shades = np.frombuffer(image[-rows * cols :], dtype=np.uint8).reshape(rows, cols)[::-1]
         assert (shades[watcher.picture == -128] == 205).all()
