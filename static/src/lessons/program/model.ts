@@ -52,7 +52,7 @@ const START: readonly Where[] = [
 const NEXT_BEAM: Where = ["update_per_beam", "for z, bearing"];
 const GATHER: readonly Where[] = [
   ["update_per_beam", "evidence = evidence_of_beam"],
-  ["evidence_of_beam", "wide ="],
+  ["evidence_of_beam", "is_cone ="],
   ["evidence_of_beam", "if z_min <= z <= z_max"],
 ];
 const NOTHING: readonly Where[] = [
