@@ -60,7 +60,7 @@ const NOTHING: readonly Where[] = [
   ["evidence_of_beam", "return {}"],
 ];
 const READING: readonly Where[] = [
-  ["evidence_of_beam", "if wide"],
+  ["evidence_of_beam", "if is_cone"],
   ["evidence_of_beam", "return evidence_along_beam"],
   ["evidence_along_beam", "model ="],
   ["evidence_along_beam", "half ="],
