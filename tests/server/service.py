@@ -144,10 +144,12 @@ class Watcher:
         self.newest: dict[str, dict[str, Any]] = {}  #: the newest message of each type
         self.messages: list[dict[str, Any]] = []  #: all but frame messages
         self.frames = 0
+        self.of_other_layers: dict[int, int] = {}  #: tiles by the id of the layer
         self.scans = 0  #: frame messages that brought a scan
         self.unacknowledged = 0
         self.complete = False
         self.epoch = -1
+        self.geometry: dict[str, Any] = {}  #: of the grid
         self.revision = 0
         self.picture: NDArray[np.int8] = np.full((0, 0), -128, dtype=np.int8)
         self.ages: list[float] = []  #: of each frame message when it was read, in seconds
@@ -175,10 +177,15 @@ class Watcher:
             self.ages.append(time.monotonic() - message["t"])
         else:
             self.messages.append(message)
-        if message["type"] == "geometry" and message["layer"] == self.layer_id() and message["epoch"] != self.epoch:
+        if message["type"] == "geometry" and message["layer"] == self.layer_id():
+            self._begin(message)
+        return message
+
+    def _begin(self, message: dict[str, Any]) -> None:
+        self.geometry = message
+        if message["epoch"] != self.epoch:
             self.epoch = message["epoch"]
             self.picture = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
-        return message
 
     def layer_id(self) -> int:
         """The id of the grid, 0 before it is known."""
@@ -190,6 +197,7 @@ class Watcher:
         assert kind == 1
         if layer != self.layer_id():
             self.unacknowledged = seq
+            self.of_other_layers[layer] = self.of_other_layers.get(layer, 0) + count
             return
         at = 16
         for _ in range(count):
@@ -255,7 +263,7 @@ class Watcher:
 
     def log_odds(self) -> NDArray[np.float64]:
         """The picture's log-odds, NaN where never observed."""
-        g = self.newest["geometry"]
+        g = self.geometry
         low, high = g["low"], g["high"]
         value = low + (self.picture.astype(np.float64) + 127.0) / 254.0 * (high - low)
         return np.where(self.picture == -128, np.nan, value)

@@ -140,6 +140,27 @@ async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
         np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 + 1e-6)
 
 
+async def test_a_second_map_comes_and_goes_on_the_same_socket(service: Service) -> None:
+    session_id = service.begin(kind="simulation", world="room", seed=8)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("subscribe", layers=["map", "second_map"])  # of which there is only one yet
+        await watcher.until(lambda: watcher.complete)
+        assert [one["name"] for one in watcher.newest["layers"]["layers"]] == ["map"]
+        await watcher.send("compare", values={"log_odds_hit": 0.2})
+        await watcher.until(lambda: len(watcher.newest["layers"]["layers"]) == 2)
+        number = watcher.newest["layers"]["layers"][1]["id"]
+        await watcher.until(lambda: watcher.of_other_layers.get(number, 0) > 0)
+        second = watcher.newest["geometry"]
+        assert second["layer"] == number
+        await watcher.send("inspect", row=60, col=60, epoch=second["epoch"], layer="third_map")
+        assert (await watcher.answer("error"))["code"] == "command.layer"
+        await watcher.send("compare", values=None)
+        await watcher.until(lambda: len(watcher.newest["layers"]["layers"]) == 1)
+        await watcher.settle()
+        np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
+
+
 async def test_two_browsers_share_one_session(service: Service) -> None:
     session_id = service.begin()
     async with service.connect(session_id) as socket, service.connect(session_id) as other_socket:
@@ -169,6 +190,10 @@ MALFORMED: list[tuple[Any, str]] = [
     ('{"type":"ack","seq":1000000}', "command.seq"),
     ('{"type":"ack","seq":"1"}', "command.seq"),
     ('{"type":"resume","epoch_id":5}', "command.epoch_id"),
+    ('{"type":"resume","epoch_id":"x","epoch":1,"revision":1}', "command.layer"),
+    ('{"type":"subscribe"}', "command.layers"),
+    ('{"type":"subscribe","layers":[1]}', "command.layers"),
+    ('{"type":"subscribe","layers":["' + '","'.join("x" * 65) + '"]}', "command.layers"),
     ('{"type":"speed"}', "command.value"),
     ('{"type":"parameters","values":{"window":"wide"}}', "parameter.window"),
     ('{"type":"parameters","values":{"__class__":1}}', "parameter.unknown"),

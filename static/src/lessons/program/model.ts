@@ -52,7 +52,7 @@ const START: readonly Where[] = [
 const NEXT_BEAM: Where = ["update_per_beam", "for z, bearing"];
 const GATHER: readonly Where[] = [
   ["update_per_beam", "evidence = evidence_of_beam"],
-  ["evidence_of_beam", "wide ="],
+  ["evidence_of_beam", "is_cone ="],
   ["evidence_of_beam", "if z_min <= z <= z_max"],
 ];
 const NOTHING: readonly Where[] = [
@@ -60,7 +60,7 @@ const NOTHING: readonly Where[] = [
   ["evidence_of_beam", "return {}"],
 ];
 const READING: readonly Where[] = [
-  ["evidence_of_beam", "if wide"],
+  ["evidence_of_beam", "if is_cone"],
   ["evidence_of_beam", "return evidence_along_beam"],
   ["evidence_along_beam", "model ="],
   ["evidence_along_beam", "half ="],
