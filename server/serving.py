@@ -21,6 +21,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from server.app import create_app
 from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
+from server.imports import without_garbage_collection
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.settings import Settings
@@ -116,7 +117,8 @@ def run(settings: Settings) -> None:
                 pass
             held.enter_context(claimed(settings.data_dir))
         try:
-            check_stores(settings)
+            with without_garbage_collection():  # it imports SQLAlchemy
+                check_stores(settings)
         except StorageError as error:
             print(f"gridbloom: {error.message}", file=sys.stderr)
             raise SystemExit(1) from None

@@ -9,6 +9,7 @@ import typer
 
 from server.cli.app import app
 from server.cli.common import AsJson, fail, print_json, progress_bar, refusing
+from server.imports import without_garbage_collection
 
 
 @app.command()
@@ -26,10 +27,11 @@ def serve(
     ] = False,
 ) -> None:
     """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
-    from pydantic import ValidationError  # noqa: PLC0415 - start-up
+    with without_garbage_collection():
+        from pydantic import ValidationError  # noqa: PLC0415 - start-up
 
-    from server.serving import run  # noqa: PLC0415 - start-up
-    from server.settings import Settings  # noqa: PLC0415 - start-up
+        from server.serving import run  # noqa: PLC0415 - start-up
+        from server.settings import Settings  # noqa: PLC0415 - start-up
 
     options: dict[str, Any] = {
         "host": host,

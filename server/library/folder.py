@@ -8,8 +8,6 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from mapper.io.logs import is_log
-
 MAX_LOGS = 1000
 MAX_FILES = 100  #: in a folder that is one log
 
@@ -40,6 +38,8 @@ class LogFolder:
         Hidden files, devices, what leads out of the folder, and what does not begin as a log does are left out. A
         folder that is not there, or may not be read, is empty: the service runs on without it.
         """
+        from mapper.io.logs import is_log  # noqa: PLC0415 - the readers of all formats, which few services need
+
         found = []
         is_log_now = {}
         try:

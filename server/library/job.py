@@ -19,7 +19,6 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
 from mapper.core.errors import LimitError
-from mapper.io.logs import open_log
 from mapper.io.logs.summary import LogSummary, summarise
 from server.library.packed import write_pack
 
@@ -120,6 +119,8 @@ def read_job(job: Job) -> LogSummary:
 
 
 def _read(job: Job) -> LogSummary:
+    from mapper.io.logs import open_log  # noqa: PLC0415 - only the process that reads needs the readers
+
     log = open_log(Path(job.source), topic=job.topic, progress=_note_progress)
     _note_progress(1.0)  # whoever is not wanted any more ends here and leaves no pack
     if job.pack is not None:
