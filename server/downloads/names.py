@@ -7,7 +7,7 @@ import unicodedata
 from urllib.parse import quote
 
 #: the word that names the instant of a map: it becomes part of the names of its files
-MOMENT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,39}$"
+SNAPSHOT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,39}$"
 MAX_STEM_BYTES = 150  #: in UTF-8; file systems take 255 with all that is added
 
 _ENDINGS = re.compile(r"\.(gz|zst|log|clf|bag|mcap|db3|csv|dat|txt|tar|tgz|relations|yaml|pgm|png)$", re.IGNORECASE)
@@ -31,12 +31,12 @@ def file_stem(title: str) -> str:
     return f"{stem}_" if _RESERVED.fullmatch(stem) else stem
 
 
-def file_name(stem: str, ending: str, moment: str | None = None, title: str = "") -> str:
-    """Return the name of a file; with ``moment`` it differs from that of the same map at another instant.
+def file_name(stem: str, ending: str, snapshot: str | None = None, title: str = "") -> str:
+    """Return the name of a file; with ``snapshot`` it differs from that of the same map at another instant.
 
     It is never ``title``, the name of the log's own file, which it would replace.
     """
-    name = f"{stem}{'' if moment is None else f'_{moment}'}"
+    name = f"{stem}{'' if snapshot is None else f'_{snapshot}'}"
     return f"{name}_gridbloom.{ending}" if f"{name}.{ending}" == title else f"{name}.{ending}"
 
 

@@ -10,9 +10,9 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from server.downloads.download_slots import Asker
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
-from server.downloads.places import Asker
 
 PIECE_BYTES = 1 << 18  #: least size of a piece that is sent
 STALLED_S = 30.0  #: within which a client must accept a piece
@@ -21,7 +21,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Download(Response):
-    """A file that is made once there is a place for it, and sent as it is made.
+    """A file that is made once it holds a slot, and sent as it is made.
 
     What fails before the first byte is answered as every error is: :class:`server.downloads.BusyError` too.
     """
@@ -36,7 +36,7 @@ class Download(Response):
         await _while_connected(receive, self._answer(send))
 
     async def _answer(self, send: Send) -> None:
-        async with self._downloads.places.place(self._who):
+        async with self._downloads.slots.hold(self._who):
             content = await self._make()
             try:
                 await self._send(content, send)

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary, summarise
-from server.library.packed import write_pack
+from server.library.log_pack import write_pack
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library.catalogue import INTERRUPTED, Catalogue
-from server.library.reading import Reader
+from server.library.log_reader import Reader
 from server.library.records import Failure, Record
 
 _log = structlog.get_logger(__name__)

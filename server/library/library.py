@@ -18,16 +18,16 @@ from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.jobs import Jobs, full, unstored
+from server.library.log_pack import StalePackError
+from server.library.log_reader import Reader
 from server.library.names import display_name
-from server.library.packed import StalePackError
-from server.library.places import Places
-from server.library.reading import Reader
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.storage import private_folder
 from server.library.upload_receiver import Part, Received, UploadReceiver, too_large
+from server.library.upload_slots import UploadSlots
 from server.library.workers import worker_at
 from server.settings import Settings
 
@@ -91,7 +91,9 @@ class Library:
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._places = Places(self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s)
+        self._slots = UploadSlots(
+            self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
+        )
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
         self._sample = Sample(self._cache)
@@ -218,8 +220,8 @@ class Library:
         if sum(record.bytes + record.packed_bytes for record in own) + (size or 0) > limits.max_owner_bytes:
             raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
         async with (
-            self._places.take(owner, address) as place,
-            self._intake.receive(owner, place.read(chunks), part) as received,
+            self._slots.take(owner, address) as slot,
+            self._intake.receive(owner, slot.read(chunks), part) as received,
         ):
             if received is None:
                 return None

@@ -5,7 +5,7 @@ const PAIR_MS = 600_000;
  * Names of the instants of maps whose files are downloaded one after the other. Files of a session that are asked for
  * with the same name are of the same map, and their file names end in it. No name is given to two pairs.
  */
-export class Moments {
+export class MapSnapshots {
   private session = "";
   private name = "";
   private begun = 0;
