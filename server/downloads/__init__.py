@@ -1,4 +1,4 @@
-"""Files that are made for a visitor and sent: bounded in number and memory, streamed, ended with their client."""
+"""Downloads: bounded in number and memory, streamed, and stopped if the client disconnects."""
 
 from server.downloads.download_slots import BusyError, DownloadSlots
 from server.downloads.downloads import Content, Downloads

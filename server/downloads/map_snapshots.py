@@ -17,7 +17,7 @@ MAX_NAMES = 256  #: of one session whose geometry is still known
 
 
 class MapSnapshotGoneError(MapperError):
-    """The map of a named instant is no longer kept."""
+    """The image of a named snapshot is no longer kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class SnapshottedSession(Protocol):
 
 
 class MapSnapshots:
-    """The named instants of all sessions. Used on the event loop only."""
+    """The named snapshots of all sessions. Used on the event loop only."""
 
     def __init__(self) -> None:
         self._sessions: dict[str, dict[str, _Entry]] = {}
@@ -53,7 +53,7 @@ class MapSnapshots:
     async def get(
         self, session: SnapshottedSession, name: str, make: Callable[[], Awaitable[MapSnapshot]]
     ) -> MapSnapshot:
-        """Return the map of the instant ``name`` of a session: where the name is new, the one that ``make`` returns."""
+        """Return a session's snapshot ``name``; if the name is new, the one that ``make`` returns."""
         if session.id not in self._sessions:
             self._sessions[session.id] = {}
             session.on_close.append(lambda: self._forget(session.id))
@@ -78,7 +78,7 @@ class MapSnapshots:
         return sum(_nbytes(entries) for entries in self._sessions.values())
 
     def _bound(self, newest: dict[str, _Entry]) -> None:
-        """Drop the oldest images of the session whose are most, until few enough are kept."""
+        """Drop the oldest images of the session with most bytes until the limits hold."""
         while len(_kept(newest)) > MAX_KEPT:
             _drop_oldest(newest)
         while self.nbytes > MAX_KEPT_BYTES:

@@ -23,7 +23,7 @@ _log = structlog.get_logger(__name__)
 class Download(Response):
     """A file that is made once it holds a slot, and sent as it is made.
 
-    What fails before the first byte is answered as every error is: :class:`server.downloads.BusyError` too.
+    Errors before the first byte, :class:`server.downloads.BusyError` among them, are answered as JSON errors.
     """
 
     def __init__(self, downloads: Downloads, who: Asker, make: Make, media_type: str) -> None:
@@ -47,7 +47,7 @@ class Download(Response):
         self.headers["Content-Disposition"] = disposition(content.name)
         if content.nbytes is not None:
             self.headers["Content-Length"] = str(content.nbytes)
-        # The first piece may fail: nothing has been said until then.
+        # If the first piece fails, an error can still be answered.
         piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         while piece:
@@ -56,7 +56,7 @@ class Download(Response):
                     await send({"type": "http.response.body", "body": piece, "more_body": True})
             except TimeoutError:
                 _log.info("a download stalled and was ended")
-                return  # before its end: uvicorn breaks the connection, so that the client does not take it for whole
+                return  # uvicorn then closes the connection, so that the client sees that the file is incomplete
             piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 

@@ -60,7 +60,7 @@ class LibraryLimits:
 
 
 def check_stores(settings: Settings) -> None:
-    """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
+    """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
     from server.library.database import Database  # noqa: PLC0415
     from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
@@ -154,7 +154,7 @@ class Library:
     # -- uploads ------------------------------------------------------------------------------------------------
 
     def uploaded(self, owner: str, key: str) -> int:
-        """Return how many bytes have come of the upload that ``owner`` calls ``key``: the next part begins there."""
+        """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
 
     async def put(
@@ -226,11 +226,11 @@ class Library:
             if received is None:
                 return None
             if sha256 is not None and received.incoming.sha256 != sha256.lower():
-                raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
+                raise ReadError("upload.digest", "The received bytes differ from those that were sent; try again.")
             return await self._take(owner, display_name(name), received)
 
     async def _take(self, owner: str, name: str, received: Received) -> Record:
-        """Give the received bytes their place, unless the owner has them."""
+        """Store the received bytes and queue them for reading, unless the owner has them already."""
         record = await self._catalogue.add(
             Record(
                 id=secrets.token_hex(10),
