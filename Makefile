@@ -9,8 +9,9 @@ PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
           --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock'
 
-# Each worker of the tests has a service, a Chromium and a PostgreSQL of its own.
-WORKERS ?= 2
+# Each worker of the tests has a service, a Chromium and a PostgreSQL of its own. With one for each core the cores are
+# idle for half of the time, because browsers and processes are waited for.
+WORKERS ?= 4
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 .PHONY: serve setup lock docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean

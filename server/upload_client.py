@@ -84,10 +84,11 @@ def _upload(
             record = _sent(client, file, name, size, digest, progress, pause_s)
             while record["state"] in ("queued", "reading"):
                 time.sleep(READ_EVERY_S)
-                record = _answered(client.get(f"/api/logs/{record['id']}"))
+                record = _answered(_request(client, pause_s, "GET", f"/api/logs/{record['id']}"))
             if record["state"] == "failed":
                 raise UploadError(record["error"]["code"], record["error"]["message"])
-            session = _answered(client.post("/api/sessions", json={"kind": "log", "log": record["id"]}))
+            wanted = {"kind": "log", "log": record["id"]}
+            session = _answered(_request(client, pause_s, "POST", "/api/sessions", json=wanted))
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
         raise UploadError("upload.unreachable", f"The service at {base} cannot be reached: {error}.") from error
     return record, f"{base}/logs.html?session={session['id']}"
@@ -144,6 +145,16 @@ def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> It
             offset += len(piece)
             if progress is not None:
                 progress(offset / size)
+
+
+def _request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
+    """Send a request; where the connection is cut, again, :data:`TRIES` times at most."""
+    for attempt in range(TRIES - 1):
+        try:
+            return client.request(method, path, **options)
+        except httpx.TransportError:
+            time.sleep(pause_s * 2**attempt)
+    return client.request(method, path, **options)
 
 
 def _answered(answer: httpx.Response) -> dict[str, Any]:

@@ -82,6 +82,17 @@ def test_it_goes_on_after_each_cut(service: Service, line: FrayedLine, log: Path
     assert line.connections >= 10 // tenth
 
 
+@pytest.mark.parametrize("further", range(600, 1400, 200))
+def test_a_cut_after_the_last_byte_is_no_failure(
+    service: Service, line: FrayedLine, log: Path, tmp_path: Path, further: int
+) -> None:
+    line.most = len(DATA) + further  # the questions for the record and the session take some 200 bytes each
+    record, link = upload(log, line.url, tmp_path / "visitors.json", pause_s=0.01)
+    assert (record["state"], record["scans"]) == ("ready", 10_000)
+    session = parse_qs(urlsplit(link).query)["session"][0]
+    assert service.http.get(f"/api/sessions/{session}").json()["title"] == "the run.log"
+
+
 def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: Path, tmp_path: Path) -> None:
     line.most = 300_000
     visitors = tmp_path / "visitors.json"
