@@ -54,5 +54,5 @@ class Kernel:
 
 
 def jit(function: F) -> F:
-    """Compile a function of a package ``mapper.<room>.kernels`` when it is first called, and keep it on disk."""
+    """Compile a function of a package ``mapper.<package>.kernels`` when it is first called, and keep it on disk."""
     return cast("F", Kernel(function))

@@ -1,7 +1,7 @@
 /** The selected tool that edits the world, and what it is about to change. */
 
 import { signal } from "@preact/signals";
-import type { Drawn, Edits, Point } from "../wire/protocol";
+import type { DrawnSolid, Edits, Point } from "../wire/protocol";
 
 export type Tool = "wall" | "box" | "erase";
 
@@ -12,7 +12,7 @@ export class Editing {
   /** Null where no edit is wanted: a click then places the robot. */
   readonly tool = signal<Tool | null>(null);
   /** What the stroke of the moment would draw. */
-  readonly sketch = signal<Drawn | null>(null);
+  readonly sketch = signal<DrawnSolid | null>(null);
   /** The first corner of a stroke that the keyboard draws. */
   readonly corner = signal<Point | null>(null);
 

@@ -1,4 +1,4 @@
-/** What a map says, counted: the three states, and the occupied cells where no wall is. */
+/** Cells of a map by state, and the occupied cells where no wall is. */
 
 import { type Cell, centreOf } from "../../grid/lattice";
 import { logOdds } from "../../grid/logOdds";
