@@ -1,4 +1,4 @@
-"""``info`` and ``doctor``: what is in a log, and what is wrong with it."""
+"""``info`` and ``doctor``: the contents of a log, and its diagnosis."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from server.cli.common import (
 
 @app.command()
 def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
-    """Say what a log holds."""
+    """Print the contents of a log."""
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     facts = asdict(summarise(read_log(log, topic)))
@@ -81,7 +81,7 @@ def _topic_line(topic: dict[str, Any]) -> str:
     return ", ".join(said)
 
 
-FEW = 5  #: scans that a finding names
+FEW = 5  #: scan numbers printed per finding
 
 
 @app.command()
@@ -89,11 +89,11 @@ FEW = 5  #: scans that a finding names
 def doctor(
     log: LogPath,
     topic: TopicName = None,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Say what is wrong with a log, where, how surely, and what to do about it."""
+    """Print what is wrong with a log, where, with what confidence, and what to do about it."""
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
