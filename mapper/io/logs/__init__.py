@@ -8,6 +8,6 @@ Trajectory names, in the order in which a log offers them (the first is its defa
 ``truepos``   the simulator's true pose (CARMEN's TRUEPOS) at the time of each scan
 """
 
-from mapper.io.logs.opening import is_log, log_files, open_log
+from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log
 
-__all__ = ["is_log", "log_files", "open_log"]
+__all__ = ["is_log", "log_files", "odometry_records", "open_log"]
