@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_bar, read_log, refusing
+from server.cli.common import AsJson, LogPath, TopicName, TumTrajectory, print_json, progress_bar, read_log, refusing
 
 
 @app.command()
@@ -78,12 +78,13 @@ def doctor(
     log: LogPath,
     topic: TopicName = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    tum_trajectory: TumTrajectory = None,
     as_json: AsJson = False,
 ) -> None:
     """Say what is wrong with a log, where, how surely, and what to do about it."""
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tum_trajectory)
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar)
     if as_json:

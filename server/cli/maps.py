@@ -19,6 +19,7 @@ from server.cli.common import (
     Mount,
     TopicName,
     TrajectoryName,
+    TumTrajectory,
     configured,
     fail,
     given_parameters,
@@ -43,6 +44,7 @@ def map_log(
     log: LogPath,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
     mount: Mount = None,
     prior: Prior = None,
     prior_frame: PriorFrame = None,
@@ -64,7 +66,7 @@ def map_log(
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tum_trajectory)
     with refusing(log):
         frame = scans.trajectory(trajectory).frame_id
     notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
