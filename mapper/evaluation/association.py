@@ -21,9 +21,11 @@ def associate(
     """Return the pairs (k, 2) of indices into two lists of stamps (n,) and (m,), ns, that belong together.
 
     ``offset_s`` seconds are added to the estimate's stamps first. The pairs are in the order of the shorter list (the
-    estimate where both have the same length); of two stamps that are as near the earlier one is taken, and of equal
-    stamps the last. Lists that are equal, element by element, pair in their order: a log's stamps may repeat, or run
-    backwards, and two trajectories of one log belong together by scan.
+    estimate where both have the same length). As in evo, of two stamps that are equally near the earlier one is taken,
+    and of equal stamps the last; where stamps run backwards, it is the first in the list in both cases.
+
+    Lists that are equal, element by element, pair in their order: a log's stamps may repeat or run backwards, and two
+    trajectories of one log belong together by scan. evo pairs by the rule above here, too.
 
     Raises :class:`ConfigError` for a difference that is negative or not finite, an offset that is not finite or beyond
     10⁹ s, and where nothing belongs together.
@@ -60,7 +62,11 @@ def _nearest(few: Int64Array, many: Int64Array, max_difference_s: float) -> Int6
     after = np.searchsorted(stamps, few, side="right")
     low, high = np.clip(after - 1, 0, None), np.clip(after, None, len(stamps) - 1)
     to_low, to_high = np.abs(few - stamps[low]), np.abs(stamps[high] - few)
-    best = np.where(to_low <= to_high, low, high)
+    takes_low = to_low <= to_high
+    if (np.diff(many) < 0).any():
+        low = np.searchsorted(stamps, stamps[low])
+        takes_low = (to_low < to_high) | ((to_low == to_high) & (order[low] < order[high]))
+    best = np.where(takes_low, low, high)
     near = np.flatnonzero(np.minimum(to_low, to_high) <= round(max_difference_s * 1e9))
     return np.column_stack([near, order[best[near]]])
 

@@ -1,6 +1,6 @@
-"""Pairs of poses some way, time or number of poses apart, over which relative errors are taken.
+"""Pairs of poses some distance, time or number of poses apart, over which relative errors are taken.
 
-Source: evo's ``filters.py``; the pairs by time as those by way, with the time that has passed in its place (the TUM
+Source: evo's ``filters.py``; the pairs by time as those by distance, with the elapsed time in its place (the TUM
 RGB-D benchmark's ``evaluate_rpe.py`` pairs by seconds as well).
 """
 
@@ -27,9 +27,9 @@ def pairs_over(
     all_pairs: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Int64Array:
-    """Return pairs (k, 2) of indices of ``poses`` (n, 3), ``delta`` apart along the way.
+    """Return pairs (k, 2) of indices of ``poses`` (n, 3), ``delta`` apart along the path.
 
-    ``unit`` is "m", the length of the way in metres, "s", seconds of ``stamps_ns`` (n,), or "frames", poses. Pairs
+    ``unit`` is "m", the distance travelled in metres, "s", seconds of ``stamps_ns`` (n,), or "frames", poses. Pairs
     follow one another: each ends at the first pose that is ``delta`` or farther on, where the next begins. With
     ``all_pairs`` each pose begins one, which ends at the pose whose distance is nearest to ``delta``, if it differs by
     at most ``tolerance`` · ``delta``; of poses at the same distance, as of a robot that stands, it is the first.
@@ -68,22 +68,25 @@ def _steps_s(stamps_ns: Int64Array) -> Float64Array:
 
 
 def _consecutive(steps: Float64Array, delta: float) -> Int64Array:
-    ids, way = [0], 0.0
+    ids, travelled = [0], 0.0
     for i, step in enumerate(steps.tolist(), start=1):
-        way += step
-        if way >= delta:
+        travelled += step
+        if travelled >= delta:
             ids.append(i)
-            way = 0.0
+            travelled = 0.0
     return np.column_stack([ids[:-1], ids[1:]]).astype(np.int64)
 
 
 def _all_pairs(steps: Float64Array, delta: float, tolerance: float) -> Int64Array:
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    begin = np.arange(len(way) - 1)
+    travelled = np.concatenate([[0.0], np.cumsum(steps)])
+    begin = np.arange(len(travelled) - 1)
     # The two poses around the wanted one, each the first of those that are as far, but behind the beginning.
-    high = np.clip(np.searchsorted(way, way[:-1] + delta), begin + 1, len(way) - 1)
-    low = np.maximum(np.searchsorted(way, way[np.maximum(high - 1, begin + 1)]), begin + 1)
-    off_low, off_high = np.abs(way[low] - way[:-1] - delta), np.abs(way[high] - way[:-1] - delta)
+    high = np.clip(np.searchsorted(travelled, travelled[:-1] + delta), begin + 1, len(travelled) - 1)
+    low = np.maximum(np.searchsorted(travelled, travelled[np.maximum(high - 1, begin + 1)]), begin + 1)
+    off_low, off_high = (
+        np.abs(travelled[low] - travelled[:-1] - delta),
+        np.abs(travelled[high] - travelled[:-1] - delta),
+    )
     end = np.where(off_low <= off_high, low, high)
     near = np.minimum(off_low, off_high) <= tolerance
     return np.column_stack([begin[near], end[near]])

@@ -26,10 +26,10 @@ GREATEST_COST = 0.5  #: metres: of one relation in the choice, so that a wrong o
 def poses_at_records(records: OdometryRecords, scan_poses: Float64Array) -> Float64Array:
     """Return the corrected pose (n, 3) at each of n odometry messages from those of the scans (n_scans, 3).
 
-    Between two scans it goes on from the one before by the raw odometry, and the difference to what goes back from the
-    one behind is spread by the way driven (metres and half the radians). Of scans after the same message the first
-    counts, and scans before the first message do not. Before the first and after the last scan it is odometry alone.
-    Needs a scan that a message precedes.
+    Between two scans the raw odometry is chained from the scan before and from the scan after; the difference of the
+    two is distributed in proportion to the motion (metres and half the radians). Of scans after the same message the
+    first counts, and scans before the first message do not. Before the first and after the last scan it is odometry
+    alone. Needs a scan that a message precedes.
     """
     odometry = records.messages.poses
     at, first = np.unique(records.before_scan, return_index=True)
@@ -41,12 +41,12 @@ def poses_at_records(records: OdometryRecords, scan_poses: Float64Array) -> Floa
     from_low = compose(inverse(odometry[at[low]]), odometry)
     from_high = compose(inverse(odometry[at[high]]), odometry)
     forward, backward = compose(known[low], from_low), compose(known[high], from_high)
-    weight = _way(from_low) / (_way(from_low) + _way(from_high))
+    weight = _amount(from_low) / (_amount(from_low) + _amount(from_high))
     weight = np.where(every <= at[0], 0.0, np.where(every >= at[-1], 1.0, weight))
     return compose(forward, compose(inverse(forward), backward) * weight[:, np.newaxis])
 
 
-def _way(motions: Float64Array) -> Float64Array:
+def _amount(motions: Float64Array) -> Float64Array:
     return np.asarray(np.hypot(motions[:, 0], motions[:, 1]) + 0.5 * np.abs(motions[:, 2]) + 1e-6)
 
 

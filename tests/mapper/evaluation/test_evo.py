@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import astuple
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mapper.evaluation import ComparisonOptions, compare_trajectories
+from mapper.io.trajectories import read_tum
 from tests.mapper.evaluation.trajectories import estimate, reference
 
 #: alignment → rmse, mean, median, std, min, max, sse of evo's APE: translation part (m) and rotation angle (rad)
@@ -66,6 +70,11 @@ RELATIVE = {
         (0.02813216, 0.025846053, 0.02767294, 0.011108555, 0.010009842, 0.043222043, 0.022159716),
     ),
 }
+#: evo_ape -a, evo_ape -a -r angle_deg and evo_rpe -d 1 -u m on two trajectories of Intel, of which the reference has
+#: stamps that repeat and run backwards: rmse, mean, median, std, min, max (evo prints six decimals)
+INTEL_ABSOLUTE_M = (0.173266, 0.153092, 0.146772, 0.081142, 0.000960, 0.590807)
+INTEL_ABSOLUTE_DEG = (3.995358, 2.588040, 1.730705, 3.043836, 0.000131, 47.365388)
+INTEL_RELATIVE_M = (0.133058, 0.106867, 0.087485, 0.079270, 0.003126, 0.493810)
 DIGITS = 2e-9  #: evo's figures were written down with nine decimals; its angles come from arc cosines of matrices
 
 
@@ -95,3 +104,13 @@ def test_relative_errors_are_evos(case: tuple[float, str, bool, bool]) -> None:
     assert len(found.relative_translation.errors) == count
     assert astuple(found.relative_translation.statistics) == pytest.approx(translation, rel=1e-9, abs=DIGITS)
     assert astuple(found.relative_rotation.statistics) == pytest.approx(rotation, rel=1e-9, abs=DIGITS)
+
+
+def test_errors_of_real_trajectories_are_evos(data_file: Callable[[str], Path]) -> None:
+    found = compare_trajectories(
+        read_tum(data_file("carmen/intel.ref.tum")), read_tum(data_file("carmen/intel.flirt_graph.tum"))
+    )
+    assert astuple(found.absolute_translation.statistics)[:6] == pytest.approx(INTEL_ABSOLUTE_M, abs=2e-6)
+    degrees = np.degrees(astuple(found.absolute_rotation.statistics)[:6])
+    assert degrees == pytest.approx(INTEL_ABSOLUTE_DEG, abs=2e-6)
+    assert astuple(found.relative_translation.statistics)[:6] == pytest.approx(INTEL_RELATIVE_M, abs=2e-6)

@@ -49,13 +49,21 @@ def test_stamps_pair_with_the_nearest() -> None:
     assert associate(many, few, 2.0).tolist() == [[1, 0], [3, 1]]
     assert associate(few, many, 1e3).tolist() == [[0, 1], [1, 3], [2, 5]]
     assert associate(few, many, 0.0, offset_s=1.0).tolist() == [[0, 1], [1, 3]]
-    assert associate(few, many[::-1], 2.0).tolist() == [[0, 4], [1, 2]], "stamps need not be in order"
+    assert associate(few, many[::-1], 2.0).tolist() == [[0, 4], [1, 1]], "stamps need not be in order"
 
 
 def test_a_difference_counts_up_to_its_end() -> None:
     assert len(associate(np.array([0]), np.array([10_000_000]), 0.01)) == 1
     with pytest.raises(ConfigError, match=r"within 0\.01 s"):
         associate(np.array([0]), np.array([10_000_001]), 0.01)
+
+
+def test_of_equally_near_stamps_the_earlier_is_taken_or_the_first_in_a_list_that_runs_backwards() -> None:
+    one = np.array([5]) * S
+    assert associate(one, np.array([4, 6, 9]) * S, 1.0).tolist() == [[0, 0]]
+    assert associate(one, np.array([5, 5, 9]) * S, 1.0).tolist() == [[0, 1]]
+    assert associate(one, np.array([9, 6, 4]) * S, 1.0).tolist() == [[0, 1]]
+    assert associate(one, np.array([9, 5, 5]) * S, 1.0).tolist() == [[0, 1]]
 
 
 def test_equal_lists_pair_in_their_order() -> None:
