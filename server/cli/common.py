@@ -162,11 +162,12 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
 def read_log(path: Path, topic: str | None = None, tum: Path | None = None) -> ScanLog:
     """Return the log at ``path``, with the trajectory of ``tum``, or end the command with what is wrong with them."""
     from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
-    from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
         log = open_log(path, topic=topic, progress=progress)
     if tum is None:
         return log
+    from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up
+
     with refusing(tum):
         return with_trajectory(log, read_tum(tum))
