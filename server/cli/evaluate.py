@@ -27,7 +27,10 @@ def evaluate(
         str, typer.Argument(metavar="REFERENCE", help="A TUM file, or LOG:TRAJECTORY, or LOG for its first trajectory.")
     ],
     estimate: Annotated[
-        str | None, typer.Argument(metavar="ESTIMATE", help="What to judge, as REFERENCE. [with --relations: the log]")
+        str | None,
+        typer.Argument(
+            metavar="ESTIMATE", help="The trajectory to evaluate, as REFERENCE. [with --relations: that of the log]"
+        ),
     ] = None,
     relations: Annotated[
         Path | None,
@@ -41,7 +44,9 @@ def evaluate(
             help="Bring ESTIMATE onto REFERENCE by least squares, with a scale too, by the first pose, or not."
         ),
     ] = "rigid",
-    delta: Annotated[float, typer.Option(metavar="NUMBER", help="What the relative error is taken over.")] = 1.0,
+    delta: Annotated[
+        float, typer.Option(metavar="NUMBER", help="Distance, time or number of poses of the relative error.")
+    ] = 1.0,
     delta_unit: Annotated[Literal["m", "s", "frames"], typer.Option(help="Unit of delta.")] = "m",
     all_pairs: Annotated[
         bool, typer.Option("--all-pairs", help="Begin a pair at each pose. [one after another]")
@@ -52,7 +57,7 @@ def evaluate(
     topic: TopicName = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say how far the poses of a trajectory are from a reference, as evo does, or from known relations."""
+    """Print the errors of a trajectory against a reference, as evo does, or over known relations."""
     from mapper.evaluation import ComparisonOptions, compare_trajectories  # noqa: PLC0415 - start-up
 
     if relations is not None:
@@ -160,7 +165,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
     )
     if found.left_out:
         left_out = "1 relation is" if found.left_out == 1 else f"{found.left_out} relations are"
-        typer.echo(f"  {left_out} left out: the log has nothing at such times")
+        typer.echo(f"  {left_out} left out: the log has no record at their times")
     _table(f"all, {len(found.translation.errors)} relations", every)
     if clear is not None:
         _table(f"unambiguous, {len(clear['translation'].errors)} relations of one message for each stamp", clear)
@@ -178,7 +183,7 @@ def _path_and_name(text: str) -> tuple[Path, str | None]:
 
 
 def _poses(text: str, topic: str | None) -> TimedPoses:
-    """Return the poses of a TUM file, or of a log's trajectory, or end the command with what is wrong."""
+    """Return the poses of a TUM file, or of a log's trajectory, or end the command with an error."""
     from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
     from mapper.io.trajectories import read_tum  # noqa: PLC0415 - start-up
 
