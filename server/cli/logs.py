@@ -13,6 +13,7 @@ from server.cli.common import (
     AsJson,
     LogPath,
     TopicName,
+    TumTrajectory,
     configured,
     given_parameters,
     print_json,
@@ -90,6 +91,7 @@ def doctor(
     log: LogPath,
     topic: TopicName = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
+    tum_trajectory: TumTrajectory = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
@@ -97,7 +99,7 @@ def doctor(
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tum_trajectory)
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:

@@ -19,6 +19,7 @@ from server.cli.common import (
     Mount,
     TopicNames,
     TrajectoryName,
+    TumTrajectory,
     configured,
     fail,
     given_parameters,
@@ -43,6 +44,7 @@ def map_log(
     log: LogPath,
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
     mount: Mount = None,
     prior: Prior = None,
     prior_frame: PriorFrame = None,
@@ -66,7 +68,7 @@ def map_log(
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
     _check_one_sensor(topics, given, mcap)
-    logs = [read_log(log, one) for one in topics] or [read_log(log)]
+    logs = [read_log(log, one, tum_trajectory) for one in (topics or (None,))]
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory

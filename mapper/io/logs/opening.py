@@ -18,6 +18,7 @@ from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import OdometryRecords
 
 HEAD = 1 << 16  #: bytes that the kind is read from
 
@@ -104,6 +105,20 @@ def open_log(
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
     return _reading(Path(path), limits)(limits, progress, topic)
+
+
+def odometry_records(
+    path: str | os.PathLike[str], *, topic: str | None = None, limits: Limits = DEFAULT_LIMITS
+) -> OdometryRecords | None:
+    """Return the odometry messages of the log at ``path`` in the order of its records, around its scans.
+
+    None for logs of other formats than CARMEN, in a folder or a tar archive, or without such messages. Raises as
+    :func:`open_log`.
+    """
+    file = Path(path)
+    if file.is_dir() or _is_tar(file) or _kind_of(file) is not carmen.read_carmen:
+        return None
+    return carmen.read_odometry_records(file, limits, None, topic)
 
 
 def log_files(folder: Path) -> list[Path]:
