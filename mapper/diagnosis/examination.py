@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, timing, walls
 from mapper.diagnosis.consistency import Examined, examined
+from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
@@ -16,9 +17,10 @@ LEAST_SCANS = 10  #: below this there is nothing to compare
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check; what it would say means nothing where one of ``spoiled_by`` was found."""
+    """One check: ``names`` are those of its findings; it is left out where one of ``spoiled_by`` was found."""
 
     look: Callable[[ScanLog, Examined], list[Finding]]
+    names: tuple[str, ...]
     spoiled_by: frozenset[str] = frozenset()
 
 
@@ -27,14 +29,16 @@ _TURNED = _FEW | {"mount.turned"}
 
 #: In the order in which a person should look: what spoils the others comes first.
 CHECKS: tuple[Check, ...] = (
-    Check(clock.check),
-    Check(readings.check),
-    Check(mounting.check_turned, _FEW),
-    Check(timing.check, _TURNED),
-    Check(mounting.check_offset, _TURNED | {"timing.delay"}),
-    Check(walls.check_still, _TURNED | {"timing.delay"}),
-    Check(walls.check_drift, _TURNED | {"timing.delay"}),
-    Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}),
+    Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
+    Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
+    Check(mounting.check_turned, ("mount.turned",), _FEW),
+    Check(timing.check, ("timing.delay",), _TURNED),
+    Check(mounting.check_offset, ("mount.offset",), _TURNED | {"timing.delay"}),
+    Check(walls.check_still, ("poses.still",), _TURNED | {"timing.delay"}),
+    Check(walls.check_drift, ("walls.drift",), _TURNED | {"timing.delay"}),
+    Check(
+        walls.check_moving, ("walls.moving",), _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}
+    ),
 )
 
 
@@ -43,18 +47,19 @@ def examine(
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
     wanted: Callable[[], bool] = lambda: True,
+    compared: Callable[[Contradiction], None] = lambda _: None,
 ) -> list[Finding]:
     """Return what all checks find in a log with one of its trajectories, the surest first within a check.
 
-    ``progress`` is called with the share that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError`
-    for a log too short to judge and for a trajectory that it lacks, and :class:`WorkCancelledError` soon after
-    ``wanted`` said False.
+    ``progress`` is called with the share that is done; ``wanted`` is asked all the while; ``compared`` is called with
+    what the drift check measured, if it was made. Raises :class:`ConfigError` for a log too short to judge and for a
+    trajectory that it lacks, and :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
     if log.n_scans < LEAST_SCANS:
         raise ConfigError(
             "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
         )
-    seen = replace(examined(log, trajectory), wanted=wanted)
+    seen = replace(examined(log, trajectory), wanted=wanted, compared=compared)
     found: list[Finding] = []
     for done, check in enumerate(CHECKS):
         if progress is not None:
