@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 
@@ -21,7 +21,7 @@ from server.http.security import Security
 from server.http.services import Services, install
 from server.library import Library
 from server.scenes import Scenes
-from server.sessions import SessionRegistry
+from server.sessions import KINDS, Kind, SessionRegistry
 from server.settings import Settings
 from server.version import package_version
 
@@ -31,11 +31,11 @@ _log = structlog.get_logger(__name__)
 
 
 @asynccontextmanager
-async def _lifespan(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
+async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI) -> AsyncIterator[None]:
     metrics = Metrics()
     async with AsyncExitStack() as stack:
         registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
-        metrics.watch(registry)
+        metrics.watch(registry, kinds)
         await registry.start()
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
@@ -68,8 +68,8 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
         _log.warning("sessions still compute and are left behind", seconds=seconds)
 
 
-def create_app(settings: Settings | None = None) -> FastAPI:
-    """Return the service for these settings (None: those of the environment)."""
+def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS) -> FastAPI:
+    """Return the service for these settings (None: those of the environment), with sessions of these kinds."""
     settings = (Settings() if settings is None else settings).with_token()
     app = FastAPI(
         title="Gridbloom",
@@ -78,26 +78,27 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=partial(_lifespan, settings),
+        lifespan=partial(_lifespan, settings, kinds),
     )
     install_error_handlers(app)
-    parts = (
-        health,
-        sessions,
-        doctor,
-        comparing,
-        maps,
-        taking,
-        stream,
-        logs,
-        links,
-        scenes,
-        docs,
-        pages,  # last: it has a route for any other name
+    routers = (
+        health.router,
+        sessions.creating(kinds),
+        sessions.router,
+        doctor.router,
+        comparing.router,
+        maps.router,
+        taking.router,
+        stream.router,
+        logs.router,
+        links.router,
+        scenes.router,
+        docs.router,
+        pages.router,  # last: it has a route for any other name
     )
-    for part in parts:
-        app.include_router(part.router)
-    routes = [route for part in parts for route in part.router.routes]
+    for router in routers:
+        app.include_router(router)
+    routes = [route for router in routers for route in router.routes]
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)

@@ -10,7 +10,7 @@ import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import NoReturn
@@ -23,6 +23,7 @@ from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
+from server.sessions import KINDS, Kind
 from server.settings import Settings
 
 BACKLOG = 2048
@@ -83,12 +84,12 @@ class Server(uvicorn.Server):
         await super().startup([Listener(one, self.connections) for one in sockets or ()])
 
 
-def make_server(settings: Settings) -> Server:
-    """Return a uvicorn server of the service, not yet running. Run it on sockets."""
+def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server:
+    """Return a uvicorn server of the service with sessions of these kinds, not yet running. Run it on sockets."""
     connections = Connections(settings.max_connections, settings.max_connections_per_address)
     return Server(
         uvicorn.Config(
-            create_app(settings),
+            create_app(settings, kinds),
             loop="asyncio",  # others accept connections by themselves, without the caps
             http=partial(HttpProtocol, connections=connections, header_s=settings.header_timeout_s),  # type: ignore[arg-type]
             ws=Socket,

@@ -12,7 +12,7 @@ from typing import IO
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[IO[bytes]]:
-    """Yield a temporary file beside ``path`` that takes its place at the end, so that no reader ever sees half of it.
+    """Yield a temporary file in the folder of ``path`` that replaces it at the end, so no reader sees a part of it.
 
     After an error nothing is left of it, and what was at ``path`` is as it was. Raises :class:`OSError`.
     """

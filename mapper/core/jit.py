@@ -42,25 +42,25 @@ def _start_without_blas() -> None:
         del sys.modules["scipy.linalg"]
 
 
-def _imported_by(rooms: frozenset[str]) -> frozenset[str]:
+def _imported_by(packages: frozenset[str]) -> frozenset[str]:
     """Return these packages of kernels and all that they import, directly or not."""
-    texts = (path.read_text() for room in rooms for path in (_ROOT / room / "kernels").glob("*.py"))
-    found = rooms.union(*(_IMPORTED.findall(text) for text in texts))
-    return found if found == rooms else _imported_by(found)
+    texts = (path.read_text() for package in packages for path in (_ROOT / package / "kernels").glob("*.py"))
+    found = packages.union(*(_IMPORTED.findall(text) for text in texts))
+    return found if found == packages else _imported_by(found)
 
 
 @cache
-def cache_folder(room: str) -> Path:
-    """Return the folder that keeps the compiled functions of ``mapper.<room>.kernels``."""
+def cache_folder(package: str) -> Path:
+    """Return the folder that keeps the compiled functions of ``mapper.<package>.kernels``."""
     paths = [Path(__file__)]
-    for name in sorted(_imported_by(frozenset([room]))):
+    for name in sorted(_imported_by(frozenset([package]))):
         paths += sorted((_ROOT / name / "kernels").glob("*.py"))
     digest = sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
-    return _BASE / f"{room}-kernels-{digest}"
+    return _BASE / f"{package}-kernels-{digest}"
 
 
 def jit(function: F) -> F:
-    """Compile a function of a package ``mapper.<room>.kernels`` when it is first called, and keep it on disk."""
+    """Compile a function of a package ``mapper.<package>.kernels`` when it is first called, and keep it on disk."""
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     # numba reads the setting when the decorator is applied.
     config.CACHE_DIR = str(cache_folder(function.__module__.split(".")[1]))  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Every cap of the mapping core, once."""
+"""The limits of the mapping core."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Limits:
     max_image_bytes: int = 1 << 30  #: bytes of a map image
     max_yaml_bytes: int = 1 << 16  #: bytes of a map's yaml
     max_added_solids: int = 100  #: walls and boxes drawn into one world
-    max_pose: float = 1e6  #: metres: a pose farther out than this is a defect in the log, not a place
+    max_pose: float = 1e6  #: metres: a pose farther out than this is a defect in the log
 
 
 DEFAULT_LIMITS = Limits()

@@ -46,7 +46,7 @@ def _pool() -> ThreadPoolExecutor:
 def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
     """Run the tasks on the calling thread and as many others as are free; return their results in order.
 
-    Whoever is free takes the next task, so on a busy machine the caller does them all and waits for nobody.
+    Each free thread takes the next task, so on a busy machine the caller may run all of them without waiting.
     """
     results: dict[int, T] = {}
     waiting = iter(enumerate(tasks))
@@ -71,12 +71,12 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
 
 
 _kept = local()
-_KEEP_WORDS = 1 << 24  # 128 MB, of which little is ever touched: so much is kept for a thread's next turn
+_KEEP_WORDS = 1 << 24  # 128 MB, of which little is ever touched: so much is kept for a thread's next use
 
 
 @contextmanager
 def scratch(words: int) -> Iterator[NDArray[np.int64]]:
-    """Lend at least so many words (n,) int64, all 0, which must be all 0 again at the end.
+    """Yield at least ``words`` words (n,) int64, all 0, which must be all 0 again at the end.
 
     Memory that is used again has its pages already; to fetch them from the system costs more than many a kernel.
     """

@@ -1,4 +1,4 @@
-"""The stamps: jumps, doubles, gaps, dropped scans, and a rate that is none."""
+"""The stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mapper.diagnosis.finding import MOST_SCANS, Finding
 from mapper.sensors.scan import ScanLog
 
 GAP_S = 2.0  #: and at least five times the usual interval
-JITTER = 0.35  #: half of the intervals lie farther than this from the usual one, as a share of it
+JITTER = 0.35  #: half of the intervals differ from the usual one by more than this share of it
 DROPPED_SHARE = 0.005  #: of all intervals: fewer are an accident
 
 
@@ -65,7 +65,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
                     if gap.sum() > 1
                     else "."
                 ),
-                "If the robot moved meanwhile its odometry had no scan to lean on: check the map after the gap.",
+                "If the robot moved meanwhile, no scan shows where to: check the map after the gap.",
                 1.0,
                 _places(gap),
             )

@@ -1,8 +1,8 @@
 """How well the readings of a log agree with one another on where things are.
 
 Every check that asks "would the map be better if …" asks this: of the cells in which beams ended, how often did a beam
-end there of all that came by? Where poses, mount and times are right, walls are hit again and again and hardly ever
-passed; every error smears them over cells that other beams passed.
+end there, of all that reached the cell? Where poses, mount and times are right, walls are hit again and again and
+hardly ever passed; every error smears them over cells that other beams passed.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from mapper.sensors.scan import ScanLog, Trajectory
 if TYPE_CHECKING:
     from mapper.diagnosis.contradiction import Contradiction
 
-RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be quick and not to mind a reading's noise
+RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to the noise of a reading
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
-PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: where the grids lie that a mean is taken over
+PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 
 
@@ -51,9 +51,9 @@ class Examined:
         return consistency(self)
 
     def check_wanted(self) -> None:
-        """Raise :class:`WorkCancelledError` where nobody wants the examination any more."""
+        """Raise :class:`WorkCancelledError` where ``wanted`` returns False."""
         if not self.wanted():
-            raise WorkCancelledError("doctor.unwanted", "The examination was given up: its session has ended.")
+            raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
@@ -93,10 +93,10 @@ def counts(seen: Examined, config: MappingConfig | None = None) -> OccupancyGrid
 
 
 def consistency(seen: Examined, **parameters: object) -> float:
-    """Return how often a beam ended, of all that came by, where beams end: 0 … 1, averaged over all endpoints.
+    """Return the share of beams that ended in a cell, of all that reached it: 0 … 1, averaged over all endpoints.
 
-    ``parameters`` replace values of the table, as the mount. A wall that happens to lie on a border between cells is
-    split by the least noise, so the mean is taken over grids that lie differently.
+    ``parameters`` replace values of the table, as the mount. The least noise splits a wall on a border between cells,
+    so the mean is taken over grids with different offsets.
     """
     config = seen.config.with_values(parameters)
     poses = seen.log.trajectory().poses

@@ -1,9 +1,10 @@
 """How often readings end where readings of another part of the log passed: the evidence for walls that are double.
 
-A beam that ends in a cell says that something is there; a beam that passes through it says that nothing is. Where the
-poses are right, two parts of a log contradict each other only by what moved and by noise, and that share is the same
-for parts recorded a moment apart and for parts recorded minutes apart. Where the poses drift it grows with the time
-between them. So the second share is compared with the first, from the same log.
+A beam that ends in a cell is evidence for an object; a beam that passes through it is evidence for free space. Where
+the poses are right, two parts of a log contradict each other only by what moved and by noise, and that share is the
+same for parts recorded a moment apart and for parts recorded minutes
+apart. Where the poses drift it grows with the time between them. So the second share is compared with the first, from
+the same log.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class Contradiction:
-    """Shares of endpoints, 0 … 1, that lie in free space of another part of the log.
+    """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
 
     ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
     the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.

@@ -1,4 +1,4 @@
-"""Whether the poses of one trajectory drift, as one finding: what a command can say beside a map that it made."""
+"""Whether the poses of one trajectory drift, as one finding: what a command reports together with its map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the sensor sits: turned, mirrored, or a little beside where the log says."""
+"""The mount of the sensor: turned, mirrored, or offset from what the log states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The readings by themselves: a no return that is written as a range, and beams that see the robot."""
+"""The readings alone: no return that is written as a range, and beams that hit the robot itself."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _of_itself(log: ScanLog, seen: Examined) -> list[Finding]:
             "readings.itself",
             f"{len(beams)} beam{'s' if len(beams) > 1 else ''} around {np.median(bearings):.0f}° read "
             f"{np.median(middle[beams]):.2f} m wherever the robot is: they see the robot itself.",
-            "Leave these beams out when recording, or the map gets a wall that travels with the robot.",
+            "Leave these beams out when recording, or the map gets a wall that moves with the robot.",
             0.95,
         )
     ]

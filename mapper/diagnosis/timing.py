@@ -9,7 +9,7 @@ from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
-DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried both ways
+DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
 BETTER = 1.06
 BY = 0.015
 

@@ -44,7 +44,7 @@ def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
             "poses.still",
             f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
             f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
-            "Record /tf and /tf_static, or the odometry, beside the scans; or have a SLAM program find the poses.",
+            "Record /tf and /tf_static, or the odometry, with the scans; or estimate the poses with a SLAM program.",
             float(np.clip(0.5 + 4.0 * (MOVED - far / local), 0.5, 0.99)),
         )
     ]
@@ -140,7 +140,7 @@ def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
         Finding(
             "walls.moving",
             f"{more}, {int(sizes.max())} cells around ({x:.1f}, {y:.1f}) m, {'went' if went else 'came'}.",
-            "Keep the clamp on, so that the map can change its mind; or map only the part of the log that counts.",
+            "Keep the clamp on, so that the map can change; or map only the part of the log that is needed.",
             0.7,
             (int(seen.scans[min(int(edges[change]), len(seen.scans) - 1)]),),
         )

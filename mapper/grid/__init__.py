@@ -1,4 +1,4 @@
-"""Occupancy grids: their geometry, what is believed of each cell, and what is computed from whole grids."""
+"""Occupancy grids: their geometry, the log-odds of each cell, and what is computed from whole grids."""
 
 from mapper.grid.occupancy_grid import (
     FREE,

@@ -107,9 +107,9 @@ def difference(a: OccupancyGrid, b: OccupancyGrid, rows: slice | None = None) ->
 
 
 def wall_contrast(grid: OccupancyGrid) -> float:
-    """Return how sharply walls stand out, 0 … 1: the mean difference of p across the edges between wall and space.
+    """Return the contrast of walls, 0 … 1: the mean difference of p across the edges between wall and free space.
 
-    An edge lies between two neighbouring cells, both observed, one of which is more likely occupied than not and the
+    An edge is between two neighbouring cells, both observed, one of which is more likely occupied than not and the
     other less. A wall that is smeared has more such edges, and smaller steps at them; 0 for a map without any.
     """
     total = np.zeros(1)

@@ -18,12 +18,12 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     Evidence from different scans is taken to be independent given the map, so its log-odds add (Thrun, Burgard & Fox,
     Probabilistic Robotics, sections 4.2 and 9.2); each of the two started from ℓ₀, so one ℓ₀ is taken away. Partial
     maps of a log, merged, equal the map made in one go when the clamp is off, but for the rounding of float32 additions
-    in another order. With the clamp they may not: a cell that one part held at its limit has forgotten what it was told
-    beyond it, and the sum may lie outside the limits, where no single map would go.
+    in another order. With the clamp they may not: a cell that one part held at its limit has lost the evidence
+    beyond it, and the sum may be outside the limits, which no single map exceeds.
 
-    The result covers both grids; its lattice is that of ``a``; a prior map that only one of them went on from is taken
+    The result covers both grids; its lattice is that of ``a``; a prior map that only one of them started from is taken
     to hold for both. Raises :class:`ConfigError` where resolution, yaw or prior differ, the cells of one do not
-    coincide with the other's, or a grid is no sum of log-odds (it has tallies), and
+    coincide with the other's, or a grid is no sum of log-odds (it has cell statistics), and
     :class:`mapper.core.errors.LimitError` where the two together are too large.
     """
     if a.log_odds_prior != b.log_odds_prior:
@@ -43,7 +43,7 @@ Part = tuple[slice, slice]
 
 
 def on_one_lattice(a: OccupancyGrid, b: OccupancyGrid) -> tuple[GridGeometry, tuple[Part, Part]]:
-    """Return the geometry that holds both grids, on the lattice of ``a``, and which part of it each one is.
+    """Return the geometry that holds both grids, on the lattice of ``a``, and which part of it each one covers.
 
     Raises :class:`ConfigError` where the cells of one do not coincide with the other's, and
     :class:`mapper.core.errors.LimitError` where the two together are too large.
@@ -61,7 +61,7 @@ def on_one_lattice(a: OccupancyGrid, b: OccupancyGrid) -> tuple[GridGeometry, tu
 
 
 def _prior_map(shape: tuple[int, int], parts: list[tuple[OccupancyGrid, Part]]) -> NDArray[np.float32] | None:
-    """Return the prior map that both grids went on from, None where neither did."""
+    """Return the prior map that both grids started from, None where neither did."""
     if all(grid.prior_map is None for grid, _ in parts):
         return None
     out = np.full(shape, np.nan, dtype=np.float32)

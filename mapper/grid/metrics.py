@@ -1,4 +1,4 @@
-"""Figures that say how a map stands: its entropy and how many cells are in each state."""
+"""Metrics of a map: its entropy and how many cells are in each state."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
 
 
 def information_gain(grid: OccupancyGrid) -> NDArray[np.float64]:
-    """Return what the map has learned of each cell (rows, cols), bits: the entropy of its prior less that of now.
+    """Return the information gain of each cell (rows, cols), bits: the entropy of its prior minus its present entropy.
 
-    Negative where it is less sure than it was at first, as a cell is whose prior map was contradicted. Source:
+    Negative where a cell is less certain than its prior, as where a prior map was contradicted. Source:
     Probabilistic Robotics, section 17.4.
     """
     return np.where(grid.observed, entropy(grid.prior()) - entropy(grid.log_odds), 0.0)
 
 
 def expected_information_gain(log_odds: ArrayLike, log_odds_miss: float, log_odds_hit: float) -> NDArray[np.float64]:
-    """Return by how many bits one more look at a cell is expected to lower its entropy, for log-odds of any shape.
+    """Return by how many bits one more measurement is expected to lower a cell's entropy, for log-odds of any shape.
 
-    The look adds ``log_odds_hit`` ≥ 0 or ``log_odds_miss`` ≤ 0. How often which comes follows from Bayes' rule: the
+    The measurement adds ``log_odds_hit`` ≥ 0 or ``log_odds_miss`` ≤ 0. Their probabilities follow from Bayes' rule: the
     expected posterior is the prior, so P(hit) = (p − p_miss) / (p_hit − p_miss). It is what an explorer weighs places
     by (Probabilistic Robotics, section 17.2); 0 for a look that adds nothing.
     """

@@ -1,4 +1,4 @@
-"""The grid: where its cells lie in the world, and what is believed of each.
+"""The occupancy grid: where its cells are in the world, and the log-odds of each.
 
 :class:`GridGeometry` is the only code of the project that turns world coordinates into cells, cells into world
 coordinates, and rows into image rows. A cell is ``floor((p − origin) / resolution)`` along the grid's own axes.
@@ -148,7 +148,7 @@ class GridGeometry:
         """Return a geometry that also holds the box, and how many rows and columns were added before cell (0, 0).
 
         Existing cells keep their place in the world. Growth is by whole tiles, at least a quarter of the present
-        side in each direction that grows, so that a robot that walks on forever causes few moves of the map.
+        side in each direction that grows, so that a robot that keeps exploring causes few reallocations of the map.
         """
         corners = np.array([[x, y] for x in (min_xy[0], max_xy[0]) for y in (min_xy[1], max_xy[1])])  # type: ignore[index]
         cells = self.world_to_cell(corners)
@@ -173,15 +173,15 @@ class GridGeometry:
 
 
 class OccupancyGrid:
-    """What is believed of each cell: log-odds of "occupied", and whether any beam ever touched it.
+    """Log-odds of "occupied" for each cell, and whether any beam ever touched it.
 
     ``log_odds`` (rows, cols) float32 starts at the prior ℓ₀ (Probabilistic Robotics, table 4.2); ``observed``
-    (rows, cols) bool starts false, and tells a cell that evidence brought back to ℓ₀ from one never seen.
+    (rows, cols) bool starts false, and distinguishes a cell that evidence brought back to ℓ₀ from one never observed.
 
-    ℓ₀ is the number ``log_odds_prior``, and with ``prior_map`` (rows, cols) float32 what that says of each cell, NaN
-    being a cell of which it says nothing: mapping goes on from there, and what the map knew counts as observed.
-    ``cell_statistics`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: what speaks for
-    occupied, and what for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at
+    ℓ₀ is the number ``log_odds_prior``, or with ``prior_map`` (rows, cols) float32 the value of each cell in it, NaN
+    where it has none: mapping continues from these values, and the cells of the prior map count as observed.
+    ``cell_statistics`` (2, rows, cols) float32 are kept by models that are no sum of log-odds: evidence for
+    occupied, and evidence for empty. ``log_odds`` is computed from them then; a cell that growth adds starts at
     ``statistics_prior``. Raises :class:`ConfigError` for a prior that is not finite.
     """
 
@@ -239,7 +239,7 @@ class OccupancyGrid:
         return np.where(np.isnan(known), number, known)
 
     def as_prior(self, log_odds_prior: float | None = None) -> OccupancyGrid:
-        """Return a grid that goes on from what this one believes: its observed cells are the new one's prior map."""
+        """Return a grid that starts from this one: its observed cells are the new one's prior map."""
         known = np.where(self.observed, self.log_odds, np.float32(np.nan))
         number = self.log_odds_prior if log_odds_prior is None else log_odds_prior
         return OccupancyGrid(self.geometry, number, known)
@@ -249,9 +249,9 @@ class OccupancyGrid:
         return OccupancyGrid(self.geometry, self.log_odds_prior, self.prior_map)
 
     def with_statistic(self, index: int) -> OccupancyGrid:
-        """Return a grid whose ``log_odds`` is a tally of this one; both share the tally and what was observed."""
+        """Return a grid whose ``log_odds`` is one of the cell statistics; both share it and ``observed``."""
         if self.cell_statistics is None:
-            raise ConfigError("grid.tallies", "The grid keeps no tallies.")
+            raise ConfigError("grid.cell_statistics", "The grid has no cell statistics.")
         shared = object.__new__(OccupancyGrid)
         shared.geometry, shared.log_odds_prior, shared.prior_map = self.geometry, self.log_odds_prior, None
         shared.log_odds, shared.observed, shared.cell_statistics = self.cell_statistics[index], self.observed, None
@@ -272,7 +272,7 @@ class OccupancyGrid:
         return probability(self.log_odds)
 
     def grow_to_include(self, min_xy: ArrayLike, max_xy: ArrayLike) -> bool:
-        """Grow so that the box in map metres lies inside; return whether the geometry changed.
+        """Grow so that the grid contains the box in map metres; return whether the geometry changed.
 
         Nothing moves in the world: old cells keep their values, new ones hold the prior.
         """

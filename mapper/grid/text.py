@@ -2,7 +2,7 @@
 
 The picture is cut to the cells that were observed, top row first. A block of cells becomes one character, and the most
 occupied cell of the block decides it, so that walls one cell thick survive. Characters are about twice as tall as
-wide: a block has twice as many rows as columns, and a map with room to spare gets two characters per cell.
+wide: a block has twice as many rows as columns, and a map narrower than half the width gets two characters per cell.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Mapping with known poses: inverse sensor models, updates, provenance, and their textbook statement."""
+"""Mapping with known poses: inverse sensor models, updates, provenance, and the same algorithms in plain Python."""

@@ -1,6 +1,6 @@
 """Models whose map is no sum of log-odds: they keep two numbers for each cell and compute the log-odds from them.
 
-``cell_statistics[0]`` argues for occupied and ``cell_statistics[1]`` for empty: the hits and misses of
+``cell_statistics[0]`` is evidence for occupied and ``cell_statistics[1]`` for empty: the hits and misses of
 :class:`mapper.mapping.sensor_model.HitCounting`, the certainties of
 :class:`mapper.mapping.sensor_model.MoravecElfes`. Counts are exact up to 2²⁴ in each cell.
 """
@@ -23,7 +23,7 @@ from mapper.mapping.update_plan import UpdatePlan
 def begin(grid: OccupancyGrid, strategy: ModelStrategy) -> None:
     """Give the grid the statistics that the model keeps, if it keeps any and the grid has none yet.
 
-    Raises :class:`ConfigError` for a grid into which a model of the other kind has put something: the two do not mix.
+    Raises :class:`ConfigError` for a grid that a model of another kind has updated: the two cannot be mixed.
     """
     keeps = strategy.statistics != "none"
     if keeps and grid.cell_statistics is None:

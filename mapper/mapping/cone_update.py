@@ -1,4 +1,4 @@
-"""The update of models whose evidence differs all over a beam's field: sonar cones, and the smooth ramp per scan."""
+"""The update of models whose evidence varies within a beam's field: sonar cones, and the smooth ramp per scan."""
 
 from __future__ import annotations
 

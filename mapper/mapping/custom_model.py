@@ -44,7 +44,8 @@ def add_with_model(
         raise ConfigError("model.update", "A sensor model of your own updates per beam; set update to per_beam.")
     if grid.cell_statistics is not None:
         raise ConfigError(
-            "model.tallies", "The grid keeps the counts of another model; start a new one for a model of your own."
+            "model.cell_statistics",
+            "The grid keeps the counts of another model; start a new one for a model of your own.",
         )
     behind = _checked_reach(model)
     check_beam_length(batch.range_max + behind, grid.geometry.resolution)
@@ -93,7 +94,7 @@ def crossed_cells(
         count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, s)
     z, s = z[beam[:count]], s[:count]
     if reading_filter.window == 0.0:
-        # Without a window a cell before the endpoint's lies before the reading, also where its centre does not.
+        # Without a window a cell before the endpoint's is before the reading, also where its centre is not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
         s = np.where(ends, s, np.minimum(s, np.nextafter(z, 0.0)))
     return CrossedCells(cells[:count], s, z)

@@ -55,7 +55,7 @@ class CellBox:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What an update did: the cells it touched lie in ``box`` (None: it touched none).
+    """The effect of an update: the cells it touched are in ``box`` (None: it touched none).
 
     ``geometry_changed`` says that rows and columns are counted from another origin than before or that the
     resolution is another: every cell must be read anew. ``cells_updated`` counts the additions made.
@@ -95,7 +95,7 @@ def geometry_for(
     if log.n_scans == 0:
         raise ConfigError("log.no_scans", "A log without scans covers no place.")
     low, high = bounds_of(log, config, trajectory)
-    # A cell to spare on each side: an endpoint on the border itself must not be rounded out of the grid.
+    # One more cell on each side: an endpoint on the border itself must not be rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
 
 
@@ -109,8 +109,8 @@ def grid_for(
 ) -> OccupancyGrid:
     """Return an empty grid that holds all that ``log`` sees with ``config``.
 
-    ``bounds_of`` computes the bounds, as :func:`bounds_of_log` does; a caller can give one that remembers them.
-    With ``prior``, a map in the same frame, it goes on from what that map believes, on its lattice (its origin and
+    ``bounds_of`` computes the bounds, as :func:`bounds_of_log` does; a caller can pass one that caches them.
+    With ``prior``, a map in the same frame, mapping starts from that map, on its lattice (its origin and
     yaw), grown where the log sees more. Raises as :func:`geometry_for` does, and
     :class:`mapper.core.errors.ConfigError` for a map of another resolution than ``config.resolution``.
     """
@@ -187,7 +187,7 @@ def integrate_parts(
     map is the same as that of :func:`integrate_scans`, bit for bit.
     """
     plan = plan_update(config, log.range_min, log.range_max)
-    count = 1  # a scan of wide cones touches a million cells
+    count = 1  # a scan of sonar cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()

@@ -101,12 +101,12 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "log_odds_miss", "Miss increment", "model", "number", -0.4,
-        "Evidence that a cell gets when a beam passes through it: below 0 it argues for free.",
+        "Evidence that a cell gets when a beam passes through it: below 0 it is evidence for free.",
         low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     ),
     Parameter(
         "p_free", "p of a cell passed", "model", "number", 0.4,
-        "Probability that a cell before the window is occupied; below the prior it argues for free.",
+        "Probability that a cell before the window is occupied; below the prior it is evidence for free.",
         low=0.01, high=0.99, step=0.01, only_for=("step_window",),
     ),
     Parameter(
@@ -156,7 +156,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "clamp", "Clamp", "update", "flag", True,
-        "Keep each cell's log-odds between the two limits, so that the map can change its mind.",
+        "Keep each cell's log-odds between the two limits, so that the map can still change.",
     ),
     Parameter(
         "log_odds_min", "Lower clamp", "update", "number", -2.0,
@@ -195,7 +195,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "mount_upside_down", "Mount turned over", "mount", "flag", False,
-        "Turn the sensor over, z axis down: its beams sweep the other way round.",
+        "Turn the sensor over, z axis down: its beams sweep in the opposite direction.",
     ),
 )  # fmt: skip
 
@@ -204,7 +204,7 @@ BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
 @dataclass(frozen=True, slots=True)
 class MappingConfig:
-    """One value for each row of :data:`PARAMETERS`; units and meanings stand there.
+    """One value for each row of :data:`PARAMETERS`; units and meanings are in the table.
 
     ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
     ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
@@ -239,7 +239,7 @@ class MappingConfig:
     def __post_init__(self) -> None:
         check_fields(self, PARAMETERS)
         if self.log_odds_min >= self.log_odds_max:
-            raise ConfigError("parameter.clamp", "The lower clamp must lie below the upper clamp.")
+            raise ConfigError("parameter.clamp", "The lower clamp must be below the upper clamp.")
         self.beam_model()  # the models check what concerns two parameters at once
 
     @property
@@ -258,7 +258,7 @@ class MappingConfig:
 
     @property
     def cone_window(self) -> float:
-        """The hit window of a cone, metres: at least one cell, as a thinner arc would slip between cells' centres."""
+        """The hit window of a cone, metres: at least one cell, as a thinner arc would miss the cells' centres."""
         return max(self.window, self.resolution)
 
     @property

@@ -97,7 +97,7 @@ def plan_of_fields(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threa
 
 
 def drawer_of_fields(planned: PlannedFields, grid: OccupancyGrid, log_odds_update: LogOddsUpdate) -> Draw:
-    """Return the function that draws the fields into rows that lie in ``planned.rows``."""
+    """Return the function that draws the fields into rows within ``planned.rows``."""
     (row, row_stop), (word, word_stop) = planned.rows, planned.words
     seen = np.zeros((row_stop - row, word_stop - word), dtype=np.int64)
     seen_place = (row, word, word_stop - word, 0)

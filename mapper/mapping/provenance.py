@@ -1,4 +1,4 @@
-"""Why a cell is what it is: every beam that touched it, in order, with what it added.
+"""Provenance of a cell's value: every beam that touched it, in order, with the evidence it added.
 
 Found anew from the log and the parameters whenever it is asked for, so the map keeps no history.
 """
@@ -33,7 +33,7 @@ class Provenance:
     """The touches of one cell, one entry each, in the order in which the map was made.
 
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
-    (beyond the max range: no return); ``hits`` (n,) bool whether it argued for occupied; ``increments`` (n,) float32
+    (beyond the max range: no return); ``hits`` (n,) bool whether it was a hit; ``increments`` (n,) float32
     is its evidence (for models that keep statistics: what it changed) and ``log_odds`` (n,) float32 what the cell held
     after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
     what such a model goes on from.
@@ -68,7 +68,7 @@ def provenance(
 ) -> Provenance:
     """Return what the first ``stop`` scans of ``log`` (None: all) did to ``cell`` (row, col) of a map.
 
-    A map of several logs is told log by log, ``before`` being what the log before it did; ``prior`` is ℓ₀ of the cell
+    For a map of several logs each call takes one log, ``before`` the one before's; ``prior`` is ℓ₀ of the cell
     where a prior map says another than ``config``. A per-scan update that hits a cell is credited to the first beam
     that ended in it. ``pause`` is called between parts of the log, a few hundredths of a second each. Raises
     :class:`ConfigError` for a cell outside the grid or for scans that the log does not have.
@@ -78,7 +78,7 @@ def provenance(
     if not geometry.contains((row, col)):
         raise ConfigError(
             "provenance.cell",
-            f"Cell (row {row}, column {col}) lies outside the grid of {geometry.size_text} cells (width × height).",
+            f"Cell (row {row}, column {col}) is outside the grid of {geometry.size_text} cells (width × height).",
         )
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")

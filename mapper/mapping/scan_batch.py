@@ -60,7 +60,7 @@ class ScanBatch:
         out = np.array([np.inf, np.inf, -np.inf, -np.inf])
         directions = [self.beams]
         if fields and len(self.fields):
-            # A field ends in an arc. It lies within the corners of the polygon around it: right, middle and left.
+            # A field ends in an arc, which is within the polygon of three corners around it: right, middle and left.
             right, left = self.fields[:, :2], self.fields[:, 2:]
             cos_half = np.minimum(np.sum(right * self.beams, axis=1), np.sum(left * self.beams, axis=1))
             stretch = 1.0 / np.cos(0.5 * np.arccos(np.clip(cos_half, 0.0, 1.0)))[:, np.newaxis]

@@ -13,18 +13,18 @@ SONAR_WINDOW = 0.2  #: metres: how thick the arc of a sonar's echo is taken to b
 
 
 def sensor_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return ``given`` values of :data:`mapper.mapping.parameters.PARAMETERS` and those that a sensor calls for
-    besides.
+    """Return ``given`` values of :data:`mapper.mapping.parameters.PARAMETERS` and the default values for
+    a sensor.
 
-    Readings of beams that are wide, ``beam_width`` > 0 radians, are put all over their cones. Whoever names a model
-    gets the table's other values with it.
+    Readings of cones, ``beam_width`` > 0 radians, use the sonar cone model. If ``given`` names a model, the other
+    values remain those of the table.
     """
     given = given or {}
     if beam_width <= 0.0:
         return dict(given)
     row = BY_NAME["opening"]
     opening = float(np.clip(beam_width, row.low, row.high))
-    suited: dict[str, Any] = {"opening": opening}
+    defaults: dict[str, Any] = {"opening": opening}
     if "model" not in given:
-        suited |= {"model": "sonar_cone", "window": SONAR_WINDOW}
-    return suited | dict(given)
+        defaults |= {"model": "sonar_cone", "window": SONAR_WINDOW}
+    return defaults | dict(given)

@@ -33,7 +33,7 @@ class BeamModel(Protocol):
     def log_odds_hit(self) -> float: ...  # noqa: D102 - the class says it
 
     def half_window(self, z: float) -> float:
-        """Return how far before and behind a reading ``z`` a cell may lie and still count as hit, metres."""
+        """Return the greatest |s − z| at which a cell counts as hit by a reading ``z``, metres."""
         ...
 
     def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
@@ -45,7 +45,7 @@ class InverseSensorModel(Protocol):
     """A sensor model of your own, as :func:`mapper.mapping.integrate.integrate_scan` takes it: thin beams, updated per
     beam.
 
-    ``reach`` is how far behind a reading it gives evidence, metres: cells up to s = z + reach are asked for.
+    ``reach`` is how far behind a reading it gives evidence, metres: it is evaluated for cells up to s = z + reach.
     """
 
     @property
@@ -320,8 +320,8 @@ class HitCounting:
     With n hits among n + m visits, and a Beta prior that counts as ``prior_weight`` w visits with a share of
     ``p_prior`` hits, the posterior mean is p = (n + w·p_prior) / (n + m + w): w = 2 and p_prior = ½ is Laplace's rule
     of succession, w → 0 the maximum likelihood map. p is the probability that the cell *reflects* a beam, which is not
-    "occupied": a cell half of which is wall goes to ½ however long it is looked at, where a Bayes filter makes up its
-    mind. ``window`` r metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss, Bennewitz & Arras,
+    "occupied": a cell half of which is wall converges to ½ however often it is observed, where a Bayes filter converges
+    to 0 or 1. ``window`` r metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss, Bennewitz & Arras,
     Introduction to Mobile Robotics, "Grid maps and reflection maps"; Hähnel, Triebel, Burgard & Thrun, ICRA 2003.
     """
 

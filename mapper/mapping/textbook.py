@@ -1,7 +1,7 @@
-"""Occupancy grid mapping as the books print it: plain Python, one step after another.
+"""Occupancy grid mapping as in the literature: plain Python, one step after another.
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
-(occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses stands in
+(occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses is in
 :mod:`mapper.mapping.traversal`. This is the readable statement of what :mod:`mapper.mapping.kernels` compute fast;
 the two agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is
 always ``T_map_laser``, metres and radians.
@@ -54,7 +54,7 @@ def occupancy_grid_mapping(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Ar
 
 
 def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike, config: MappingConfig) -> int:
-    """Follow every beam from the sensor's cell and update each cell on its way. Return the number of updates."""
+    """Follow every beam from the sensor's cell and update each cell that it crosses. Return the number of updates."""
     z_max = min(scan.range_max, config.range_max)
     updates = 0
     for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
@@ -66,7 +66,7 @@ def update_per_beam(grid: OccupancyGrid, scan: RangeScan, sensor_pose: ArrayLike
 def readings(scan: RangeScan, config: MappingConfig) -> NDArray[np.float64]:
     """Return the scan's ranges; where "no return" is taken for a hit, a mistake, as if each had come from z_max.
 
-    Ranges are kept as float32, so that is the greatest of these which does not lie beyond z_max.
+    Ranges are kept as float32, so that is the greatest float32 that is not beyond z_max.
     """
     ranges = scan.ranges.astype(np.float64)
     z_max = min(scan.range_max, config.range_max)
@@ -88,13 +88,13 @@ def evidence_of_beam(
     config: MappingConfig,
 ) -> dict[Cell, float]:
     """Return what one beam says of each cell: a reading, no return, or (too near, NaN, −Inf) nothing at all."""
-    wide = config.model == "sonar_cone"
+    is_cone = config.model == "sonar_cone"
     if z_min <= z <= z_max:
-        if wide:
+        if is_cone:
             return evidence_in_cone(grid, sensor_pose, bearing, z, z_max, config)
         return evidence_along_beam(grid, sensor_pose, bearing, z, config)
     if z > z_max and config.no_return == "free":
-        if wide:
+        if is_cone:
             cells, s, _ = cells_in_cone(grid, sensor_pose, bearing, config.opening)
             free = s < z_max
             return dict.fromkeys(map(tuple, cells[free].tolist()), config.beam_model().log_odds_miss)
@@ -105,7 +105,7 @@ def evidence_of_beam(
 def evidence_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, z_max: float, config: MappingConfig
 ) -> dict[Cell, float]:
-    """Return what a wide beam's reading ``z`` says of each cell in its cone: of those beyond z + r/2, nothing."""
+    """Return the evidence of a sonar's reading ``z`` for each cell in its cone: none beyond z + r/2."""
     model = config.beam_model()
     cells, s, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
     near = s <= min(z + model.half_window(z), z_max)
@@ -116,7 +116,7 @@ def evidence_in_cone(
 def cells_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cells (n, 2) whose centre lies in a cone, the right edge included, and s and θ of each (n,)."""
+    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and s and θ of each (n,)."""
     s, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
     right, left = (
@@ -135,9 +135,9 @@ def evidence_along_beam(
     """Return what a reading ``z`` says of each cell on its beam.
 
     The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2, or crosses exactly the cells that
-    Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre lies at
-    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2 (for the smooth ramp: on its way
-    from one to the other); the cell that holds the endpoint is occupied in any case, and with r = 0 it alone is, all
+    Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre is at
+    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2 (for the smooth ramp: between
+    the two); the cell that holds the endpoint is occupied in any case, and with r = 0 it alone is, all
     before it being free.
     """
     model = config.beam_model()
@@ -189,18 +189,18 @@ def inverse_range_sensor_model(
 ) -> NDArray[np.float64]:
     """Return what a scan says of each cell (rows, cols), NaN outside the perceptual field: table 9.2.
 
-    A cell whose centre lies at distance s belongs to the beam k that is nearest in bearing, at most half an increment
+    A cell whose centre is at distance s belongs to the beam k that is nearest in bearing, at most half an increment
     away (and in a sonar's cone, at most half its opening angle). It is free for s < z − r/2 and occupied for
     |s − z| ≤ r/2 and s ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
     narrower than a cell, r = 0 included, still marks where the beams ended.
     """
-    model, wide = config.beam_model(), config.model == "sonar_cone"
+    model, is_cone = config.beam_model(), config.model == "sonar_cone"
     z_max = min(scan.range_max, config.range_max)
     evidence = np.full(grid.geometry.shape, np.nan)
 
     s, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
-    fields = scan.fields(config.opening / 2.0) if wide else scan.fields()
+    fields = scan.fields(config.opening / 2.0) if is_cone else scan.fields()
     for z, bearing, field in zip(readings(scan, config), scan.angles, fields, strict=True):
         right, left = turned(heading, field[:2]), turned(heading, field[2:])
         nearest = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
@@ -210,12 +210,12 @@ def inverse_range_sensor_model(
             theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
             near = nearest & (s < z - half if half == 0.0 else s <= min(z_max, z + half))
             # Which beam is nearest was decided above; the angle itself counts only in a cone.
-            evidence[near] = model.increment(s[near], z, within(theta[near], config.opening) if wide else 0.0)
+            evidence[near] = model.increment(s[near], z, within(theta[near], config.opening) if is_cone else 0.0)
         elif z > z_max and config.no_return == "free":
             evidence[nearest & (s < z_max)] = model.log_odds_miss
 
     for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
-        if scan.range_min <= z <= z_max and not wide:
+        if scan.range_min <= z <= z_max and not is_cone:
             endpoint = cell_at(grid, sensor_pose, bearing, z)
             if grid.geometry.contains(endpoint):
                 evidence[endpoint] = model.log_odds_hit
@@ -305,7 +305,7 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
 
 
 def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.float32]:
-    """Return the grid's two statistics (2, rows, cols): what argues for occupied, and what for empty.
+    """Return the grid's two statistics (2, rows, cols): evidence for occupied, and evidence for empty.
 
     Certainties start at what the prior is sure of, v = 2p − 1; counts start at 0.
     """
@@ -317,7 +317,7 @@ def statistics_of(grid: OccupancyGrid, config: MappingConfig) -> NDArray[np.floa
     return grid.cell_statistics
 
 
-# --- Why a cell is what it is ----------------------------------------------------------------------------------------
+# --- Provenance of a cell ---------------------------------------------------------------------------------------------
 
 
 def provenance(
@@ -371,7 +371,7 @@ def distances(
 
 
 def within(theta: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
-    """Return angles from the axis of cells that lie in a cone: none is wider, whatever rounding did at its edges."""
+    """Return angles from the axis of cells in a cone, limited to ± half its opening, which rounding may exceed."""
     return np.clip(theta, -opening / 2.0, opening / 2.0)
 
 

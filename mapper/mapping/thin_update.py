@@ -86,7 +86,7 @@ def draw_beam_evidence(
 
 
 def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> NDArray[np.int64]:
-    """Return the box (4,) that holds all boxes (n, 4), as far as they lie in the grid."""
+    """Return the box (4,) that holds all boxes (n, 4), clipped to the grid."""
     (row, col), (row_stop, col_stop) = boxes[:, ::2].min(axis=0), boxes[:, 1::2].max(axis=0)
     return np.array([max(row, 0), min(row_stop, geometry.rows), max(col, 0), min(col_stop, geometry.cols)])
 
@@ -99,7 +99,7 @@ def _draw_with_observed(
     row_high: int,
     box: NDArray[np.int64],
 ) -> int:
-    """Draw a band; note the observed cells in the way that costs less for so many updates."""
+    """Draw a band; mark the observed cells by the method that costs less for this number of updates."""
     touched = beams.box.copy()
     touched[:2] = touched[:2].clip(row_low, row_high)
     cells = int((touched[1] - touched[0]) * (touched[3] - touched[2]))

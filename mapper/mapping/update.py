@@ -19,7 +19,7 @@ from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.thin_update import draw_beam_evidence
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
-_WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more than it brings
+_WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more time than it saves
 _ONE_MISS, _ONE_HIT = (
     LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
     for miss in (1.0, 0.0)
@@ -60,7 +60,7 @@ def _add_certainties(
     grid: OccupancyGrid,
     batch: ScanBatch,
     plan: UpdatePlan,
-    threads: int,  # noqa: ARG001 - an arc may lie anywhere in the grid, so one thread adds all
+    threads: int,  # noqa: ARG001 - an arc may be anywhere in the grid, so one thread adds all
     box: NDArray[np.int64],
 ) -> int:
     count, _, _ = update_certainties(grid, batch, plan, box)

@@ -18,7 +18,7 @@ from mapper.mapping.sensor_model import BeamModel
 class UpdatePlan:
     """The parameters of :class:`mapper.mapping.parameters.MappingConfig` as the updates and the kernels take them.
 
-    ``no_return`` "free" stands in ``reading_filter``, "hit" in ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
+    ``no_return`` "free" is part of ``reading_filter``, "hit" is ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
     infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's.
     """
 
@@ -37,17 +37,17 @@ class UpdatePlan:
 
     @property
     def per_scan(self) -> bool:
-        """Whether each cell is updated once for each scan, by the beam in whose field it lies."""
+        """Whether each cell is updated once for each scan, by the beam whose field contains it."""
         return self.update == "per_scan" and self.strategy.per_scan
 
     @property
     def draws_cones(self) -> bool:
-        """Whether the evidence differs all over a beam's field, so that the cone kernels draw it."""
+        """Whether the evidence varies within a beam's field, so that the cone kernels draw it."""
         return self.strategy.cone or (self.strategy.smooth and self.per_scan)
 
     @property
     def sees_fields(self) -> bool:
-        """Whether a beam updates cells beside its axis."""
+        """Whether a beam updates cells off its axis."""
         return self.strategy.cone or self.per_scan
 
     @property

@@ -1,4 +1,4 @@
-"""Moments of a map that is being made, kept so that going back to one costs no mapping.
+"""Checkpoints of a map, kept so that returning to one needs no mapping.
 
 A moment is the map of the first k scans. Of each moment only those tiles are kept, compressed without loss, that were
 touched since the moment before: the tile of a moment is its newest version up to then, and one without any is as it
@@ -42,7 +42,7 @@ class Checkpoints:
         self._moments: list[int] = []
         self._versions: dict[
             Tile, dict[int, bytes]
-        ] = {}  # what each tile was at the moments up to which it was touched
+        ] = {}  # contents of each tile at the moments up to which it was touched
         self._bytes = 0
         self._lock = Lock()
 
@@ -99,7 +99,7 @@ class Checkpoints:
             return True
 
     def _thin_out(self) -> None:
-        """Forget every second moment, never the last: so whoever came from one has a later one to ask for."""
+        """Drop every second moment, never the last: a replay that started from a dropped one finds a later one."""
         kept = self._moments[::-2][::-1]
         self.spacing *= 2
         for tile, versions in self._versions.items():
@@ -134,7 +134,7 @@ class Checkpoints:
         return _box_of(tiles, grid)
 
     def _version(self, tile: Tile, moment: int) -> bytes | None:
-        """Return what a tile was at a moment, None for as it was at first."""
+        """Return a tile's contents at a moment, None for its initial contents."""
         versions = self._versions.get(tile, {})
         newest = max((kept for kept in versions if kept <= moment), default=None)
         return None if newest is None else versions[newest]

@@ -17,14 +17,14 @@ from mapper.sensors.scan import ScanLog
 
 PART_READINGS = 1 << 22  #: readings that are added at once, at most
 FIRST_READINGS = 1 << 9  #: the same before it is known how many cells each of them touches
-MOST_UPDATES = 1 << 36  #: cell updates that a scout sets out for: a minute of one core, or two
+MOST_UPDATES = 1 << 36  #: cell updates up to which checkpoints are prefetched: one or two minutes of one core
 
 
 class IncrementalReplay:
-    """A map in time: the map of the first :attr:`index` scans of a log, which goes to any other number of scans.
+    """The map of the first :attr:`index` scans of a log, which can be brought to any other number of scans.
 
-    On its way it leaves checkpoints, and it begins at one of them where that is less to do. ``grid`` is empty at first
-    and holds all that is to be seen; it stays the same object. Not for several threads at once, but courses of several
+    It keeps checkpoints, and continues from one of them where that is less work. ``grid`` is initially empty and
+    contains all that the log sees; it stays the same object. Not for several threads at once, but replays of several
     threads may share their checkpoints.
     """
 
@@ -39,7 +39,7 @@ class IncrementalReplay:
         self.log, self.config, self.trajectory, self.grid = log, config, trajectory, grid
         self.checkpoints = checkpoints or Checkpoints(config)
         self.index = 0  #: scans in the map
-        self._scans, self._updates = 0, 0  # the way so far
+        self._scans, self._updates = 0, 0  # added so far
         self._in_time: int | None = None  # scans that a step may add without taking too long; None: not known yet
         self._begin(0)
 
@@ -53,7 +53,7 @@ class IncrementalReplay:
     def go_to(self, index: int, wanted: Callable[[], bool] = lambda: True) -> Change:
         """Bring the map to ``index`` scans.
 
-        Raises :class:`WorkCancelledError` where ``wanted``, asked now and then, says False.
+        Raises :class:`WorkCancelledError` where ``wanted``, called between steps, returns False.
         """
         moment = self.checkpoints.before(index)
         box = self._restore(moment) if index < self.index or moment > self.index else None
@@ -73,7 +73,7 @@ class IncrementalReplay:
         return box
 
     def step(self, last: int) -> Change:
-        """Add some scans, some hundredths of a second's work and not beyond ``last``; leave a checkpoint where due."""
+        """Add some scans, some hundredths of a second's work and not beyond ``last``; keep a checkpoint where due."""
         kept = self.checkpoints
         stop = kept.after(self.index, min(self.index + self._scans_at_once(), last))
         began = time.thread_time()
@@ -94,11 +94,11 @@ class IncrementalReplay:
 
     @property
     def updates_per_scan(self) -> float | None:
-        """Cells that a scan updates, as far as the way so far tells."""
+        """Mean number of cell updates per scan so far; None before the first scan."""
         return self._updates / self._scans if self._scans else None
 
     def expect_as(self, other: IncrementalReplay) -> None:
-        """Expect that scans cost what they did on another way, before anything is known of this one."""
+        """Take the cost of a scan from another replay until this one has measured it."""
         self._scans, self._updates, self._in_time = other._scans, other._updates, other._in_time
 
     def _scans_at_once(self) -> int:
@@ -112,18 +112,18 @@ class IncrementalReplay:
 
 
 class CheckpointPrefetcher:
-    """Leaves the checkpoints that a course has not come by yet, on a grid of its own, while nobody waits.
+    """Makes the checkpoints that a replay has not reached yet, on a grid of its own, in idle time.
 
-    For one thread at a time, which need not be that of the course.
+    For one thread at a time, which need not be that of the replay.
     """
 
     def __init__(self, replay: IncrementalReplay) -> None:
         self._follows = replay
-        self._replay: IncrementalReplay | None = None  # made by the thread that goes: a large grid takes its time
+        self._replay: IncrementalReplay | None = None  # made by the thread that steps: a large grid takes time
 
     @staticmethod
     def is_worth(replay: IncrementalReplay) -> bool:
-        """Whether so much is left to go that somebody would notice, and not hours of work."""
+        """Whether the rest of the log is enough work to be noticed, but at most :data:`MOST_UPDATES`."""
         kept, rate = replay.checkpoints, replay.updates_per_scan
         return rate is not None and kept.spacing < rate * (replay.log.n_scans - kept.reached) < MOST_UPDATES
 
@@ -132,7 +132,7 @@ class CheckpointPrefetcher:
         replay = self._replay = self._replay or self._begin()
         with single_threaded():
             newest = replay.checkpoints.newest
-            if newest > replay.index:  # where others have been
+            if newest > replay.index:  # reached by another replay
                 replay.go_to(newest)
             elif replay.index < replay.log.n_scans:
                 replay.step(replay.log.n_scans)

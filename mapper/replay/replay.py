@@ -20,8 +20,8 @@ COSTLY = ("model", "update", "no_return", "resolution")  #: parameters on which 
 class Replay:
     """The map of the first :attr:`index` scans of a log.
 
-    The grid holds from the start all that the whole log will see, so it keeps its geometry while it is played. Not
-    for several threads at once. With ``prior``, a map of the same place, mapping goes on from that, on its lattice.
+    The grid covers from the start all that the whole log sees, so its geometry does not change during the replay. Not
+    for several threads at once. With ``prior``, a map of the same place, mapping continues from it, on its lattice.
     Raises as :func:`mapper.mapping.integrate.grid_for` does; after an error the replay is as
     it was before.
     """
@@ -38,11 +38,11 @@ class Replay:
         self._prior = prior
         self._bounds = BoundsCache()
         self.trajectory = trajectory or log.default_trajectory
-        self._replay = self._new_course(log, MappingConfig() if config is None else config)
+        self._replay = self._new_replay(log, MappingConfig() if config is None else config)
         self._under_way: tuple[IncrementalReplay, int] | None = None
-        self.wanted: Callable[[], bool] = lambda: True  #: asked now and then: False ends a long computation
+        self.wanted: Callable[[], bool] = lambda: True  #: called between steps: False cancels the computation
 
-    def _new_course(self, log: ScanLog, config: MappingConfig) -> IncrementalReplay:
+    def _new_replay(self, log: ScanLog, config: MappingConfig) -> IncrementalReplay:
         grid = grid_for(log, config, self.trajectory, self._limits, self._prior, self._bounds)
         return IncrementalReplay(log, config, self.trajectory, grid)
 
@@ -67,10 +67,10 @@ class Replay:
         return self._replay.index
 
     def advance_to(self, index: int) -> Change:
-        """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less to do.
+        """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less work.
 
         Raises :class:`ConfigError` for an index that the log does not have, and
-        :class:`mapper.core.errors.WorkCancelledError` where nobody wants the map any more.
+        :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns False.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
@@ -85,13 +85,13 @@ class Replay:
 
     @property
     def fraction(self) -> float | None:
-        """How much of the way that is being computed is done, 0 to 1; None while nothing is."""
+        """The completed share of the computation that is running, 0 to 1; None while none is."""
         under_way = self._under_way
         return None if under_way is None else min(1.0, under_way[0].index / max(1, under_way[1]))
 
     def reconfigure(self, config: MappingConfig) -> Change:
         """Make the whole map anew with other parameters, at the same index."""
-        replay = self._new_course(self.log, config)
+        replay = self._new_replay(self.log, config)
         if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
             replay.expect_as(self._replay)
         change = self._go(replay, self.index)
@@ -101,11 +101,11 @@ class Replay:
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return one that leaves the checkpoints which this replay has not; None where nothing is worth the trouble."""
+        """Return a prefetcher of the checkpoints that this replay lacks; None where that is not worth while."""
         return CheckpointPrefetcher(self._replay) if CheckpointPrefetcher.is_worth(self._replay) else None
 
     def provenance(self, row: int, col: int) -> Provenance:
-        """Return every beam that touched a cell of the map as it stands, with what it added.
+        """Return every beam that touched a cell of the present map, with the evidence that it added.
 
         Raises :class:`ConfigError` for a cell outside the grid.
         """

@@ -16,11 +16,11 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 
-LEAST_ANGLE_STEP = 1e-6  #: radians: beams that are nearer to one another are none that a sensor has
+LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 
 def is_angle_step(angle_increment: float, n_beams: int) -> bool:
-    """Return whether ``angle_increment`` radians can lie between the beams of a scan of ``n_beams`` even beams."""
+    """Return whether ``angle_increment`` radians is possible for a scan of ``n_beams`` evenly spaced beams."""
     return n_beams < 2 or LEAST_ANGLE_STEP <= abs(angle_increment) <= 2.0 * np.pi
 
 
@@ -47,7 +47,7 @@ def _check_beams(angle_min: float, angle_increment: float, range_min: float, ran
 
 
 def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
-    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and lies within ``max_pose``."""
+    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
     if poses.shape != shape:
         raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
     bad = ~np.isfinite(poses).all(axis=-1)
@@ -57,7 +57,7 @@ def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limi
             f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
         )
     if np.any(np.abs(poses[..., :2]) > limits.max_pose):
-        raise ConfigError("scan.pose_far", f"A pose lies more than {limits.max_pose:g} m from the origin.")
+        raise ConfigError("scan.pose_far", f"A pose is more than {limits.max_pose:g} m from the origin.")
 
 
 def beam_fields(
@@ -343,7 +343,7 @@ class ScanLog:
     def fields(self, widest: float = np.pi / 4.0, *, turned_over: bool = False) -> NDArray[np.float64]:
         """Return the perceptual fields of the beams (n_beams, 4), as :func:`beam_fields`, seen from above.
 
-        With ``turned_over`` as if the sensor hung the other way up.
+        With ``turned_over``, those of the sensor mounted the other way up.
         """
         if self.bearings is not None:
             return uneven_fields(-self.angles if turned_over else self.angles, widest)

@@ -1,4 +1,4 @@
-"""The simulator: worlds, lidar, and a robot that walks by itself."""
+"""The simulator: worlds, lidar, and a robot that drives by itself."""
 
 from mapper.simulation.edits import Drawn, Edits, edited
 from mapper.simulation.faults import Faults

@@ -16,7 +16,7 @@ from mapper.simulation.shapes import Polygon, rect, wall
 from mapper.simulation.worlds import World
 
 WALL_THICKNESS = 0.12  #: metres
-LEAST_SIDE = 0.05  #: metres: anything thinner a beam might slip past
+LEAST_SIDE = 0.05  #: metres: a beam might miss anything thinner
 
 Kind = Literal["wall", "box"]
 
@@ -80,7 +80,7 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
     """Return ``world`` without what was erased and with what was added, in that order.
 
     Raises :class:`LimitError` for too many edits and :class:`ConfigError` for a shape that leaves the world's bounds,
-    a solid that there is not, and a piece of the outer wall, without which the robot would walk out of the world.
+    a solid that there is not, and a piece of the outer wall, without which the robot would drive out of the world.
     """
     if len(edits.added) > limits.max_added_solids:
         raise LimitError("edit.many", f"At most {limits.max_added_solids} walls and boxes can be drawn into a world.")
@@ -89,12 +89,12 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
         if not 0 <= index < len(world.solids):
             raise ConfigError("edit.unknown", f"The world has no solid {index} to erase.")
         if index in outer:
-            raise ConfigError("edit.outer", "The outer wall cannot be erased: it holds the world together.")
+            raise ConfigError("edit.outer", "The outer wall cannot be erased: it bounds the world.")
     added = [drawn.polygon() for drawn in edits.added]
     x0, y0, x1, y1 = world.bounds
     for polygon in added:
         if np.any(polygon < (x0, y0)) or np.any(polygon > (x1, y1)):
-            raise ConfigError("edit.outside", "What is drawn must lie within the world.")
+            raise ConfigError("edit.outside", "What is drawn must be within the world.")
     if not added and not edits.erased:
         return world
     kept = [solid for i, solid in enumerate(world.solids) if i not in edits.erased]

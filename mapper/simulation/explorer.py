@@ -1,6 +1,6 @@
-"""The walker: chooses where the robot goes next, and steers it there.
+"""The explorer: chooses where the robot drives next, and steers it there.
 
-Goals are places that the robot has not been near for the longest time; the way there keeps to the middle of free
+Goals are places that the robot has not been near for the longest time; the path there keeps to the middle of free
 space where it can; pure pursuit follows it.
 """
 
@@ -32,7 +32,7 @@ SPACING = 0.1  # metres between the points of a path
 
 @dataclass(slots=True)
 class Explorer:
-    """Steers one robot through one world. ``rng`` chooses between goals; ``visited`` remembers when it was where.
+    """Steers one robot through one world. ``rng`` chooses between goals.
 
     ``visited`` (rows, cols) is the time in seconds at which each cell of the world's lattice was last near the robot.
     """
@@ -40,7 +40,7 @@ class Explorer:
     world: World
     rng: np.random.Generator
     visited: Float64Array = field(init=False)
-    path: Float64Array = field(init=False)  #: (n, 2), metres, what is left of the way; empty before the first goal
+    path: Float64Array = field(init=False)  #: (n, 2), metres, the rest of the path; empty before the first goal
     _progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
     _centres: Float64Array = field(init=False)
 
@@ -72,7 +72,7 @@ class Explorer:
         self.visited[rows, cols][near] = time
 
     def velocities(self, robot: Robot, time: float) -> tuple[float, float]:
-        """Return the linear and angular velocity, m/s and rad/s, that lead the robot on along its way."""
+        """Return the linear and angular velocity, m/s and rad/s, with which the robot follows its path."""
         x, y, yaw = robot.pose
         if math.hypot(x - self._progress[0], y - self._progress[1]) > 0.1:
             self._progress = (x, y, time)
@@ -80,7 +80,7 @@ class Explorer:
             self.path = self._plan(robot, time)
             self._progress = (x, y, time)
             if not len(self.path):
-                return 0.0, 0.6  # nowhere to go: look around
+                return 0.0, 0.6  # no goal: turn on the spot
         target_x, target_y = self._target(robot)
         bearing = math.remainder(math.atan2(target_y - y, target_x - x) - yaw, 2.0 * math.pi)
         distance = max(0.3, math.hypot(target_x - x, target_y - y))
@@ -120,7 +120,7 @@ class Explorer:
         return float(self.path[i, 0]), float(self.path[i, 1])
 
     def _plan(self, robot: Robot, time: float) -> Float64Array:
-        """Return a way (n, 2) to the place that is most worth a visit; empty where there is none."""
+        """Return a path (n, 2), metres, to the goal with the greatest gain less cost; empty where there is none."""
         lattice = clearance_lattice(self.world)
         clearance = lattice.clearance
         spare = clearance - (robot.radius + MARGIN)

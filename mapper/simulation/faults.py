@@ -1,7 +1,7 @@
-"""What goes wrong with a robot: wheels that drift, and polished walls that throw beams away.
+"""Faults of a robot: odometry drift, and specular reflection on polished walls.
 
-Both are recorded all the time, beside what is true, and chosen when the map is made: so a fault can be switched on and
-off over a whole recording, and the map with it stands beside the map without it, of the same readings.
+Both are recorded all the time, together with the true values, and selected when the map is made: so a fault can be
+switched on and off for a whole recording, and maps of the same readings with and without it can be compared.
 """
 
 from __future__ import annotations
@@ -77,13 +77,13 @@ def polished_faces(world: World) -> Float64Array:
     return faces
 
 
-def swallowed(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_pose: ArrayLike) -> NDArray[np.bool_]:
-    """Return which beams (n,) a polished wall swallows, given their true ``ranges`` (n,), without noise, and bearings.
+def reflected_away(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_pose: ArrayLike) -> NDArray[np.bool_]:
+    """Return which beams (n,) a polished wall reflects away, given their true ``ranges`` (n,), without noise.
 
     ``angles`` (n,) are radians in the laser frame, ``sensor_pose`` (3,) is ``T_map_laser``. A beam that returns from
-    anything else, or from nothing, is not swallowed. Source of the effect: Probabilistic Robotics, section 6.3
-    (failures of a range finder: specular reflection, which sonars know from every smooth wall and lidars from glass and
-    polish).
+    anything else, or from nothing, is not reflected away. Source of the effect: Probabilistic Robotics, section 6.3
+    (failures of a range finder: specular reflection, of sonars on every smooth wall, of lidars on glass and polished
+    surfaces).
     """
     faces = polished_faces(world)
     distance = np.asarray(ranges, dtype=np.float64)
@@ -123,7 +123,7 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
     else:
         heard = true_ranges(world, sensor, (x, y, yaw))[:, np.newaxis]
         angles = sensor.bearings[:, np.newaxis]
-    lost = swallowed(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)
+    lost = reflected_away(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)
     true = heard.min(axis=1)
     echo = np.where(lost, np.inf, heard).min(axis=1)
     returned = np.isfinite(true)
@@ -133,7 +133,7 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
 
 
 def with_lengthened(ranges: NDArray[np.float32], longer: NDArray[np.float16], range_max: float) -> NDArray[np.float32]:
-    """Return readings, of any shape, as the sensor reports them beside polished walls: see :func:`lengthened`.
+    """Return readings, of any shape, as the sensor reports them near polished walls: see :func:`lengthened`.
 
     What is longer than ``range_max`` does not return: +inf (REP 117).
     """

@@ -41,7 +41,7 @@ def _office() -> World:
     # South 3: one desk across the corner, an armchair, a low shelf.
     solids += [box(12.9, 1.2, 1.8, 0.8, -0.6), disc(13.32, 1.82, 0.24, 10), rect(10.06, 3.0, 10.46, 5.0)]
     solids += [rect(10.06, 0.2, 10.96, 1.0)]
-    # South 4: the meeting room; of the table only the legs stand in the laser's plane.
+    # South 4: the meeting room; of the table only the legs are in the laser's plane.
     solids += legs(17.0, 2.9, 2.6, 1.4)
     solids += [disc(x, y, 0.22, 10) for x in (16.2, 17.0, 17.8) for y in (1.9, 3.9)]
     solids += [rect(18.4, 0.2, 19.8, 0.65)]

@@ -1,4 +1,4 @@
-"""How long a map remembers what is no longer there: a table is taken away, and the scans until its cells are free."""
+"""How long a map keeps what is no longer there: the number of scans until the cells of a removed object are free."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, proba
 from mapper.simulation.kernels.raycast import clearances
 from mapper.simulation.shapes import Polygon
 
-MOST = 0.9  #: share of the cells that have to be free: a cell that no beam crosses any more never changes its mind
+MOST = 0.9  #: share of the cells that have to be free: a cell that no beam crosses any more never changes
 
 
 def cells_of(grid: OccupancyGrid, solids: Sequence[Polygon], reach: float) -> NDArray[np.intp]:
@@ -45,7 +45,7 @@ class Forgetting:
             raise ConfigError("forgetting.nothing", "The map has not seen what was taken away: nothing to forget.")
 
     def look(self, grid: OccupancyGrid) -> None:
-        """Take note of the map after one more scan."""
+        """Record the share of free cells after one more scan."""
         rows, cols = np.moveaxis(grid.geometry.world_to_cell(self.places), -1, 0)
         self.free.append(float(np.mean(probability(grid.log_odds[rows, cols]) < FREE_THRESHOLD)))
 

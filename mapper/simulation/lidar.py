@@ -22,7 +22,7 @@ RANGE_MIN = 0.02  #: metres: no reading is shorter, whatever the noise
 SENSOR_PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "kind", "Sensor", "sensor", "choice", "lidar",
-        "A lidar has many thin beams; a sonar hears the nearest thing in a wide cone, and not where in it.",
+        "A lidar has many thin beams; a sonar measures the nearest object in a cone, without its bearing.",
         choices=("lidar", "sonar_ring"),
     ),
     Parameter(
@@ -67,7 +67,7 @@ BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SENSOR_PARAMETERS}
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
-    """One value for each row of :data:`SENSOR_PARAMETERS`; units and meanings stand there.
+    """One value for each row of :data:`SENSOR_PARAMETERS`; units and meanings are in the table.
 
     Raises :class:`ConfigError` naming the field that is refused.
     """

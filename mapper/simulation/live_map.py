@@ -29,7 +29,7 @@ from mapper.simulation.simulation import Simulation
 from mapper.simulation.worlds import World
 
 MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
-WARM_UP_S = 2.0  #: seconds that the robot has walked when a visitor arrives
+WARM_UP_S = 2.0  #: seconds that the robot has driven when a visitor arrives
 MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
 
 
@@ -72,7 +72,7 @@ class LiveMap:
         return MappingConfig().with_values(sensor_defaults(sensor.cone, first))
 
     def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
-        """Start anew in ``world``, altered by ``edits``, the robot having walked for a moment.
+        """Start anew in ``world``, altered by ``edits``, after the robot has driven for :data:`WARM_UP_S`.
 
         Raises as :func:`mapper.simulation.edited` does; nothing has changed then.
         """
@@ -93,7 +93,7 @@ class LiveMap:
             self.second.begin(self.second.config, self._empty_grid(altered, self.second.config, []))
         self.newest: RangeScan | None = None
         self.newest_pose: PoseTuple = self.simulation.pose
-        self.believed_pose: PoseTuple = self.simulation.pose  #: where the map has the base at the newest scan
+        self.believed_pose: PoseTuple = self.simulation.pose  #: the base's pose in the map at the newest scan
         self.scans = 0
         self.hidden = 0  #: newest scans that are taken out of the map again, to be looked at one by one
         if not altered.is_free(world.start[:2], self.simulation.radius):
@@ -153,7 +153,7 @@ class LiveMap:
             return
         second = self.second
         if second is not None:
-            other = second.beside(config)
+            other = second.config_for(config)
             remade = self._made(other, faults if second.with_faults else Faults())
         grid = self._made(config, faults)
         self.grid, self.config, self.faults = grid, config, faults
@@ -167,9 +167,9 @@ class LiveMap:
         self.remake(self.config)
 
     def compare(self, values: dict[str, Any] | None, *, with_faults: bool = False) -> None:
-        """Keep a second map of the same recording beside the first, with other ``values``; None for no more.
+        """Keep a second map of the same recording, with other ``values``; None removes it.
 
-        It is made of what is true, unless ``with_faults``. Raises :class:`ConfigError` for values that are refused.
+        It has true poses and readings, unless ``with_faults``. Raises :class:`ConfigError` for invalid values.
         """
         self.vanishing = None
         if values is None:
@@ -186,11 +186,11 @@ class LiveMap:
         changes = []
         for scan, pose in self.simulation.advance(dt):
             changes.append(self._take(scan, pose))
-            self.wanted()  # others may have their turn here; the time passes in any case
+            self.wanted()  # other computations may run here; the time passes in any case
         return changes
 
     def look(self) -> Change:
-        """Take a scan now, whatever the sensor's rate: after a teleport nobody should have to wait."""
+        """Take a scan now, whatever the sensor's rate: a teleport is followed by one at once."""
         simulation = self.simulation
         stamp_ns = round(simulation.time * 1e9)
         scan = measure(simulation.world, simulation.sensor, simulation.sensor_pose, self._noise, stamp_ns)
@@ -211,7 +211,7 @@ class LiveMap:
         return True
 
     def _recall(self) -> RangeScan:
-        """Make the newest scan that is not hidden the newest; return it as it truly was."""
+        """Take the newest scan that is not hidden; return it with its true readings."""
         recording = self.recordings[-1]
         at = len(recording) - 1 - self.hidden
         log = recording.as_log(specular=self.faults.specular)
@@ -283,17 +283,17 @@ class LiveMap:
     def set_sensor(self, sensor: SensorConfig) -> bool:
         """Exchange the sensor; return whether the map had to be made anew, because a recording was given up.
 
-        No model suits thin and wide beams alike: where a sensor of another kind comes, the map begins anew, with the
-        model that suits it.
+        Thin beams and cones need different models: with a sensor of another kind the map begins anew, with the default
+        model of that sensor.
         """
         self._reveal(self.hidden)
         other_kind = sensor.kind != self.simulation.sensor.kind
         self.simulation.set_sensor(sensor)
         if other_kind:
-            suited = sensor_defaults(sensor.cone)
-            model = {"model": suited.pop("model", "fixed_increments")}
+            defaults = sensor_defaults(sensor.cone)
+            model = {"model": defaults.pop("model", "fixed_increments")}
             self.recordings = [Recording(sensor)]
-            self.remake(self.config.with_values(model | suited))
+            self.remake(self.config.with_values(model | defaults))
             self.look()
             return True
         if self.recordings[-1].fits(sensor):
@@ -308,7 +308,7 @@ class LiveMap:
         return True
 
     def edit(self, edits: Edits, *, watch: bool = False) -> bool:
-        """Alter the world around the robot; return whether the robot had to make way.
+        """Alter the world around the robot; return whether the robot had to be moved.
 
         With ``watch`` a second map without the clamp (with it, where the first has none) begins, and both are watched
         while they forget what was erased. Raises as :func:`mapper.simulation.edited` does, and :class:`ConfigError`

@@ -1,4 +1,4 @@
-"""What wheel odometry makes of a true path: drift."""
+"""Wheel odometry of a true path, with drift."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def drifting_odometry(
 
 
 class Odometer:
-    """Worn wheels that count along: the same motion model as :func:`drifting_odometry`, one motion at a time.
+    """Odometry of worn wheels: the same motion model as :func:`drifting_odometry`, one motion at a time.
 
-    ``pose`` is what they make of the way since :meth:`place`, T_map_base (x, y, yaw).
+    ``pose`` is their estimate since :meth:`place`, T_map_base (x, y, yaw), m and rad.
     """
 
     def __init__(
@@ -57,11 +57,11 @@ class Odometer:
         self.place(pose)
 
     def place(self, pose: PoseTuple) -> None:
-        """Tell the robot where it is: drift begins anew."""
+        """Set the estimate to the true ``pose``: drift begins anew."""
         self.pose = self._true = pose
 
     def move(self, pose: PoseTuple) -> PoseTuple:
-        """The robot came to the true ``pose``; return where its wheels have it."""
+        """Move to the true ``pose``; return the pose that the wheels report."""
         motion = np.asarray(compose(inverse(np.array(self._true)), np.array(pose)))
         noise = self._rng.standard_normal((3, 1))
         turn_1, length, turn_2 = _noisy(motion[np.newaxis], noise, self._alphas, self._turn_bias)

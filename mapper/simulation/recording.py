@@ -1,4 +1,4 @@
-"""The live world's memory: what the sensor has seen so far, as a log that can be mapped again."""
+"""The scans of a live world so far, as a log that can be mapped again."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 13 MB with 360 beams
 FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
 PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
-TURNS = 4  # headings that are told apart in each square
+TURNS = 4  # headings that are distinguished in each square
 
 
 class Recording:
     """Scans and poses of one sensor, in arrays that grow up to ``capacity`` scans.
 
-    Beside the true poses it holds those that odometry reported, and beside the readings by how much polished walls
-    would have made them longer: see :mod:`mapper.simulation.faults`.
+    Besides the true poses it holds those that odometry reported, and for each reading by how much polished walls
+    would have lengthened it: see :mod:`mapper.simulation.faults`.
 
     When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
     only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
@@ -131,7 +131,7 @@ class Recording:
         )
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all scans."""
         self._start_empty()
         self.generation += 1
 

@@ -17,7 +17,7 @@ MAX_ANGULAR = 1.5  #: rad/s
 LINEAR_ACCELERATION = 1.2  # m/s²
 BRAKING = 2.0  # m/s²
 ANGULAR_ACCELERATION = 5.0  # rad/s²
-STALLED = 0.3  # share of the speed asked for below which the robot pushes a wall and does not slide along it
+STALLED = 0.3  # share of the commanded speed below which the robot stops at a wall instead of sliding along it
 SKIN = 1e-4  # metres kept from every wall, so that rounding never lets the robot touch
 
 
@@ -34,7 +34,7 @@ class Robot:
     angular: float = 0.0
 
     def step(self, world: World, linear: float, angular: float, dt: float) -> None:
-        """Move for ``dt`` seconds towards the velocities asked for, as fast as the accelerations allow.
+        """Move for ``dt`` seconds towards the commanded velocities, as fast as the accelerations allow.
 
         Where the motion would touch a wall the robot slides along it, and where it cannot slide it stops: its
         centre never comes nearer than ``radius`` to anything solid. Source of the motion: Probabilistic Robotics,
@@ -55,15 +55,15 @@ class Robot:
         self.pose = (to_x, to_y, math.remainder(turned, 2.0 * math.pi))
 
     def stop(self) -> None:
-        """Stand still at once."""
+        """Stop at once, without deceleration."""
         self.linear = self.angular = 0.0
 
     def _kept_free(self, world: World, x: float, y: float, to_x: float, to_y: float) -> tuple[float, float, bool]:
-        """Return a place near (to_x, to_y) where the robot fits, and whether a wall was in the way."""
+        """Return a place near (to_x, to_y) where the robot fits, and whether a wall blocked the motion."""
         least = self.radius + SKIN
         nearest = np.zeros(2)
         touched = False
-        for _ in range(3):  # a corner pushes from two sides; what three pushes do not free is too tight
+        for _ in range(3):  # a corner has two walls; a place that three corrections do not free is too tight
             clearance = nearest_edge(world.segments, to_x, to_y, nearest)
             if clearance >= least:
                 return to_x, to_y, touched

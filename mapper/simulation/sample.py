@@ -14,7 +14,7 @@ SAMPLE_SENSOR = SensorConfig(n_beams=360, range_max=8.0, range_noise=0.01, scan_
 
 
 def sample_log(n_scans: int = 600, world: str = "office", seed: int = 5) -> ScanLog:
-    """Return a simulated run of ``n_scans`` scans, four minutes at first: the same for the same arguments.
+    """Return a simulated run of ``n_scans`` scans (600: four minutes): the same for the same arguments.
 
     It has two trajectories: "true", and "odometry", which drifts as wheels do.
     """
@@ -35,5 +35,5 @@ def sample_log(n_scans: int = 600, world: str = "office", seed: int = 5) -> Scan
         },
         name=f"A simulated run: {WORLDS[world].title.lower()}",
         format="simulation",
-        notes=("A simulated log: the robot walked by itself, and its true poses are known.",),
+        notes=("A simulated log: the robot drove by itself, and its true poses are known.",),
     )

@@ -1,4 +1,4 @@
-"""A second map of the same recording, beside the first; and how both forget what was taken away."""
+"""A second map of the same recording, with other parameters; and how both forget what was removed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mapper.simulation.worlds import World
 
 @dataclass(slots=True)
 class SecondMap:
-    """A map with other ``values`` than the first one has, of what is true or ``with_faults`` as the first has them."""
+    """A map with other ``values`` than the first, of true poses and readings, or ``with_faults`` of the first."""
 
     values: dict[str, Any]
     with_faults: bool
@@ -24,7 +24,7 @@ class SecondMap:
     box: CellBox | None = None  #: what changed since :meth:`changed` was last asked; None: nothing
     is_new: bool = True  #: whether everything may have changed since then
 
-    def beside(self, config: MappingConfig) -> MappingConfig:
+    def config_for(self, config: MappingConfig) -> MappingConfig:
         """Return this map's parameters when the first one's are ``config``. Raises as ``with_values`` does."""
         return config.with_values(self.values)
 
@@ -61,7 +61,7 @@ class Vanishing:
         return cls(config.clamp, Forgetting(places), Forgetting(places))
 
     def look(self, first: OccupancyGrid, second: OccupancyGrid) -> None:
-        """Take note of both maps after one more scan."""
+        """Record the share of free cells of both maps after one more scan."""
         self.first.look(first)
         self.second.look(second)
 
@@ -71,7 +71,7 @@ def forgetting_message(vanishing: Vanishing | None) -> dict[str, Any]:
     message: dict[str, Any] = {"type": "forgetting", "cells": 0, "scans": 0, "with_clamp": None, "without_clamp": None}
     if vanishing is None:
         return message | {"free_with_clamp": 0.0, "free_without_clamp": 0.0}
-    ways = (vanishing.first, vanishing.second)
-    for name, way in zip(("with_clamp", "without_clamp"), ways if vanishing.clamped_first else ways[::-1], strict=True):
-        message |= {name: way.after, f"free_{name}": round(way.free[-1], 4) if way.free else 0.0}
+    pair = (vanishing.first, vanishing.second)
+    for name, one in zip(("with_clamp", "without_clamp"), pair if vanishing.clamped_first else pair[::-1], strict=True):
+        message |= {name: one.after, f"free_{name}": round(one.free[-1], 4) if one.free else 0.0}
     return message | {"cells": len(vanishing.first.places), "scans": len(vanishing.first.free)}

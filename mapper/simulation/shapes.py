@@ -30,7 +30,7 @@ def disc(x: float, y: float, radius: float, corners: int = 24) -> Polygon:
 
 
 def star(x: float, y: float, outer: float, inner: float, spikes: int) -> Polygon:
-    """Return a star whose spikes end on the circle ``outer`` and whose notches lie on the circle ``inner``."""
+    """Return a star whose spikes end on the circle ``outer`` and whose notches are on the circle ``inner``."""
     angle = np.pi * np.arange(2 * spikes) / spikes
     radius = np.where(np.arange(2 * spikes) % 2 == 0, outer, inner)
     return np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=-1)

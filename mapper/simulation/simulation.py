@@ -16,7 +16,7 @@ from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World
 
 STEP = 0.02  #: seconds of one physics step
-CONTROL_STEPS = 2  # physics steps between two decisions of the walker
+CONTROL_STEPS = 2  # physics steps between two decisions of the explorer
 NOTE_STEPS = 25  # physics steps between two notes of where the robot was
 DRIVE_SECONDS = 0.5  #: for how long a velocity given by hand holds
 ROBOT_RADIUS = 0.2  #: metres
@@ -35,7 +35,7 @@ class Simulation:
     """A world, a robot in it, its lidar and a clock, which only :meth:`advance` moves.
 
     The same world, sensor, seed and calls give the same scans. Noise and wandering have a random generator each, so
-    a change of the sensor does not change the way. ``mount`` is ``T_base_laser``: metres, metres, radians.
+    a change of the sensor does not change the path. ``mount`` is ``T_base_laser``: metres, metres, radians.
     Not for use from two threads at once.
     """
 
@@ -95,7 +95,7 @@ class Simulation:
 
     @property
     def auto(self) -> bool:
-        """Whether the robot walks by itself."""
+        """Whether the robot drives by itself."""
         return self._auto
 
     @auto.setter
@@ -156,7 +156,7 @@ class Simulation:
     def teleport(self, x: float, y: float, yaw: float | None = None) -> Teleport:
         """Put the robot at (x, y) metres, facing ``yaw`` radians (None: as before), standing still.
 
-        Where it does not fit it lands on the nearest free place, and the message says so. Raises
+        Where it does not fit it is put at the nearest free place, and the message says so. Raises
         :class:`ConfigError` for a place or a heading that is not finite.
         """
         if not all(math.isfinite(v) for v in (x, y, 0.0 if yaw is None else yaw)):
@@ -170,16 +170,16 @@ class Simulation:
         self.explorer.forget_path()
         self._drive = self._control = (0.0, 0.0)
         moved = not self.world.is_free((x, y), needed)
-        return Teleport(pose, moved, self._landing(x, y, pose) if moved else f"The robot stands at ({x:.2f}, {y:.2f}).")
+        return Teleport(pose, moved, self._landing(x, y, pose) if moved else f"The robot is at ({x:.2f}, {y:.2f}).")
 
     def _landing(self, x: float, y: float, pose: PoseTuple) -> str:
         clearance = float(self.world.clearance((x, y)))
         away = math.hypot(pose[0] - x, pose[1] - y)
-        # Centimetres as people say them, unless somebody asked for a place at the other end of the number line.
+        # Two digits, unless the place asked for is extremely far away.
         distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
         why = "outside the world" if np.isneginf(clearance) else "inside a wall" if clearance <= 0.0 else "too tight"
         return (
-            f"That place is {why}: the robot stands at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
+            f"That place is {why}: the robot is at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
             f"{distance} m away."
         )
 

@@ -1,4 +1,4 @@
-"""A ring of sonars: each hears the nearest thing in its cone, and not in which direction of the cone it is."""
+"""A ring of sonars: each measures the nearest object in its cone, without the bearing of the echo."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from mapper.simulation.kernels.raycast import cast_rays
 from mapper.simulation.worlds import Float64Array, World
 
-RAY_STEP = math.radians(1.0)  #: between the rays that feel for what lies in a cone
+RAY_STEP = math.radians(1.0)  #: between the rays that sample a cone
 
 
 def rays_of_cone(beam_width: float) -> Float64Array:
-    """Return the bearings (n_rays,) off a cone's axis, radians, of the rays that feel for what lies in it.
+    """Return the bearings (n_rays,) off a cone's axis, radians, of the rays that sample it.
 
     At most :data:`RAY_STEP` apart, the cone's edges and its axis among them; ``beam_width`` is from edge to edge.
     """
@@ -27,7 +27,7 @@ def ranges_in_cones(
     """Return the distance (n, n_rays), metres, along each ray of each cone to the first solid, +inf where none is.
 
     ``pose`` (x, y, yaw) is ``T_map_sensor``; ``bearings`` (n,) of the cones' axes and ``beam_width`` are radians; the
-    rays are those of :func:`rays_of_cone`. What a sonar hears is the nearest of what sends its sound back. Source: the
+    rays are those of :func:`rays_of_cone`. A sonar measures the nearest surface that returns an echo. Source: the
     wide beam of a time of flight sonar, Moravec & Elfes 1985.
     """
     x, y, yaw = pose

@@ -1,4 +1,4 @@
-"""A world: what is solid on one floor, and the questions a robot asks of it."""
+"""A world: the solids of one floor, with clearance and nearest free places."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class World:
     def clearance(self, points_xy: ArrayLike) -> Float64Array:
         """Return how far each point (..., 2), metres, is from the nearest solid (...): negative inside one.
 
-        Outside the bounds it is −inf: nothing stands there.
+        Outside the bounds it is −inf: no place there is free.
         """
         points = np.asarray(points_xy, dtype=np.float64)
         flat = np.ascontiguousarray(points.reshape(-1, 2))
@@ -62,13 +62,13 @@ class World:
         return np.where(inside, out, -np.inf).reshape(points.shape[:-1])
 
     def is_free(self, xy: ArrayLike, radius: float = 0.0) -> bool:
-        """Return whether a disc of ``radius`` metres at ``xy`` (2,) meets nothing solid and lies in the bounds."""
+        """Return whether a disc of ``radius`` metres at ``xy`` (2,) meets nothing solid and is within the bounds."""
         return bool(self.clearance(xy) >= radius) if radius > 0.0 else bool(self.clearance(xy) > 0.0)
 
     def nearest_free(self, xy: ArrayLike, radius: float = 0.0) -> Float64Array:
         """Return the place (2,) nearest to ``xy`` (2,) where a disc of ``radius`` metres is free: ``xy`` if it is.
 
-        Exact to about a fiftieth of the way there, or 2 mm. Raises :class:`ConfigError` for a point that is not
+        Exact to about a fiftieth of the distance to it, or 2 mm. Raises :class:`ConfigError` for a point that is not
         finite, and for a world that has no such place.
         """
         target = np.asarray(xy, dtype=np.float64)
@@ -87,7 +87,7 @@ class World:
         points = lattice.geometry.cell_to_world(free)
         found = self._improved(points, target, radius)
         gap = float(np.hypot(*(found - target)))
-        # Clearance grows by the length of a way at most: no free place is nearer than what is lacking here.
+        # Clearance is 1-Lipschitz: no free place is nearer than the clearance that is lacking here.
         lacking = max(radius, TOUCH) - float(self.clearance(target))
         if np.isfinite(lacking) and gap - lacking <= max(gap / FINER, 2.0 * TOUCH):
             return found
@@ -99,13 +99,13 @@ class World:
         return self._improved(np.vstack([nearer, found]), target, radius)
 
     def _improved(self, free: Float64Array, target: Float64Array, radius: float) -> Float64Array:
-        """Return the place nearest to ``target`` on the straight free ways there from ``free`` places (n, 2)."""
+        """Return the place nearest to ``target`` on the straight free segments to it from ``free`` places (n, 2)."""
         gaps = np.hypot(*(free - target).T)
         nearest = free[np.argsort(gaps, kind="stable")[:CANDIDATES]]
         steps = np.linspace(0.0, 1.0, 65)[:, None, None]
-        ways = nearest + steps * (target - nearest)
-        free_so_far = np.logical_and.accumulate(self.clearance(ways) >= max(radius, TOUCH), axis=0)
-        ends = ways[np.maximum(free_so_far.sum(axis=0), 1) - 1, np.arange(len(nearest))]
+        points = nearest + steps * (target - nearest)
+        free_so_far = np.logical_and.accumulate(self.clearance(points) >= max(radius, TOUCH), axis=0)
+        ends = points[np.maximum(free_so_far.sum(axis=0), 1) - 1, np.arange(len(nearest))]
         return np.asarray(ends[np.argmin(np.hypot(*(ends - target).T))], dtype=np.float64)
 
 

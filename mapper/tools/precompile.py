@@ -1,6 +1,6 @@
 """``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
 
-numba keeps what it compiles (in NUMBA_CACHE_DIR, or beside the sources), and an image or a machine that ran this once
+numba keeps what it compiles (in NUMBA_CACHE_DIR, or next to the sources), and an image or a machine that ran this once
 starts at full speed. It exits with 1 and names the kernel if one was left out.
 """
 
@@ -28,7 +28,7 @@ from mapper.replay import Replay
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
 
-SECONDS = 1.0  # of a walk: a few scans and a plan
+SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
 
 class _NoEvidence:
@@ -41,7 +41,7 @@ class _NoEvidence:
 
 
 def precompile() -> None:
-    """Use each part of the mapper once, as the service does: walk, record, map in every way, draw."""
+    """Use each part of the mapper once, as the service does: drive, record, map with every kernel, draw."""
     world = WORLDS["room"]
     simulation = Simulation(world)
     recording = Recording(simulation.sensor)
@@ -90,7 +90,7 @@ def kernels() -> dict[str, bool]:
 
 
 def main() -> int:
-    """Warm, and say how long it took."""
+    """Compile the kernels and print how long it took; return the exit status."""
     began = time.perf_counter()
     precompile()
     done = kernels()

@@ -55,7 +55,7 @@ def why(
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)
         row, col = (int(n) for n in replay.grid.geometry.world_to_cell(point))
         told = replay.provenance(row, col)
-    touches = [
+    contributions = [
         {
             "scan": scan,
             "beam": beam,
@@ -83,7 +83,7 @@ def why(
         "log_odds": round(told.after, 6),
         "p_occ": round(float(replay.grid.p_occ[row, col]), 6),
         "hits": int(told.hits.sum()),
-        "touches": touches,
+        "contributions": contributions,
         "notes": list(notes),
     }
     if as_json:
@@ -91,12 +91,12 @@ def why(
         return
     typer.echo(f"{facts['log']}: cell ({row}, {col}) after {replay.index} scans")
     typer.echo(
-        f"  log-odds {told.after:.3f}, p {facts['p_occ']:.3f}, from {told.prior:g}: {len(touches)} beams, "
+        f"  log-odds {told.after:.3f}, p {facts['p_occ']:.3f}, from {told.prior:g}: {len(contributions)} beams, "
         f"{facts['hits']} of them hits"
     )
-    if touches:
+    if contributions:
         typer.echo("    scan  beam  range (m)  increment  log-odds")
-    for touch in touches:
+    for touch in contributions:
         reading = "no return" if touch["range"] is None else f"{touch['range']:.3f}"
         typer.echo(
             f"  {touch['scan']:6} {touch['beam']:5} {reading:>10} {touch['increment']:+10.3f} {touch['log_odds']:9.3f}"

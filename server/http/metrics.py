@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from prometheus_client import CollectorRegistry, Histogram, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
@@ -27,9 +27,9 @@ class Metrics:
             registry=self._registry,
         )
 
-    def watch(self, sessions: SessionRegistry) -> None:
-        """Include the figures of ``sessions`` in each answer."""
-        self._registry.register(_SessionCollector(sessions, self.traffic))
+    def watch(self, sessions: SessionRegistry, kinds: Iterable[str]) -> None:
+        """Include the figures of ``sessions``, which are of these kinds, in each answer."""
+        self._registry.register(_SessionCollector(sessions, tuple(kinds), self.traffic))
 
     def text(self) -> bytes:
         """Return all figures in Prometheus' text format."""
@@ -37,15 +37,15 @@ class Metrics:
 
 
 class _SessionCollector(Collector):
-    def __init__(self, sessions: SessionRegistry, traffic: Traffic) -> None:
-        self._sessions = sessions
+    def __init__(self, sessions: SessionRegistry, kinds: Sequence[str], traffic: Traffic) -> None:
+        self._sessions, self._kinds = sessions, kinds
         self._traffic = traffic
 
     def collect(self) -> Iterable[Metric]:
         live = self._sessions.all()
         by_kind = GaugeMetricFamily("gridbloom_sessions", "Live sessions.", labels=["kind"])
-        for kind in ("world", "log"):
-            by_kind.add_metric([kind], sum(s.kind == kind for s in live))
+        for kind in self._kinds:
+            by_kind.add_metric([kind], sum(s.model.kind == kind for s in live))
         yield by_kind
         clients = [client for session in live for client in session.hub.clients]
         yield GaugeMetricFamily("gridbloom_clients", "Browsers that watch a session.", value=len(clients))

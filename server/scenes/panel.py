@@ -7,48 +7,38 @@ a refused value is then reset.
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import viser
 
 from mapper.core.parameter import Parameter
+from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 
 PATIENCE_S = 1.5  #: seconds for which the session may disagree with what a person chose here
 Post = Callable[[dict[str, Any]], None]
 
 
 class ParameterControls:
-    """One control for each row of a parameter table, in a folder for each group.
+    """One control for each row of a parameter table, in a folder for each group."""
 
-    ``command`` is the type of the session's command that takes ``values``: "parameters" or "sensor".
-    """
-
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        rows: Iterable[Parameter],
-        values: Mapping[str, Any],
-        post: Post,
-        command: str,
-        *,
-        open_groups: tuple[str, ...] = (),
-    ) -> None:
+    def __init__(self, gui: viser.GuiApi, table: ParameterTable, post: Post) -> None:
         self._post = post
-        self._command = command
+        self._command = table.command
         self._handles: dict[str, Any] = {}
         self._rows: dict[str, Parameter] = {}
         self._chosen: dict[str, tuple[Any, float]] = {}  #: name → (what was chosen here, when it stops to count)
         groups: dict[str, list[Parameter]] = {}
-        for row in rows:
+        for row in table.rows:
             groups.setdefault(row.group, []).append(row)
         for group, members in groups.items():
-            with gui.add_folder(group.capitalize(), expand_by_default=group in open_groups):
+            with gui.add_folder(group.capitalize(), expand_by_default=group in table.open_groups):
                 for row in members:
                     self._rows[row.name] = row
-                    self._handles[row.name] = self._control(gui, row, values[row.name])
-        self._show_relevant(values)
+                    self._handles[row.name] = self._control(gui, row, table.values[row.name])
+        self._show_relevant(table.values)
 
     def _control(self, gui: viser.GuiApi, row: Parameter, value: float | str | bool) -> viser.GuiInputHandle[Any]:
         label = f"{row.label} ({row.unit})" if row.unit else row.label
@@ -97,12 +87,11 @@ class ParameterControls:
 
 
 class Clock:
-    """Buttons for play, pause and restart, and for a log a slider over its scans."""
+    """Buttons for play, pause and restart, and a slider over scans, each where the session has it."""
 
-    def __init__(self, gui: viser.GuiApi, post: Post, *, count: int | None, playing: bool, index: int) -> None:
-        self._post = post
-        self._play = gui.add_button("Pause" if playing else "Play", color="teal")
-        self._playing = playing
+    def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post) -> None:
+        self._playing = controls.playing
+        self._play = gui.add_button(self._label(), color="teal")
         self._scan: Any = None
         self._sought: tuple[int, float] | None = None
 
@@ -110,8 +99,9 @@ class Clock:
             post({"type": "pause" if self._playing else "play"})
 
         self._play.on_click(toggled)
-        if count is not None:
-            self._scan = gui.add_slider("Scans in the map", 0, max(count, 1), 1, min(index, max(count, 1)))
+        if controls.count is not None:
+            count = max(controls.count, 1)
+            self._scan = gui.add_slider("Scans in the map", 0, count, 1, min(controls.index, count))
 
             async def sought(event: viser.GuiEvent[Any]) -> None:
                 if event.client is not None:
@@ -123,33 +113,35 @@ class Clock:
         async def restarted(_: viser.GuiEvent[Any]) -> None:
             post({"type": "restart"})
 
-        gui.add_button("Start again", color="gray").on_click(restarted)
+        if controls.can_restart:
+            gui.add_button("Start again", color="gray").on_click(restarted)
 
-    def show(self, *, playing: bool, index: int) -> None:
+    def show(self, controls: SceneControls) -> None:
         """Show the state of the session's clock."""
-        if playing != self._playing:
-            self._playing = playing
-            self._play.label = "Pause" if playing else "Play"
-        if self._scan is None or self._scan.value == index:
+        if controls.playing != self._playing:
+            self._playing = controls.playing
+            self._play.label = self._label()
+        if self._scan is None or self._scan.value == controls.index:
             self._sought = None
         elif self._sought is None or time.monotonic() > self._sought[1]:
             self._sought = None
-            self._scan.value = min(index, int(self._scan.max))
+            self._scan.value = min(controls.index, int(self._scan.max))
+
+    def _label(self) -> str:
+        return "Pause" if self._playing else "Play"
 
 
 class NamedChoice:
-    """One of several names: the world, or the log's trajectory. A choice is posted as ``command`` with a ``name``."""
+    """One of several names. A choice is posted as its command with a ``name``."""
 
-    def __init__(
-        self, gui: viser.GuiApi, label: str, names: Sequence[str], current: str, post: Post, command: str
-    ) -> None:
-        self._handle: Any = gui.add_dropdown(label, names, initial_value=current)
+    def __init__(self, gui: viser.GuiApi, choice: Choice, post: Post) -> None:
+        self._handle: Any = gui.add_dropdown(choice.label, choice.names, initial_value=choice.current)
         self._chosen: tuple[str, float] | None = None
 
         async def chosen(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:
                 self._chosen = (self._handle.value, time.monotonic() + PATIENCE_S)
-                post({"type": command, "name": self._handle.value})
+                post({"type": choice.command, "name": self._handle.value})
 
         self._handle.on_update(chosen)
 
@@ -161,17 +153,72 @@ class NamedChoice:
         self._handle.value = name
 
 
-def add_layers(gui: viser.GuiApi, layers: Mapping[str, viser.SceneNodeHandle]) -> None:
-    """Add a switch for each named layer of the scene (a scene node handle)."""
-    with gui.add_folder("Show", expand_by_default=False):
-        for title, node in layers.items():
-            _add_switch(gui, title, node)
+class Panel:
+    """The whole panel: hint, clock, choices, switches, and a tab for each parameter table."""
+
+    def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post) -> None:
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
+        gui.set_panel_label("Gridbloom")
+        gui.main_panel.dock_right()  # beside the scene, not over it
+        if controls.hint:
+            gui.add_markdown(controls.hint)
+        self._clock = Clock(gui, controls, post)
+        self._choices = {choice.label: NamedChoice(gui, choice, post) for choice in controls.choices}
+        self.switches = VisibilitySwitches(gui)
+        self._tables: dict[str, ParameterControls] = {}
+        if controls.tables:
+            # The parameters have a panel of their own: on a phone it stays folded, and the scene in view.
+            panel = gui.add_panel()
+            for table in controls.tables:
+                with panel.add_tab(table.title):
+                    self._tables[table.title] = ParameterControls(gui, table, post)
+            panel.dock_below(gui.main_panel)
+
+    def show(self, controls: SceneControls) -> None:
+        """Move the controls to the session's values."""
+        self._clock.show(controls)
+        for choice in controls.choices:
+            self._choices[choice.label].show(choice.current)
+        for table in controls.tables:
+            self._tables[table.title].show(table.values)
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether a parameter changed here still waits for the session's confirmation."""
+        return any(table.unsettled for table in self._tables.values())
 
 
-def _add_switch(gui: viser.GuiApi, title: str, node: viser.SceneNodeHandle) -> None:
-    switch = gui.add_checkbox(title, True)
+class VisibilitySwitches:
+    """A folder "Show" with a switch for each label of the scene's nodes."""
 
-    async def switched(_: viser.GuiEvent[Any]) -> None:
-        node.visible = switch.value
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._gui = gui
+        self._folder = gui.add_folder("Show", expand_by_default=False)
+        self._switches: dict[str, Any] = {}
+        self._nodes: dict[str, list[viser.SceneNodeHandle]] = {}
 
-    switch.on_update(switched)
+    def set_nodes(self, nodes: Iterable[tuple[str, viser.SceneNodeHandle]]) -> None:
+        """Set the nodes and their labels. New nodes of a label that is switched off are hidden."""
+        by_label: dict[str, list[viser.SceneNodeHandle]] = {}
+        for label, node in nodes:
+            by_label.setdefault(label, []).append(node)
+        self._nodes = by_label
+        for label in [label for label in self._switches if label not in by_label]:
+            self._switches.pop(label).remove()
+        for label, members in by_label.items():
+            if label not in self._switches:
+                self._switches[label] = self._add(label)
+            for node in members:
+                node.visible = self._switches[label].value
+
+    def _add(self, label: str) -> viser.GuiInputHandle[bool]:
+        with self._folder:
+            switch = self._gui.add_checkbox(label, True)
+
+        async def switched(_: viser.GuiEvent[Any]) -> None:
+            for node in self._nodes.get(label, ()):
+                with contextlib.suppress(RuntimeError):  # the node was removed meanwhile
+                    node.visible = switch.value
+
+        switch.on_update(switched)
+        return switch

@@ -2,8 +2,7 @@
 
 viser's client is one page without further files, so it is served from the installed package, compressed once, and
 only the WebSocket is forwarded: viser's HTTP server, which reads files, is not reachable from outside. Of the browser's
-messages only the three kinds that the scene needs are forwarded; viser would also open a public tunnel, accept files
-and set any property of its objects at a client's request.
+messages only those that :func:`server.scenes.browser_messages.passes` lets through are forwarded.
 """
 
 from __future__ import annotations
@@ -11,24 +10,28 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
 
-import msgspec
+import structlog
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, unix_connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
+from server.scenes.browser_messages import passes
+from server.sessions.drawings import MAX_DRAWING_BYTES
+
 SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: without importing viser, which is slow
 MAX_FROM_BROWSER = 16 * 1024  #: bytes of one message of the browser's; a camera has some 300
-MAX_FROM_SCENE = 64 << 20  #: bytes of one message of viser's: a whole map's columns when a browser connects
+MAX_FROM_SCENE = MAX_DRAWING_BYTES + (1 << 20)  #: bytes of one message of viser's: the largest drawing and its fields
 CONNECT_S = 5.0
+TOO_BIG = 1009  #: the close code for a message that is too large
+
+_log = structlog.get_logger(__name__)
 
 _TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</title>")
 
@@ -79,60 +82,6 @@ def page_headers(host: str) -> dict[str, str]:
     }
 
 
-_Number = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
-_Point = tuple[_Number, _Number, _Number]
-_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers count in fractions, too
-
-
-class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbid_unknown_fields=True):
-    """viser's message with the pose of the browser's camera."""
-
-    wxyz: tuple[_Number, _Number, _Number, _Number]
-    position: _Point
-    fov: _Number
-    near: _Number
-    far: _Number
-    image_height: _Pixels
-    image_width: _Pixels
-    look_at: _Point
-    up_direction: _Point
-
-
-class _Click(msgspec.Struct, tag_field="type", tag="ScenePointerMessage", forbid_unknown_fields=True):
-    """viser's message on a click into the scene."""
-
-    event_type: Literal["click"]
-    ray_origin: _Point
-    ray_direction: _Point
-    screen_pos: Annotated[list[tuple[_Number, _Number]], msgspec.Meta(min_length=1, max_length=1)]
-    modifier: Annotated[str, msgspec.Meta(max_length=100)] | None
-
-
-class _Value(msgspec.Struct, forbid_unknown_fields=True):
-    value: bool | float | Annotated[str, msgspec.Meta(max_length=100)]
-
-
-class _Update(msgspec.Struct, tag_field="type", tag="GuiUpdateMessage", forbid_unknown_fields=True):
-    """viser's message on a control that was moved."""
-
-    uuid: Annotated[str, msgspec.Meta(max_length=100)]
-    updates: _Value
-
-
-_passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update)
-
-
-def passes(message: bytes) -> bool:
-    """Return whether a browser's message may be forwarded. viser closes the connection on an invalid field."""
-    try:
-        content = _passed.decode(message)
-    except (msgspec.DecodeError, RecursionError):
-        return False
-    return not (isinstance(content, _Update) and isinstance(content.updates.value, float)) or math.isfinite(
-        content.updates.value
-    )
-
-
 async def pass_on(browser: WebSocket, path: Path) -> None:
     """Connect the browser's WebSocket to viser's Unix socket at ``path`` until one of them closes; close the other.
 
@@ -148,6 +97,7 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
                 str(path),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 max_size=MAX_FROM_SCENE,
+                max_queue=1,  # further messages wait at viser: each may be as large
                 compression=None,
                 proxy=None,
                 ping_interval=None,  # both ends are in one process
@@ -165,6 +115,9 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
                 pump.cancel()
             results = await asyncio.gather(*pumps, return_exceptions=True)
     codes = [result for result in results if isinstance(result, int)]
+    if scene.protocol.close_sent is not None and scene.protocol.close_sent.code == TOO_BIG:
+        _log.warning("message of a 3D view too large", limit=MAX_FROM_SCENE)
+        codes = [TOO_BIG]
     if codes and codes[0] != 0:
         await _close(browser, codes[0])
     for result in results:
@@ -180,7 +133,7 @@ async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
             return 0
         data = message.get("bytes")
         if data is None or len(data) > MAX_FROM_BROWSER:
-            return 1003 if data is None else 1009
+            return 1003 if data is None else TOO_BIG
         if passes(data):
             try:
                 await scene.send(data)

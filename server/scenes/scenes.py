@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import structlog
 
 from server.logging import short_hash
-from server.sessions import Session
+from server.sessions import SessionHost
 
 if TYPE_CHECKING:
+    from server.scenes.drawers import Drawers
     from server.scenes.scene import Scene
 
 IDLE_S = 60.0  #: seconds without a browser after which a scene is closed
@@ -26,15 +27,19 @@ def _scene_class() -> type[Scene]:
     return Scene
 
 
-async def _open(session: Session) -> Scene:
+async def _open(session: SessionHost, drawers: Drawers | None) -> Scene:
     scene_class = await asyncio.to_thread(_scene_class)
-    return await scene_class.open(session)
+    return await (scene_class.open(session) if drawers is None else scene_class.open(session, drawers))
 
 
 class Scenes:
-    """The open scenes by session. Used from the event loop only; :meth:`close` ends all of them."""
+    """The open scenes by session. Used from the event loop only; :meth:`close` ends all of them.
 
-    def __init__(self, *, idle_s: float = IDLE_S, check_s: float = CHECK_S) -> None:
+    ``drawers`` says which class draws which type of drawing, None for those of ``server.scenes.drawers``.
+    """
+
+    def __init__(self, *, drawers: Drawers | None = None, idle_s: float = IDLE_S, check_s: float = CHECK_S) -> None:
+        self._drawers = drawers
         self._idle_s = idle_s
         self._check_s = check_s
         self._scenes: dict[str, asyncio.Task[Scene]] = {}
@@ -44,18 +49,18 @@ class Scenes:
     def __len__(self) -> int:
         return len(self._scenes)
 
-    async def get(self, session: Session) -> Scene:
+    async def get(self, session: SessionHost) -> Scene:
         """Return the session's scene, creating it if needed. Concurrent callers share it."""
         task = self._scenes.get(session.id)
         if task is None:
-            task = asyncio.create_task(_open(session))
+            task = asyncio.create_task(_open(session, self._drawers))
             self._scenes[session.id] = task
             task.add_done_callback(lambda done: self._opened(session, done))
             if self._reaper is None:
                 self._reaper = asyncio.create_task(self._close_idle())
         return await asyncio.shield(task)
 
-    def _opened(self, session: Session, task: asyncio.Task[Scene]) -> None:
+    def _opened(self, session: SessionHost, task: asyncio.Task[Scene]) -> None:
         if task.cancelled() or task.exception() is not None:
             self._scenes.pop(session.id, None)
             return

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Mesh = tuple[NDArray[np.float32], NDArray[np.uint32]]
 
-# A box's corners in units of its sides, and its five visible faces (nobody looks from below the floor).
+# A box's corners in units of its sides, and its five visible faces (the floor is not seen from below).
 _CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 _FACES = np.array(
     [(4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)]

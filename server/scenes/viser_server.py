@@ -2,7 +2,8 @@
 
 viser 1.1 can listen on a TCP port only. A TCP port of 127.0.0.1 takes any process of the machine and, from a browser,
 any page, past the service's token and its checks. Here viser's call of :func:`websockets.asyncio.server.serve` is
-replaced, in viser's module alone, by one that listens on a Unix socket in a folder of mode 0700.
+replaced, in viser's module alone, by one that listens on a Unix socket in a folder of mode 0700. So is the class of its
+message buffers, by one that limits the size of what is sent at once.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ import websockets.exceptions
 from viser.infra import _infra
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
+from server.scenes.message_buffer import MessageBuffer
+
 
 def _serve(
     handler: Callable[[ServerConnection], Awaitable[None]],
@@ -37,6 +40,7 @@ def _serve(
     return unix_serve(handler, sock=bound, **options)
 
 
+_infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]
 _infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # a stand-in for the module
     asyncio=SimpleNamespace(server=SimpleNamespace(serve=_serve, ServerConnection=ServerConnection)),
     datastructures=websockets.datastructures,

@@ -1,21 +1,22 @@
-"""Sessions: each owns one grid, its parameters and its clock."""
+"""Sessions: a host (clients, clock, queue of commands, budget) and a model (what is computed and shown)."""
 
-from mapper.simulation.live_map import LiveMap
-from server.sessions.log_session import LogSession, first_config
+from server.sessions.host import SessionHost
+from server.sessions.kind import Kind, Plan
+from server.sessions.kinds import KINDS
+from server.sessions.model import SessionModel
+from server.sessions.models.log_kind import log_plan
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
-from server.sessions.session import Session
-from server.sessions.simulation_session import SimulationSession
-from server.sessions.view import LogView, SessionView
+from server.sessions.view import LogView
 
 __all__ = [
-    "LiveMap",
-    "LogSession",
+    "KINDS",
+    "Kind",
     "LogView",
-    "Session",
+    "Plan",
     "SessionBudgetError",
+    "SessionHost",
+    "SessionModel",
     "SessionNotFoundError",
     "SessionRegistry",
-    "SessionView",
-    "SimulationSession",
-    "first_config",
+    "log_plan",
 ]

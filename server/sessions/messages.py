@@ -8,16 +8,10 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
-from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from mapper.simulation import SensorConfig
 from server.sessions.view import Pose, RobotState
-
-
-def parameter_table(config: MappingConfig, initial: MappingConfig) -> dict[str, Any]:
-    """Return the ``parameters`` of ``hello``: the table, its initial values being the session's, and the values."""
-    table = [asdict(row) | {"initial": getattr(initial, row.name)} for row in PARAMETERS]
-    return {"table": table, "values": asdict(config)}
 
 
 def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:

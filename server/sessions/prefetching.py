@@ -1,8 +1,8 @@
-"""While nobody waits for anything: the checkpoints of logs that were not played to their end, so that seeks are quick.
+"""Prepares seeks in idle time: stores the checkpoints of logs that were not played to their end.
 
-One log at a time in the whole service, on one thread of its own, at most half of the time, and only in moments in
-which no session computes or has commands. A command to the session ends it at once, and it begins again when the
-session has been left alone for a while.
+One log at a time in the whole service, on one thread of its own, at most half of the time, and only while no session
+computes or has commands. A command to the session ends it at once; it begins again once the session had no command for
+:data:`QUIET_S`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _log = structlog.get_logger(__name__)
 
 
 class Prefetchable(Protocol):
-    """What is asked of a session."""
+    """What prefetching needs of a session."""
 
     closed: bool
     commanded_at: float
@@ -37,14 +37,14 @@ class Prefetchable(Protocol):
 
     @property
     def watched(self) -> bool:
-        """Whether anybody would notice."""
+        """Whether a client or a 3D view shows it."""
 
     @property
     def is_busy(self) -> bool:
         """Whether it computes, or has commands."""
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return who leaves its missing checkpoints; None where there is nothing to do."""
+        """Return what stores its missing checkpoints; None where there is nothing to do."""
 
 
 class CheckpointPrefetching:
@@ -58,7 +58,7 @@ class CheckpointPrefetching:
     ) -> None:
         self._sessions, self._is_room, self._clock = sessions, is_room, clock
         self._given_up: WeakSet[Prefetchable] = WeakSet()
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="scout")
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="prefetch")
 
     async def run(self) -> None:
         """Prepare whatever there is, until cancelled."""
@@ -83,7 +83,7 @@ class CheckpointPrefetching:
     async def _step(self, session: Prefetchable, prefetcher: CheckpointPrefetcher) -> bool:
         try:
             return await asyncio.get_running_loop().run_in_executor(self._thread, prefetcher.step)
-        except Exception:  # noqa: BLE001 - what nobody waits for must not stop the service
+        except Exception:  # noqa: BLE001 - a defect in prefetching must not stop the service
             _log.exception("a log could not be prepared")
             self._given_up.add(session)
             return False

@@ -1,33 +1,31 @@
-"""All live sessions of the service, within their budgets: how many, for whom, how large, how long unwatched."""
+"""All live sessions of the service, within their budgets: how many, for whom, how large, how long unwatched.
+
+The registry knows no kind of session: it makes models by plans, and asks them for their footprint.
+"""
 
 from __future__ import annotations
 
 import asyncio
-import secrets
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Protocol
 
 import structlog
 
 from mapper.core.errors import MapperError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.sensors.scan import ScanLog
-from mapper.simulation.live_map import world_named
-from server.sessions.log_session import LogSession, first_replay
+from server.library import Library
+from server.sessions.host import SessionHost
+from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
-from server.sessions.session import Session
-from server.sessions.simulation_commands import retold
-from server.sessions.simulation_session import DEFAULT_WORLD, SimulationSession
-from server.sessions.story_cost import check_story
-from server.sessions.view import LogView
 from server.stream.hub import Traffic
-from server.work.scheduler import URGENT_S, Party, Scheduler
+from server.work.scheduler import Party, Scheduler
 
 REAP_EVERY_S = 5.0
 THREADS_OF_SESSION = 4  #: at most: its tick, another side for it, and what is asked by HTTP
@@ -73,7 +71,7 @@ class SessionRegistry:
         self._clock = clock
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
-        self._sessions: dict[str, Session] = {}
+        self._sessions: dict[str, SessionHost] = {}
         self._making: list[tuple[str, str | None]] = []  #: owner and link of those that are being made: they count
         self._tasks: list[asyncio.Task[None]] = []
         #: Who computes is the scheduler's choice: a thread that hands its turn on waits, so there are enough of them.
@@ -105,101 +103,50 @@ class SessionRegistry:
     def __len__(self) -> int:
         return len(self._sessions)
 
-    def all(self) -> list[Session]:
+    def all(self) -> list[SessionHost]:
         """Return the live sessions."""
         return list(self._sessions.values())
 
-    def get(self, session_id: str) -> Session:
+    def get(self, session_id: str) -> SessionHost:
         """Return a session. Raises :class:`SessionNotFoundError`."""
         session = self._sessions.get(session_id)
         if session is None:
             raise SessionNotFoundError("session.unknown", "There is no such session; it may have ended.")
         return session
 
-    async def create_world(
-        self,
-        owner: str,
-        world: str | None = None,
-        seed: int | None = None,
-        story: dict[str, Any] | None = None,
-        *,
-        playing: bool = True,
-        address: str = "",
-        name: str | None = None,
-    ) -> SimulationSession:
-        """Start a live world for a visitor, with ``story`` one in which everything told there has happened.
+    async def create(
+        self, kind: Kind, wanted: SessionRequest, visitor: str, library: Library, *, address: str = ""
+    ) -> SessionHost:
+        """Begin the session of a kind that a visitor asked for. Raises as the kind's plan and :meth:`begin`."""
+        plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s))
+        return await self.begin(plan, visitor, address=address)
 
-        Without ``playing`` it stands still, whatever the story says. ``address`` is where the visitor's requests come
-        from; while the story is replayed, :attr:`under_way` tells under ``name`` how far that is. Cancelled, the
-        replay ends.
+    async def begin(self, plan: Plan, owner: str, *, link: str | None = None, address: str = "") -> SessionHost:
+        """Begin a session for a visitor, with ``link`` for one who came by that link.
 
-        Raises :class:`SessionBudgetError`, :class:`mapper.core.errors.LimitError` for a story that would take too long,
-        and :class:`MapperError` for no world and for a story that makes no sense.
+        ``address`` is where the visitor's requests come from. While the model is made, :attr:`under_way` tells how far
+        that is; cancelled, it ends. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
-        cost_s = check_story(story or {}, self._settings.max_story_s)
-        named = world_named(DEFAULT_WORLD if world is None else world).name
-        number = secrets.randbelow(2**31) if seed is None else seed
-
-        party = Party(owner, address)
-        limits = partial(self._limits, None, guest=False, owner=owner)
-        async with self._place(owner):
-            with self.under_way.making(owner, name) as making:
-                told = {**(story or {}), "world": named, "seed": number}
-                make = partial(retold, told, limits=limits, wanted=making.goes_on, report=making.report)
-                mapper = await self._scheduler.run(self.pool, party, make, waited_for=cost_s <= URGENT_S)
-            session = SimulationSession(mapper, owner=owner, pool=self.pool, limits=self.limits)
-            session.max_story_s = self._settings.max_story_s
-            session.resume(story or {})
-            self._begin(session, party, playing=playing)
-        return session
-
-    async def create_log(
-        self,
-        owner: str,
-        log: ScanLog,
-        *,
-        log_id: str = "",
-        title: str = "",
-        view: LogView | None = None,
-        link: str | None = None,
-        playing: bool = True,
-        address: str = "",
-    ) -> LogSession:
-        """Start a session of a log for a visitor, with ``link`` for one who came by that link.
-
-        ``address`` is where the visitor's requests come from. Cancelled, it ends the making of the map.
-
-        Raises :class:`SessionBudgetError`, and as the mapper does.
-        """
-        view = view or LogView()
-        party = Party(owner, address)
+        host = SessionHost(
+            party=Party(owner, address),
+            pool=self.pool,
+            limits=self.limits,
+            scheduler=self._scheduler,
+            link=link,
+            traffic=self._traffic,
+            remake_seconds=self._remake_seconds,
+        )
         async with self._place(owner, link):
-            await self.free_bytes(log, owner, guest=link is not None)
-            limits = self._limits(None, guest=link is not None, owner=owner)
-            with self.under_way.making(owner, None) as making:
-                make = partial(first_replay, log, view, limits, making.goes_on)
-                replay = await self._scheduler.run(self.pool, party, make)
-            session = LogSession(
-                replay,
-                log_id=log_id,
-                topic=view.topic,
-                title=title or log.name,
-                owner=owner,
-                pool=self.pool,
-                limits=self.limits,
-            )
-            session.link = link
-            self._begin(session, party, playing=playing)
-        return session
-
-    def _begin(self, session: Session, party: Party, *, playing: bool) -> None:
-        session.playing = session.playing and playing
-        session.remake_seconds = self._remake_seconds
-        session.scheduler, session.party = self._scheduler, party
-        session.hub.traffic = self._traffic
-        self._sessions[session.id] = session
-        session.start()
-        _log.info("session began", kind=session.kind, cells=session.cells, sessions=len(self._sessions))
+            for log in plan.logs:
+                await self.free_bytes(log, owner, guest=link is not None)
+            with self.under_way.making(owner, plan.name) as making:
+                job = partial(plan.make, host, making)
+                model = await self._scheduler.run(self.pool, host.party, job, waited_for=plan.waited_for)
+            model.playback.playing = model.playback.playing and plan.playing
+            host.start(model)
+            self._sessions[host.id] = host
+        _log.info("session began", kind=model.kind, cells=host.cells, sessions=len(self._sessions))
+        return host
 
     async def close(self, session_id: str) -> None:
         """End a session. Raises :class:`SessionNotFoundError`."""
@@ -210,17 +157,17 @@ class SessionRegistry:
         for session in [one for one in self.all() if one.link == link]:
             await self._end(session)
 
-    async def _end(self, session: Session) -> None:
+    async def _end(self, session: SessionHost) -> None:
         self._sessions.pop(session.id, None)
         await session.close()
-        _log.info("session ended", kind=session.kind, sessions=len(self._sessions))
+        _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
-    def limits(self, session: Session | None) -> Limits:
+    def limits(self, session: SessionHost | None) -> Limits:
         """Return what the grid of ``session`` (None: of a new one) may be, given what the others hold."""
         owner = None if session is None else session.owner
         return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
-    def _limits(self, session: Session | None, *, guest: bool, owner: str | None = None) -> Limits:
+    def _limits(self, session: SessionHost | None, *, guest: bool, owner: str | None = None) -> Limits:
         others = [s for s in self._sessions.copy().values() if s is not session]
         room = self._settings.max_total_cells - sum(s.cells for s in others)
         if guest:  # of all that there is, guests have half at most
@@ -259,7 +206,7 @@ class SessionRegistry:
         finally:
             self._making.remove(place)
 
-    def _guests(self) -> list[Session]:
+    def _guests(self) -> list[SessionHost]:
         return [session for session in self._sessions.values() if session.link is not None]
 
     async def _make_room_for_guest(self, link: str) -> None:
@@ -305,10 +252,11 @@ class SessionRegistry:
     ) -> None:
         """End sessions until the others' logs (those of ``owner``'s sessions) take no more than ``room`` bytes."""
         while True:
-            logs = [s for s in self._sessions.values() if isinstance(s, LogSession) and owner in (s.owner, None)]
+            logs = [s for s in self._sessions.values() if s.model.footprint.logs and owner in (s.owner, None)]
             # Sessions of one log share its readings.
             held = {
-                s: {id(one.ranges): one.ranges.nbytes for one in s.logs if one.ranges is not log.ranges} for s in logs
+                s: {id(one.ranges): one.ranges.nbytes for one in s.model.footprint.logs if one.ranges is not log.ranges}
+                for s in logs
             }
             if sum({key: size for sizes in held.values() for key, size in sizes.items()}.values()) <= room:
                 return
@@ -317,7 +265,7 @@ class SessionRegistry:
             idle = [s for s, sizes in held.items() if sizes.keys() - needed and (s.link is not None or not guest)]
             await self._evict(idle, "session.memory", message)
 
-    async def _evict(self, sessions: Sequence[Session], code: str, message: str) -> None:
+    async def _evict(self, sessions: Sequence[SessionHost], code: str, message: str) -> None:
         """End the session that was left the longest ago."""
         idle = [s for s in sessions if not s.watched]
         if not idle:

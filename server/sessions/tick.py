@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from mapper.core.errors import MapperError
 from mapper.mapping.integrate import CellBox, Change
 from server.stream.hub import Client
-from server.stream.tiles import TilePicture
+from server.stream.protocol import ProtocolError
 
 
 @dataclass(frozen=True, slots=True)
 class QueuedCommand:
-    """A command, and who gave it (None: viser's panel, or code)."""
+    """A command and the client who sent it (None: viser's panel, or code)."""
 
     command: dict[str, Any]
     client: Client | None = None
@@ -22,33 +24,42 @@ class QueuedCommand:
 class TickResult:
     """Collected on a worker thread, sent on the event loop."""
 
-    rest: list[QueuedCommand] = field(default_factory=list)  #: commands that wait for the next tick
-    unfinished: dict[str, Any] | None = None  #: what a long command leaves for the next tick
+    client: Client | None = None  #: the sender of the command that is being carried out
+    rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
+    unfinished: dict[str, Any] | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
-    new_grid: bool = False  #: whether the whole picture has to be read anew
-    box: CellBox | None = None  #: otherwise: the cells that may have changed
-    pictures: list[TilePicture | None] = field(default_factory=list)  #: of a new epoch, for each map of the session
-    remade_ms: float | None = None
-    slots: dict[str, dict[str, Any]] = field(default_factory=dict)
-    notices: list[dict[str, Any]] = field(default_factory=list)
+    new_grid: bool = False  #: whether the whole map has to be drawn anew
+    box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
+    given_up: bool = False  #: whether a map was given up for a newer command, to be made in the next tick
+    remade_ms: float | None = None  #: duration of making the whole map anew
+    slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, for every client
+    notices: list[dict[str, Any]] = field(default_factory=list)  #: for every client, each one
     answers: list[tuple[Client | None, dict[str, Any]]] = field(default_factory=list)
-    reminded: list[Client | None] = field(default_factory=list)  #: whose sliders stand where they were refused
-    questions: dict[Client | None, dict[str, Any]] = field(default_factory=dict)  #: each client's newest "why"
+    resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients who get a slot's message again
+    questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
 
     def add(self, change: Change) -> None:
-        """Take up what an update of the grid changed."""
+        """Add what an update of the map changed."""
         self.changed = True
         self.new_grid = self.new_grid or change.geometry_changed
         if change.box is not None:
             self.box = change.box if self.box is None else self.box | change.box
 
     def slot(self, message: dict[str, Any]) -> None:
-        """Send ``message`` to everyone, unless a newer one of its type comes first."""
+        """Send ``message`` to every client, unless a newer one of its type comes first."""
         self.slots[message["type"]] = message
 
     def notice(self, code: str, message: str) -> None:
-        """Tell everyone something."""
+        """Send a notice to every client."""
         self.notices.append({"type": "notice", "code": code, "message": message})
+
+    def answer(self, message: dict[str, Any]) -> None:
+        """Send ``message`` to the sender of the present command."""
+        self.answers.append((self.client, message))
+
+    def refuse(self, client: Client | None, error: ProtocolError | MapperError) -> None:
+        """Tell ``client`` why a command was refused."""
+        self.answers.append((client, error_message(error.code, error.message)))
 
 
 def error_message(code: str, message: str, detail: object = None) -> dict[str, Any]:

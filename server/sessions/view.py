@@ -1,56 +1,16 @@
-"""What a session shows at one instant."""
+"""Values that sessions, their parts and their readers exchange: poses, views, requests for a comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import RangeScan
-from mapper.simulation import SensorConfig, World
-from server.sessions.why import Source
+from mapper.sensors.scan import RangeScan, ScanLog
 
 Pose = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class SessionView:
-    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
-
-    ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``,
-    at the bearings ``angles``, radians.
-    """
-
-    geometry: GridGeometry
-    log_odds: NDArray[np.float32]
-    observed: NDArray[np.bool_]
-    pose: Pose
-    sensor_pose: Pose
-    ranges: NDArray[np.float32]
-    angles: NDArray[np.float64]
-    range_max: float
-    world: World | None
-    config: MappingConfig
-    sensor: SensorConfig | None
-    playing: bool
-    index: int
-    count: int
-
-
-@dataclass(frozen=True, slots=True)
-class Side:
-    """One of a session's maps, for questions about its cells; ``place`` is that of its hub among the session's."""
-
-    grid: OccupancyGrid
-    config: MappingConfig
-    sources: Callable[[], list[Source]]
-    index: int
-    place: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +26,27 @@ class LogView:
 
 
 @dataclass(frozen=True, slots=True)
-class RobotState:
-    """Now and the newest scan: ``pose`` T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` T_map_laser then.
+class Wanted:
+    """What to compare with: a map of ``log``, None being the session's own, with the poses of ``trajectory``.
 
-    The correction of the mount among the parameters is in neither: the map composes it onto them. ``believed_*`` are
-    the same of where the robot believes to be, None where it knows.
+    ``values`` are the parameters that it keeps; in all others it follows the session's.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    trajectory: str | None = None
+    log: ScanLog | None = None
+    log_id: str | None = None
+    topic: str | None = None
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """The robot and its newest scan.
+
+    ``pose`` is T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` is T_map_laser at the scan. None of them
+    includes the correction of the mount among the parameters, which the map composes onto them. ``believed_*`` are the
+    same as the robot estimates them, None where the estimate is exact.
     """
 
     pose: Pose

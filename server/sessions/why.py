@@ -18,7 +18,7 @@ from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
 
-MAX_TOUCHES = 300  #: told in detail
+MAX_CONTRIBUTIONS = 300  #: described in detail, in one message
 STRETCHES = 300  #: of the curve, each with its least and its greatest value
 
 
@@ -41,31 +41,32 @@ def why_message(
 ) -> dict[str, Any]:
     """Return a ``why`` message about the cell (row, col), epoch and index of ``about``.
 
-    ``until`` is the last touch to tell in detail, None for the newest. Raises :class:`ProtocolError` for one below 1.
+    ``until`` is the last contribution to tell in detail, None for the newest. Raises
+    :class:`ProtocolError` for one below 1.
     """
     if until is not None and until < 1:
-        raise ProtocolError("command.until", f"Touches count from 1; there is none up to {until}.")
+        raise ProtocolError("command.until", f"Contributions count from 1; there is none up to {until}.")
     row, col = about["row"], about["col"]
-    told: list[Provenance] = []
+    parts: list[Provenance] = []
     part: Provenance | None = None
     for source in sources:
         part = provenance(
             grid.geometry, source.log, config, (row, col), source.trajectory, source.stop, part, pause=checkpoint
         )
-        told.append(part)
-    counts = [len(part.scans) for part in told]
+        parts.append(part)
+    counts = [len(part.scans) for part in parts]
     total = sum(counts)
     stop = total if until is None else min(until, total)
     low, high = (limit if np.isfinite(limit) else None for limit in map(float, config.clamp_limits))
     first_scans = np.cumsum([0, *(source.stop for source in sources)])
-    touches: list[dict[str, Any]] = []
+    contributions: list[dict[str, Any]] = []
     first_scan = None
     n = 0
-    for source, part, first in zip(sources, told, first_scans[:-1].tolist(), strict=True):
+    for source, part, first in zip(sources, parts, first_scans[:-1].tolist(), strict=True):
         if first_scan is None and len(part.scans):
             first_scan = first + int(part.scans[0])
-        inside = slice(max(0, stop - MAX_TOUCHES - n), max(0, stop - n))
-        touches += _touches(source, part, config, inside, n, first)
+        inside = slice(max(0, stop - MAX_CONTRIBUTIONS - n), max(0, stop - n))
+        contributions += _contributions(source, part, config, inside, n, first)
         n += len(part.scans)
     return {
         "type": "why",
@@ -76,17 +77,17 @@ def why_message(
         "log_odds_max": high,
         "per_scan": config.update == "per_scan",
         "total": total,
-        "hits": sum(int(np.count_nonzero(part.hits)) for part in told),
+        "hits": sum(int(np.count_nonzero(part.hits)) for part in parts),
         "first_scan": first_scan,
-        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in told)])),
-        "touches": touches,
+        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in parts)])),
+        "contributions": contributions,
     }
 
 
-def _touches(
+def _contributions(
     source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[dict[str, Any]]:
-    """Return the touches ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
+    """Return the contributions ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
     batch = scan_batch_of_log(source.log, plan, source.trajectory, 0, source.stop)
     scans, beams = part.scans[inside], part.beams[inside]
@@ -123,9 +124,9 @@ def _touches(
 
 
 def thinned(log_odds: NDArray[np.float32]) -> list[list[float]]:
-    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` touches, n from 1, the last one always among them.
+    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` contributions, n from 1, the last one always among them.
 
-    Of each stretch of touches the least and the greatest stay, so that no excursion is lost.
+    Of each stretch the least and the greatest stay, so that no excursion is lost.
     """
     if len(log_odds) <= 2 * STRETCHES:
         kept = np.arange(len(log_odds))

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.messages import Drawn, Values, Which
+from server.stream.messages import DrawnSolid, Values
 
 Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
@@ -23,11 +23,18 @@ class AckCommand(Struct, tag_field="type", tag="ack"):
 
 
 class ResumeCommand(Struct, tag_field="type", tag="resume"):
-    """First message after a reconnect: which tiles are still there. The server then sends only newer ones."""
+    """After a reconnect, before `subscribe`: which tiles of a grid are still there. Only newer ones are then sent."""
 
     epoch_id: Annotated[str, Meta(description="of the `hello` of the earlier connection")]
+    layer: Annotated[str, Meta(description="name of the grid")]
     epoch: Annotated[Whole, Meta(description="epoch of the tiles")]
     revision: Annotated[Whole, Meta(description="all tiles up to this revision were received")]
+
+
+class SubscribeCommand(Struct, tag_field="type", tag="subscribe"):
+    """Which layers to send from now on. Without it, the first."""
+
+    layers: Annotated[list[str], Meta(description="names of all layers that are wanted", max_length=64)]
 
 
 class PlayCommand(Struct, tag_field="type", tag="play"):
@@ -67,25 +74,25 @@ class ParametersCommand(Struct, tag_field="type", tag="parameters"):
 
 
 class SensorCommand(Struct, tag_field="type", tag="sensor"):
-    """World sessions: change the simulated sensor."""
+    """Simulations: change the simulated sensor."""
 
     values: Annotated[Values, Meta(description="new values; the others stay")]
 
 
 class FaultsCommand(Struct, tag_field="type", tag="faults"):
-    """World sessions: which faults of the robot enter the map. The whole map is recomputed."""
+    """Simulations: which faults of the robot enter the map. The whole map is recomputed."""
 
     values: Annotated[Values, Meta(description="`drift`, `specular`: true or false")]
 
 
 class CompareCommand(Struct, tag_field="type", tag="compare"):
-    """World sessions: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`."""
+    """Simulations: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`."""
 
     values: Annotated[Values | None, Meta(description="parameters in which it differs; null: no second map")] = None
 
 
 class TeleportCommand(Struct, tag_field="type", tag="teleport"):
-    """World sessions: put the robot somewhere; it moves to the nearest free place."""
+    """Simulations: put the robot somewhere; it moves to the nearest free place."""
 
     x: Annotated[Number, Meta(description="x in the map frame, m")]
     y: Annotated[Number, Meta(description="y in the map frame, m")]
@@ -93,31 +100,31 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):
-    """World sessions: drive by hand. The speed is held for 0.5 s."""
+    """Simulations: drive by hand. The speed is held for 0.5 s."""
 
     linear: Annotated[Number, Meta(description="forward speed, m/s")]
     angular: Annotated[Number, Meta(description="turn rate, rad/s, positive to the left")]
 
 
 class AutoCommand(Struct, tag_field="type", tag="auto"):
-    """World sessions: let the robot explore by itself, or not."""
+    """Simulations: let the robot explore by itself, or not."""
 
     value: Annotated[bool, Meta(description="whether it explores")] = False
 
 
 class EditCommand(Struct, tag_field="type", tag="edit"):
-    """World sessions: all changes to the world as it was built; they replace the earlier ones."""
+    """Simulations: all changes to the world as it was built; they replace the earlier ones."""
 
-    added: Annotated[list[Drawn], Meta(description="walls and boxes to draw")] = []
+    added: Annotated[list[DrawnSolid], Meta(description="walls and boxes to draw")] = []
     erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
     watch: Annotated[bool, Meta(description="send `forgetting` about what this erases")] = False
 
 
 class WorldCommand(Struct, tag_field="type", tag="world"):
-    """World sessions: begin in another world."""
+    """Simulations: begin in another world."""
 
     name: Annotated[str, Meta(description="one of `names` of the message `world`")]
-    added: Annotated[list[Drawn], Meta(description="walls and boxes to draw")] = []
+    added: Annotated[list[DrawnSolid], Meta(description="walls and boxes to draw")] = []
     erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
 
 
@@ -133,17 +140,17 @@ class InspectCommand(Struct, tag_field="type", tag="inspect"):
     row: Annotated[Whole, Meta(description="row of the cell")]
     col: Annotated[Whole, Meta(description="column of the cell")]
     epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
-    map: Annotated[Which, Meta(description="which map")] = "first"
+    layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
 
 
 class WhyCommand(Struct, tag_field="type", tag="why"):
-    """Ask which beams touched a cell; answered with `why`. Of several that wait only the newest is answered."""
+    """Ask what each beam added to a cell; answered with `why`. Of several that wait only the newest is answered."""
 
     row: Annotated[Whole, Meta(description="row of the cell")]
     col: Annotated[Whole, Meta(description="column of the cell")]
     epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
-    until: Annotated[Whole | None, Meta(description="last touch to describe, from 1; null: the newest")] = None
-    map: Annotated[Which, Meta(description="which map")] = "first"
+    until: Annotated[Whole | None, Meta(description="last contribution to describe, from 1; null: the newest")] = None
+    layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
 
 
 class PingCommand(Struct, tag_field="type", tag="ping"):
@@ -155,6 +162,7 @@ class PingCommand(Struct, tag_field="type", tag="ping"):
 Command = (
     AckCommand
     | ResumeCommand
+    | SubscribeCommand
     | PlayCommand
     | PauseCommand
     | RestartCommand

@@ -1,7 +1,7 @@
 """Who still needs what: one :class:`Client` for each browser, all fed from one :class:`Hub` of a session.
 
-Nothing queues. For every client the hub knows which revision of each tile it has, and holds one slot for each kind of
-text message; what is sent next is decided when it is sent, from the newest state. At most two binary frames are
+Nothing queues. For every client the hub knows what it has of each layer, and holds one slot for each kind of text
+message; what is sent next is decided when it is sent, from the newest state. At most two batches of binary frames are
 unacknowledged, one where acknowledgements are slow, so a slow client gets fewer frames and never stale ones.
 
 This file does no I/O and reads no clock of its own: the route moves the bytes, and tests turn the clock.
@@ -13,38 +13,26 @@ import asyncio
 import json
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from server.stream.codecs import TILES, join_frame
+from server.stream.layers import Body, Cursor, Layer
+from server.stream.protocol import ProtocolError, encode_text
 
-from mapper.grid import TILE
-from server.stream.protocol import ProtocolError, TilePayload, encode_text, encode_tiles
-from server.stream.tiles import TilePicture
-
-WINDOW = 2  #: unacknowledged binary frames of a client that acknowledges quickly
+WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
 PRESUMED_LATENCY_S = 1.0  #: before anything is known of a client: it has to show that it is quick
-HOLD_SHARE = 0.1  #: a slow client's next frame waits this share of its latency, so that it is fresh when it is read
+HOLD_SHARE = 0.1  #: a slow client's next batch waits this share of its latency, so that it is fresh when it is read
 MAX_HOLD_S = 0.1
 ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for so long is gone
-FIRST_FRAME_BYTES = 16 * 1024
-MIN_FRAME_BYTES = 8 * 1024
-MAX_FRAME_BYTES = 256 * 1024
-MAX_FRAME_TILES = 2048
+FIRST_BATCH_BYTES = 16 * 1024
+MIN_BATCH_BYTES = 8 * 1024
+MAX_BATCH_BYTES = 256 * 1024
 MAX_ANSWERS = 64  #: answers and notices that wait for one client; older ones give way
-SLOTS = (
-    "hello",
-    "geometry",
-    "world",
-    "parameters",
-    "trajectory",
-    "forgetting",
-    "comparison",
-    "working",
-)  #: in the order in which they are sent
+_FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which the session set them first
+_NOTHING = Body(0, 0, (), complete=False)
 
 
 @dataclass(slots=True)
@@ -61,23 +49,26 @@ class Hub:
 
     def __init__(
         self,
-        picture: TilePicture,
+        layers: Sequence[Layer],
         clock: Callable[[], float] = time.monotonic,
         traffic: Traffic | None = None,
     ) -> None:
         self.clock = clock
-        self.picture = picture
+        self.layers: tuple[Layer, ...] = ()
         self.clients: set[Client] = set()
         self.traffic = traffic or Traffic()
-        self.slots: dict[str, str] = {"geometry": encode_text(picture.message())}
+        self.slots: dict[str, str] = {}
         self.frame_number = 0  #: of the newest frame message; 0 before the first
         self.published_at = 0.0
         self.settled = True  #: whether nothing moves: the newest frame message is then true now, not only at its tick
         self.scan_number = 0  #: of the newest scan; 0 before the first
+        self.focus_xy = (0.0, 0.0)
+        self._ids: dict[Layer, int] = {}
+        self._ids_given = 0
         self._frame_rest = ""
         self._scan: dict[str, Any] | None = None
         self._scan_rest = ""
-        self._focus_xy = (0.0, 0.0)
+        self.set_layers(layers)
 
     def join(self) -> Client:
         """Return a new client, which is sent everything."""
@@ -88,6 +79,27 @@ class Hub:
     def leave(self, client: Client) -> None:
         """Forget a client."""
         self.clients.discard(client)
+
+    def set_layers(self, layers: Sequence[Layer]) -> None:
+        """Show these layers, in this order. Raises :class:`ValueError` where two have one name."""
+        if self.layers == (*layers,) and "layers" in self.slots:
+            return
+        if len({layer.name for layer in layers}) < len(layers):
+            raise ValueError("two layers of a session have one name")
+        self.layers = (*layers,)
+        ids = {layer: self._ids.get(layer) or self._new_id() for layer in layers}
+        self._ids = ids
+        self.set_slot({"type": "layers", "layers": [layer.info(number) for layer, number in ids.items()]})
+        for client in self.clients:
+            client.keep_only(layers)
+
+    def _new_id(self) -> int:
+        self._ids_given += 1
+        return self._ids_given
+
+    def id_of(self, layer: Layer) -> int:
+        """Return the id under which a layer is sent."""
+        return self._ids[layer]
 
     def set_slot(self, message: dict[str, Any]) -> None:
         """Make ``message`` the newest of its type, to be sent to all clients once."""
@@ -102,26 +114,22 @@ class Hub:
         for client in self.clients:
             client.tell(message)
 
-    def set_picture(self, picture: TilePicture) -> None:
-        """Begin a new epoch."""
-        self.picture = picture
-        self.set_slot(picture.message())
-
     def publish(
         self, frame: dict[str, Any], scan: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool
     ) -> None:
-        """Make ``frame`` (without its ``t``) the newest frame message, and the picture's changes due to everyone.
+        """Make ``frame`` (without its ``t``) the newest frame message, and the layers' changes due to everyone.
 
         ``scan`` is the part of it that a client is sent only when it is another object than the client was sent
         last; ``focus_xy`` is the place in map metres whose tiles go first.
         """
-        self.picture.publish()
+        for layer in self.layers:
+            layer.publish()
         if scan is not self._scan:
             self._scan = scan
             self._scan_rest = json.dumps(scan, separators=(",", ":"), allow_nan=False)[1:-1]
             self.scan_number += 1
         self._frame_rest = json.dumps(frame, separators=(",", ":"), allow_nan=False)[1:]
-        self._focus_xy = focus_xy
+        self.focus_xy = focus_xy
         self.frame_number += 1
         self.published_at = self.clock()
         self.settled = settled
@@ -131,20 +139,8 @@ class Hub:
     def frame_text(self, *, with_scan: bool = True) -> str:
         """Return the newest frame message, with the instant at which it was last known to be true."""
         t = self.clock() if self.settled else self.published_at
-        scan = f"{self._scan_rest}," if with_scan else ""
+        scan = f"{self._scan_rest}," if with_scan and self._scan_rest else ""
         return f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
-
-    def nearest_first(self, dirty: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, the robot's own first, at most a frame's worth."""
-        tiles = np.argwhere(dirty)
-        if len(tiles) > 1:
-            at = self.picture.geometry.to_lattice(np.array(self._focus_xy)) / TILE - 0.5
-            away = np.square(tiles - at[::-1]).sum(axis=1)
-            if len(tiles) > MAX_FRAME_TILES:
-                nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]
-                tiles, away = tiles[nearest], away[nearest]
-            tiles = tiles[np.argsort(away, kind="stable")]
-        return tiles
 
 
 class Client:
@@ -156,15 +152,16 @@ class Client:
         self.wake.set()
         self.unsent: set[str] = set(hub.slots)
         self._answers: deque[str] = deque(maxlen=MAX_ANSWERS)
-        self._picture: TilePicture | None = None
-        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  #: revision of each tile that it was sent
+        self._wanted: frozenset[str] | None = None  #: names of layers; None before it said which
+        self._cursors: dict[Layer, Cursor] = {}
         self._frame_number = 0
         self._scan_number = 0
         self._seq = 0
-        self._unacknowledged: deque[tuple[int, float]] = deque()
+        self._batch = 0
+        self._unacknowledged: deque[tuple[int, float]] = deque()  #: of each batch its last number, and when it was sent
         self._latency = PRESUMED_LATENCY_S  #: of acknowledgements: rises at once, falls slowly
         self._least_latency = float("inf")
-        self._frame_bytes = FIRST_FRAME_BYTES
+        self._batch_bytes = FIRST_BATCH_BYTES
         self._fresh_after = 0.0
 
     @property
@@ -182,13 +179,33 @@ class Client:
         self.unsent.add(kind)
         self.wake.set()
 
-    def resume(self, epoch: int, revision: int) -> None:
-        """The client has kept all tiles of ``epoch`` up to ``revision`` from an earlier connection."""
-        self._follow_epoch()
-        picture = self.hub.picture
-        if epoch == picture.epoch:
-            known = picture.revision <= revision
-            self._has[known] = picture.revision[known]
+    def subscribe(self, names: Sequence[str]) -> None:
+        """Send the layers of these names from now on, and no others; a name that there is not yet waits."""
+        self._wanted = frozenset(names)
+        self.keep_only([layer for layer in self.hub.layers if layer.name in self._wanted])
+        self.wake.set()
+
+    def keep_only(self, layers: Sequence[Layer]) -> None:
+        """Forget what the client has of all other layers."""
+        self._cursors = {layer: cursor for layer, cursor in self._cursors.items() if layer in layers}
+
+    def resume(self, name: str, epoch: int, revision: int) -> None:
+        """The client has kept what it was sent of a layer's ``epoch`` up to ``revision`` on an earlier connection."""
+        for layer in self.hub.layers:
+            if layer.name == name:
+                self._cursor(layer).resume(epoch, revision)
+
+    def _cursor(self, layer: Layer) -> Cursor:
+        cursor = self._cursors.get(layer)
+        if cursor is None:
+            cursor = self._cursors[layer] = layer.cursor()
+        return cursor
+
+    def _shown(self) -> list[tuple[Layer, Cursor]]:
+        """Return the layers that the client is sent."""
+        if self._wanted is None:
+            return [(layer, self._cursor(layer)) for layer in self.hub.layers[:1]]
+        return [(layer, self._cursor(layer)) for layer in self.hub.layers if layer.name in self._wanted]
 
     def acknowledge(self, seq: int) -> None:
         """The client has read the binary frames up to ``seq``. Raises :class:`ProtocolError` for one not sent yet."""
@@ -206,38 +223,44 @@ class Client:
     def _measure(self, latency: float) -> None:
         self._latency = max(latency, 0.7 * self._latency)
         self._least_latency = min(latency, self._least_latency * 1.02)
-        # Frames whose size is what makes them late get smaller; a client that is late by itself keeps its size.
+        # Batches whose size is what makes them late get smaller; a client that is late by itself keeps its size.
         if latency > self._least_latency + 0.25:
-            self._frame_bytes = max(MIN_FRAME_BYTES, self._frame_bytes // 2)
+            self._batch_bytes = max(MIN_BATCH_BYTES, self._batch_bytes // 2)
         elif latency <= self._least_latency + 0.1:
-            self._frame_bytes = min(MAX_FRAME_BYTES, self._frame_bytes * 2)
+            self._batch_bytes = min(MAX_BATCH_BYTES, self._batch_bytes * 2)
 
     @property
     def is_lost(self) -> bool:
-        """Whether the oldest unacknowledged frame is so old that nobody reads any more."""
+        """Whether the oldest unacknowledged batch is so old that nobody reads any more."""
         return bool(self._unacknowledged) and self.hub.clock() - self._unacknowledged[0][1] > ACK_TIMEOUT_S
 
     @property
     def unacknowledged(self) -> int:
-        """Binary frames that were sent and not acknowledged."""
+        """Batches that were sent and not acknowledged."""
         return len(self._unacknowledged)
 
     @property
     def dirty_tiles(self) -> int:
         """Tiles that the client has yet to be sent."""
-        self._follow_epoch()
-        return int(np.count_nonzero(self.hub.picture.revision != self._has))
+        return sum(cursor.dirty_tiles() for _, cursor in self._shown())
 
     def take(self) -> list[str | bytes]:
         """Return the messages that go out now, in order; empty when nothing does."""
         out: list[str | bytes] = []
         if self.unsent:
-            out += [self.hub.slots[kind] for kind in SLOTS if kind in self.unsent]
+            first = [kind for kind in _FIRST_SLOTS if kind in self.unsent]
+            rest = [kind for kind in self.hub.slots if kind in self.unsent and kind not in first]
+            out += [self.hub.slots[kind] for kind in (*first, *rest)]
             self.unsent.clear()
+        shown = self._shown()
+        for layer, cursor in shown:
+            announcement = cursor.announcement(self.hub.id_of(layer))
+            if announcement is not None:
+                out.append(encode_text(announcement))
         out += self._answers
         self._answers.clear()
-        if self._may_send_frame():
-            out += self._next_frame()
+        if self._may_send_batch(shown):
+            out += self._next_batch(shown)
         self.hub.traffic.bytes += sum(map(len, out))
         return out
 
@@ -246,51 +269,54 @@ class Client:
         now = self.hub.clock()
         if self._unacknowledged:
             return max(0.0, self._unacknowledged[0][1] + ACK_TIMEOUT_S - now) + 0.01
-        if self.hub.settled and self._wants_frame():
+        if self.hub.settled and self._wants_batch(self._shown()):
             # Never past due: the instant may have come since take() looked, and nothing else would wake the client.
             return max(0.0, self._fresh_after - now)
         return 3600.0
 
-    def _may_send_frame(self) -> bool:
+    def _may_send_batch(self, shown: Sequence[tuple[Layer, Cursor]]) -> bool:
         hub = self.hub
         if len(self._unacknowledged) >= (1 if self.is_slow else WINDOW):
             return False
         if (hub.clock() if hub.settled else hub.published_at) < self._fresh_after:
             return False
-        return self._wants_frame()
+        return self._wants_batch(shown)
 
-    def _wants_frame(self) -> bool:
+    def _wants_batch(self, shown: Sequence[tuple[Layer, Cursor]]) -> bool:
         number = self.hub.frame_number
-        return number > 0 and (self._frame_number != number or self._has_dirty())
+        return number > 0 and (self._frame_number != number or any(cursor.is_behind() for _, cursor in shown))
 
-    def _has_dirty(self) -> bool:
-        self._follow_epoch()
-        return bool(np.any(self.hub.picture.revision != self._has))
-
-    def _follow_epoch(self) -> None:
-        if self._picture is not self.hub.picture:
-            self._picture = self.hub.picture
-            self._has = np.zeros_like(self._picture.revision)
-
-    def _next_frame(self) -> list[str | bytes]:
-        hub, picture = self.hub, self.hub.picture
-        self._follow_epoch()
-        tiles: list[TilePayload] = []
-        size = 0
-        waiting = hub.nearest_first(picture.revision != self._has)
-        for ty, tx in waiting.tolist():
-            tile = picture.payload(ty, tx)
-            size += len(tile.data)
-            if tiles and size > self._frame_bytes:
-                break
-            tiles.append(tile)
-            self._has[ty, tx] = tile.revision
-        complete = not self._has_dirty()
-        self._seq += 1
-        self._frame_number = hub.frame_number
-        self._unacknowledged.append((self._seq, hub.clock()))
-        hub.traffic.frames += 1
-        hub.traffic.tiles += len(tiles)
+    def _next_batch(self, shown: Sequence[tuple[Layer, Cursor]]) -> list[str | bytes]:
+        hub = self.hub
         with_scan = self._scan_number != hub.scan_number
         self._scan_number = hub.scan_number
-        return [hub.frame_text(with_scan=with_scan), encode_tiles(picture.epoch, self._seq, tiles, complete=complete)]
+        self._frame_number = hub.frame_number
+        self._batch += 1
+        out: list[str | bytes] = [hub.frame_text(with_scan=with_scan)]
+        # Whichever waited longest comes first and always gets something; the others share the bytes that are left.
+        behind = sorted((one for one in shown if one[1].is_behind()), key=lambda one: one[1].batch)
+        room = self._batch_bytes
+        for place, (layer, cursor) in enumerate(behind):
+            share = room // (len(behind) - place)
+            body = cursor.take(room, share, hub.focus_xy, always=place == 0)
+            if body is not None:
+                cursor.batch = self._batch
+                room = max(0, room - sum(map(len, body.parts)))
+                out.append(self._frame(layer.codec.kind, hub.id_of(layer), body))
+        if len(out) == 1:
+            out.append(self._empty_frame(shown))
+        self._unacknowledged.append((self._seq, hub.clock()))
+        return out
+
+    def _empty_frame(self, shown: Sequence[tuple[Layer, Cursor]]) -> bytes:
+        for layer, cursor in shown:
+            body = cursor.empty()
+            if body is not None:
+                return self._frame(layer.codec.kind, self.hub.id_of(layer), body)
+        return self._frame(TILES.kind, 0, _NOTHING)
+
+    def _frame(self, kind: int, layer: int, body: Body) -> bytes:
+        self._seq += 1
+        self.hub.traffic.frames += 1
+        self.hub.traffic.tiles += body.tiles
+        return join_frame(kind, layer, body.epoch, self._seq, body.count, body.parts, complete=body.complete)

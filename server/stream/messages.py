@@ -21,12 +21,13 @@ Values = Annotated[dict[str, Value], Meta(title="Values", description="parameter
 CellState = Annotated[
     Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
 ]
-Which = Annotated[Literal["first", "second"], Meta(title="Which", description="one of the maps of a session")]
-SessionKind = Annotated[Literal["world", "log"], Meta(title="SessionKind", description="what a session maps")]
-Drawn = Annotated[
+LayerKind = Annotated[
+    Literal["grid", "points", "path", "graph"], Meta(title="LayerKind", description="what a layer is made of")
+]
+DrawnSolid = Annotated[
     tuple[Literal["wall", "box"], int, int, int, int],
     Meta(
-        title="Drawn",
+        title="DrawnSolid",
         description="wall from corner to corner, or axis-aligned box between two corners; cm in the map frame",
         extra={"labels": ("kind", "x0", "y0", "x1", "y1")},
     ),
@@ -95,7 +96,7 @@ class LogInfo(Part):
 class Edits(Part):
     """Changes to a world as it was built."""
 
-    added: Annotated[list[Drawn], Meta(description="solids that were drawn")]
+    added: Annotated[list[DrawnSolid], Meta(description="solids that were drawn")]
     erased: Annotated[list[int], Meta(description="indices of the built solids that were erased")]
 
 
@@ -132,10 +133,10 @@ class Numbers(Part):
     max_at: Annotated[Point | None, Meta(description="centre of that cell; null where the maps do not differ")]
 
 
-class Touch(Part):
-    """One beam that changed a cell."""
+class Contribution(Part):
+    """What one beam added to a cell."""
 
-    n: Annotated[int, Meta(description="number of the touch, from 1")]
+    n: Annotated[int, Meta(description="number of the contribution, from 1")]
     scan: Annotated[int, Meta(description="index of the scan, from 0")]
     stamp: Annotated[float, Meta(description="recorded time of the scan, s")]
     beam: Annotated[int, Meta(description="index of the beam, from 0")]
@@ -147,12 +148,25 @@ class Touch(Part):
     log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
 
 
+class LayerInfo(Part):
+    """One of the layers of a session."""
+
+    id: Annotated[int, Meta(description="`layer` of its binary frames, from 1")]
+    name: Annotated[str, Meta(description="name, as the commands take it")]
+    kind: Annotated[LayerKind, Meta(description="what it is made of")]
+    title: Annotated[str, Meta(description="name for the person")]
+    style: Annotated[str, Meta(description="how the page paints it: a palette of grids, or an overlay")]
+    columns: Annotated[
+        list[str], Meta(description="names of the columns of its table: `x`, `y` and more; empty for a grid")
+    ]
+
+
 class Hello(Struct, tag_field="type", tag="hello"):
     """First message of a connection: what the session is."""
 
-    protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v1`")]
+    protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[SessionKind, Meta(description="`world`: a simulated robot; `log`: a recording")]
+    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is made anew")]
     speeds: Annotated[
@@ -160,25 +174,35 @@ class Hello(Struct, tag_field="type", tag="hello"):
         Meta(description="least and greatest playback speed", extra={"labels": ("least", "greatest")}),
     ]
     parameters: Annotated[Table, Meta(description="mapping parameters")]
-    sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null in a log session")]
-    log: Annotated[LogInfo | None, Meta(description="the log; null in a world session")]
-    world: Annotated[str | UnsetType, Meta(description="world sessions: name of the world")] = UNSET
+    sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null where there is none")]
+    log: Annotated[LogInfo | None, Meta(description="the log; null where there is none")]
+    world: Annotated[str | UnsetType, Meta(description="simulations: name of the world")] = UNSET
     seed: Annotated[
         int | UnsetType,
-        Meta(description="world sessions: seed; the same seed and commands give the same scans"),
+        Meta(description="simulations: seed; the same seed and commands give the same scans"),
     ] = UNSET
 
 
-class Geometry(Struct, tag_field="type", tag="geometry"):
-    """The grid to which the tiles of an epoch belong. Tiles of another epoch are void."""
+class LayersMessage(Struct, tag_field="type", tag="layers"):
+    """What the session shows. Sent at the start and after a change."""
 
+    layers: Annotated[list[LayerInfo], Meta(description="the layers; the first is sent to who subscribes to none")]
+
+
+class Geometry(Struct, tag_field="type", tag="geometry"):
+    """The grid to which the tiles of an epoch belong. Tiles of another epoch are void.
+
+    Sent before the first tiles of an epoch, of each grid that the page has subscribed to.
+    """
+
+    layer: Annotated[int, Meta(description="id of the layer")]
     epoch: Annotated[int, Meta(description="number of the epoch; grows with each new geometry")]
     resolution: Annotated[float, Meta(gt=0, description="side of a cell, m")]
     rows: Annotated[int, Meta(description="cells along y")]
     cols: Annotated[int, Meta(description="cells along x")]
     origin: Annotated[Pose, Meta(description="pose of the outer corner of cell (0, 0) in the map frame")]
-    log_odds_min: Annotated[float, Meta(description="log-odds of the tile value -127")]
-    log_odds_max: Annotated[float, Meta(description="log-odds of the tile value +127")]
+    low: Annotated[float, Meta(description="what the tile value -127 stands for")]
+    high: Annotated[float, Meta(description="what the tile value +127 stands for")]
     tile: Annotated[Literal[64], Meta(description="cells along the side of a tile")]
 
 
@@ -238,8 +262,8 @@ class ParametersMessage(Struct, tag_field="type", tag="parameters"):
     """Present parameters: after a change by anyone, and as an answer to a refused change."""
 
     values: Annotated[Values, Meta(description="mapping parameters")]
-    sensor: Annotated[Values | None, Meta(description="simulated sensor; null in a log session")]
-    faults: Annotated[Values | UnsetType, Meta(description="world sessions: faults that enter the map")] = UNSET
+    sensor: Annotated[Values | None, Meta(description="simulated sensor; null where there is none")]
+    faults: Annotated[Values | UnsetType, Meta(description="simulations: faults that enter the map")] = UNSET
     compare: Annotated[Compared | UnsetType | None, Meta(description="the second map; null where there is none")] = (
         UNSET
     )
@@ -254,7 +278,7 @@ class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
 
 
 class WorldMessage(Struct, tag_field="type", tag="world"):
-    """World sessions: the true walls and boxes. Sent at the start and after a change."""
+    """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
     name: Annotated[str, Meta(description="name of the world")]
     title: Annotated[str, Meta(description="title of the world")]
@@ -272,7 +296,7 @@ class WorldMessage(Struct, tag_field="type", tag="world"):
 
 
 class Forgetting(Struct, tag_field="type", tag="forgetting"):
-    """World sessions: how two maps, with and without clamping, forget what an `edit` with `watch` erased."""
+    """Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased."""
 
     cells: Annotated[int, Meta(description="cells that held what was erased; 0: nothing is watched")]
     scans: Annotated[int, Meta(description="scans since then")]
@@ -318,7 +342,7 @@ class CellMessage(Struct, tag_field="type", tag="cell"):
     log_odds: Annotated[float, Meta(description="log-odds of being occupied")]
     p_occ: Annotated[float, Meta(description="probability of being occupied")]
     state: Annotated[CellState, Meta(description="state by the thresholds of the map")]
-    map: Annotated[Which | UnsetType, Meta(description="which map; missing: the first")] = UNSET
+    layer: Annotated[str, Meta(description="name of the layer of that map")]
 
 
 class WhyMessage(Struct, tag_field="type", tag="why"):
@@ -338,10 +362,10 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
     first_scan: Annotated[int | None, Meta(description="index of the first scan that touched it")]
     curve: Annotated[
         list[tuple[int, float]],
-        Meta(description="[n, log-odds] over all touches, at most 600 points; extremes are kept"),
+        Meta(description="[n, log-odds] over all contributions, at most 600 points; extremes are kept"),
     ]
-    touches: Annotated[list[Touch], Meta(description="at most 300 touches, up to the one asked for")]
-    map: Annotated[Which | UnsetType, Meta(description="which map; missing: the first")] = UNSET
+    contributions: Annotated[list[Contribution], Meta(description="at most 300 contributions, up to the one asked for")]
+    layer: Annotated[str, Meta(description="name of the layer of that map")]
 
 
 class Pong(Struct, tag_field="type", tag="pong"):
@@ -353,6 +377,7 @@ class Pong(Struct, tag_field="type", tag="pong"):
 
 ServerMessage = (
     Hello
+    | LayersMessage
     | Geometry
     | FrameMessage
     | Trajectory

@@ -1,30 +1,49 @@
-"""Frames of the stream between the server and a page: binary frames with tiles, and text frames with JSON.
+"""Frames of the stream between the server and a page: binary frames with layers, and text frames with JSON.
 
-A page opens one WebSocket for each map that it shows, `/api/sessions/{id}/stream`, with the subprotocol `gridbloom.v1`
-and without permessage-deflate. With `?map=second` it carries the tiles of the second map, in its own epochs; commands
-are accepted on either.
+A page opens one WebSocket for each session that it shows, `/api/sessions/{id}/stream`, with the subprotocol
+`gridbloom.v2` and without permessage-deflate.
+
+## Layers
+
+What a session shows is a set of named layers: grids, points, paths and graphs. The message `layers` lists them, at the
+start and whenever the set changes. The command `subscribe` names those that the page wants; until then it is sent the
+first one. Names that are not in the list yet take effect when they are. A layer that is left out of a later `subscribe`
+is forgotten: wanted again, it is sent whole. The id of a layer is its own for the life of the session.
 
 ## Binary frames
 
-Binary frames go from the server to the browser and carry tiles. All numbers are little-endian.
+Binary frames go from the server to the browser. All numbers are little-endian.
 
 ```text
-header  kind u8 (1 = tiles), flags u8 (bit 0: last frame of a complete picture), reserved u16, epoch u32, seq u32,
-        count u32
-tile    tx i16, ty i16, revision u32, nbytes u32, nbytes of zstd data          (count times)
+header  kind u8 (1 = tiles, 2 = table, 3 = graph), flags u8 (bit 0: the layer is complete with this frame),
+        layer u16 (id), epoch u32, seq u32, count u32
+tiles   tx i16, ty i16, revision u32, nbytes u32, nbytes of zstd data          (count times)
+table   columns u16, reserved u16, then for each column count f32
+graph   columns u16, reserved u16, edges u32, then for each column count f32 (the nodes), then for each edge the places
+        of its nodes in the table, from u32 and to u32, then for each edge a value f32
 ```
 
+Layers of the kind `grid` are sent as tiles, `points` and `path` as a table, `graph` as a graph. The names of the
+columns are in the message `layers`.
+
 A tile is 64 x 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A value
-q from -127 to +127 stands for the log-odds `log_odds_min + (q + 127) / 254 * (log_odds_max - log_odds_min)`, with the
-limits of the message `geometry`; -128 is a cell that was never observed. Of the values that give the cell's own state
-(free, unknown, occupied), q is the nearest to the cell's log-odds.
-`epoch` changes with the geometry: tiles of an older epoch are void. Tiles that were never sent are unobserved.
+q from -127 to +127 stands for `low + (q + 127) / 254 * (high - low)`, with the limits of the layer's message
+`geometry`; -128 is a cell without a value. In a layer of the style `belief` the values are log-odds, and -128 is a cell
+that was never observed; of the values that give the cell's own state (free, unknown, occupied), q is the nearest to the
+cell's log-odds. `epoch` changes with the geometry: tiles of an older epoch are void. Tiles that were never sent have no
+values.
+
+A table or a graph is the whole content of its layer; `epoch` is the number of that content. NaN is no value.
 
 ## Flow control
 
-Each binary frame has a number, `seq`; a frame with count 0 carries only that number. The browser answers each with
-`ack`. At most two frames are unacknowledged, one where acknowledgements take longer than 150 ms. Meanwhile the server
-keeps the set of changed tiles and the newest `frame` message, so no frame waits in a queue.
+Each binary frame has a number, `seq`. What is due is sent in batches: a `frame` message, and directly after it one
+binary frame for each layer that the browser wants and does not have as it is now. Where there is none, the batch has a
+frame of kind 1 with count 0 instead, of the first grid that is wanted (layer 0 where there is none). The browser
+answers with `ack`, which names the newest binary frame that it has shown. At most two batches are unacknowledged, one
+where acknowledgements take longer than 150 ms. Meanwhile the server keeps the set of changed tiles, the newest content
+of the other layers and the newest `frame` message, so no frame waits in a queue. The layers of a batch share its bytes;
+whichever has waited longest comes first.
 
 ## Text frames
 
@@ -37,10 +56,7 @@ from __future__ import annotations
 
 import json
 import re
-import struct
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import msgspec
@@ -48,11 +64,7 @@ import msgspec
 from server.stream.commands import Command
 from server.stream.messages import ServerMessage
 
-SUBPROTOCOL = "gridbloom.v1"
-KIND_TILES = 1
-FLAG_COMPLETE = 1
-HEADER = struct.Struct("<BBHIII")
-TILE_HEADER = struct.Struct("<hhII")
+SUBPROTOCOL = "gridbloom.v2"
 MAX_COMMAND_BYTES = 64 * 1024
 _TYPE_WORDS = {
     "float": "a number",
@@ -73,58 +85,6 @@ class ProtocolError(Exception):
         super().__init__(message)
         self.code = code
         self.message = message
-
-
-@dataclass(frozen=True, slots=True)
-class TilePayload:
-    """One compressed tile as it goes over the wire: shared by all who watch."""
-
-    tx: int
-    ty: int
-    revision: int
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class TilesFrame:
-    """A decoded binary frame."""
-
-    epoch: int
-    seq: int
-    complete: bool
-    tiles: tuple[TilePayload, ...]
-
-
-def encode_tiles(epoch: int, seq: int, tiles: Sequence[TilePayload], *, complete: bool = False) -> bytes:
-    """Return the binary frame that carries ``tiles``."""
-    parts = [HEADER.pack(KIND_TILES, FLAG_COMPLETE if complete else 0, 0, epoch, seq, len(tiles))]
-    for tile in tiles:
-        parts.append(TILE_HEADER.pack(tile.tx, tile.ty, tile.revision, len(tile.data)))
-        parts.append(tile.data)
-    return b"".join(parts)
-
-
-def decode_tiles(frame: bytes) -> TilesFrame:
-    """Return what a binary frame says. Raises :class:`ProtocolError` for a frame that is cut or of another kind."""
-    if len(frame) < HEADER.size:
-        raise ProtocolError("frame.cut", f"A binary frame has at least {HEADER.size} bytes, this one {len(frame)}.")
-    kind, flags, _, epoch, seq, count = HEADER.unpack_from(frame)
-    if kind != KIND_TILES:
-        raise ProtocolError("frame.kind", f"Binary frames are of kind {KIND_TILES}, this one is {kind}.")
-    at = HEADER.size
-    tiles: list[TilePayload] = []
-    for _ in range(count):
-        if at + TILE_HEADER.size > len(frame):
-            raise ProtocolError("frame.cut", f"The frame promises {count} tiles and ends after {len(tiles)}.")
-        tx, ty, revision, nbytes = TILE_HEADER.unpack_from(frame, at)
-        at += TILE_HEADER.size
-        if at + nbytes > len(frame):
-            raise ProtocolError("frame.cut", f"Tile ({tx}, {ty}) promises {nbytes} bytes; {len(frame) - at} are left.")
-        tiles.append(TilePayload(tx, ty, revision, frame[at : at + nbytes]))
-        at += nbytes
-    if at != len(frame):
-        raise ProtocolError("frame.rest", f"{len(frame) - at} bytes follow the last tile.")
-    return TilesFrame(epoch, seq, bool(flags & FLAG_COMPLETE), tuple(tiles))
 
 
 def encode_text(message: ServerMessage | dict[str, Any]) -> str:

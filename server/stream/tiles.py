@@ -7,6 +7,8 @@ gets a new revision when the update is published, so whoever received the mixtur
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import zstandard
 from numpy.typing import NDArray
@@ -15,11 +17,13 @@ from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, GridGeometry, 
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from server.stream.protocol import TilePayload
+from server.stream.codecs import TilePayload
 
 ZSTD_LEVEL = 1
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
+
+_EPOCHS = itertools.count(1)  # of the process: a picture that was made anew never has the epoch of an earlier one
 
 
 def picture_range(config: MappingConfig) -> tuple[float, float]:
@@ -32,13 +36,14 @@ def picture_range(config: MappingConfig) -> tuple[float, float]:
 class TilePicture:
     """The picture of one geometry: ``cells`` (rows, cols) int8, ``revision`` (tile rows, tile cols) uint32.
 
-    Revision 0 is a tile in which nothing was ever observed. ``low`` … ``high`` are the log-odds of −127 … 127.
+    Revision 0 is a tile in which there never was a value. ``low`` … ``high`` are the values of −127 … 127. ``epoch``
+    is the picture's own number, greater than that of any earlier picture.
     """
 
-    def __init__(self, geometry: GridGeometry, low: float, high: float, epoch: int, revision: int = 0) -> None:
+    def __init__(self, geometry: GridGeometry, low: float, high: float, revision: int = 0) -> None:
         self.geometry = geometry
         self.low, self.high = low, high
-        self.epoch = epoch
+        self.epoch = next(_EPOCHS)
         self.newest = revision  #: the revision of the newest published update
         self.cells: NDArray[np.int8] = np.full(geometry.shape, NEVER_OBSERVED, dtype=np.int8)
         tiles = (-(-geometry.rows // TILE), -(-geometry.cols // TILE))
@@ -48,17 +53,28 @@ class TilePicture:
         self._compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
-        """Whether the picture is of this geometry over this range of log-odds: if not, a new epoch has to begin."""
+        """Whether the picture is of this geometry over this range of values: if not, a new epoch has to begin."""
         return self.geometry == geometry and self.low == low and self.high == high
 
     def update(self, grid: OccupancyGrid, box: CellBox) -> int:
-        """Bring a box of the picture up to date (worker thread); return how many cells changed."""
+        """Bring a box of a belief's picture up to date (worker thread); return how many cells changed."""
         return int(
             quantise(
                 grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
                 box.row0, box.row1, box.col0, box.col1, TILE, self.cells, self._changed,
             )
         )  # fmt: skip
+
+    def set(self, values: NDArray[np.float32] | NDArray[np.uint8], missing: NDArray[np.bool_] | None = None) -> None:
+        """Show ``values`` (rows, cols), but none where they are ``missing`` or NaN (worker thread)."""
+        scaled = (values.astype(np.float32) - self.low) * np.float32(254.0 / (self.high - self.low)) - np.float32(127.0)
+        none = np.isnan(scaled) if missing is None else np.isnan(scaled) | missing
+        cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
+        differs = np.zeros((self.revision.shape[0] * TILE, self.revision.shape[1] * TILE), dtype=np.bool_)
+        np.not_equal(cells, self.cells, out=differs[: cells.shape[0], : cells.shape[1]])
+        rows, cols = self.revision.shape
+        self._changed |= differs.reshape(rows, TILE, cols, TILE).any(axis=(1, 3))
+        self.cells[:] = cells
 
     def publish(self) -> int:
         """Give what changed since the last call a new revision (event loop); return the number of tiles."""
@@ -84,36 +100,17 @@ class TilePicture:
         self._payloads[ty, tx] = payload
         return payload
 
-    def message(self) -> dict[str, object]:
-        """Return the ``geometry`` message."""
+    def message(self, layer: int) -> dict[str, object]:
+        """Return the ``geometry`` message for the layer of this id."""
         return {
             "type": "geometry",
+            "layer": layer,
             "epoch": self.epoch,
             "resolution": self.geometry.resolution,
             "rows": self.geometry.rows,
             "cols": self.geometry.cols,
             "origin": list(self.geometry.origin),
-            "log_odds_min": self.low,
-            "log_odds_max": self.high,
+            "low": self.low,
+            "high": self.high,
             "tile": TILE,
         }
-
-
-def picture_of(grid: OccupancyGrid, config: MappingConfig, epoch: int = 1, revision: int = 0) -> TilePicture:
-    """Return a picture of the whole grid, not yet published."""
-    picture = TilePicture(grid.geometry, *picture_range(config), epoch, revision)
-    picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
-    return picture
-
-
-def update_picture(
-    picture: TilePicture, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool
-) -> TilePicture | None:
-    """Bring a picture up to date with its grid, ``whole`` or in a ``box``; return a new one where an epoch begins."""
-    if not picture.shows(grid.geometry, *picture_range(config)):
-        return picture_of(grid, config, picture.epoch + 1, picture.newest)
-    if whole:
-        picture.update(grid, CellBox(0, grid.geometry.rows, 0, grid.geometry.cols))
-    elif box is not None:
-        picture.update(grid, box)
-    return None

@@ -70,13 +70,13 @@ def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     return grid.log_odds, grid.observed, count
 
 
-def tallies_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+def statistics_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = integrate_log(grid, case.log, case.config)
     return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
-def tallies_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+def statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
@@ -255,9 +255,27 @@ TABLE = (
     Row("smooth ramp per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", RAMP), ROUNDING),
     Row("sonar cone per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),
     Row("sonar cone per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", CONE), ROUNDING),
-    Row("hit counting per beam", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", COUNTING), ROUNDING),
-    Row("hit counting per scan", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_scan", COUNTING), ROUNDING),
-    Row("Moravec and Elfes", tallies_by_kernel, tallies_by_textbook, mapping_cases("per_beam", CERTAINTIES), ROUNDING),
+    Row(
+        "hit counting per beam",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_beam", COUNTING),
+        ROUNDING,
+    ),
+    Row(
+        "hit counting per scan",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_scan", COUNTING),
+        ROUNDING,
+    ),
+    Row(
+        "Moravec and Elfes",
+        statistics_by_kernel,
+        statistics_by_textbook,
+        mapping_cases("per_beam", CERTAINTIES),
+        ROUNDING,
+    ),
     Row("provenance", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam")),
     Row("provenance of ramps", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
     Row("provenance of cones", provenance_by_kernel, provenance_by_textbook, mapping_cases("per_beam", CONE), ROUNDING),

@@ -79,10 +79,10 @@ def handle(browser: Browser, server: str, hand: Hand) -> tuple[Laps, Laps]:
     """
     page = paused(browser, server)
     grip = page.locator("figure.profile").get_by_role("slider", name="Hit increment", exact=True)
-    single = moved(page, grip.locator(".knob"), MOVED, dy=-24.0)
+    single = moved(page, grip.locator(".handle-mark"), MOVED, dy=-24.0)
     page.get_by_role("button", name="Play").click()
     until("the robot to go", lambda: frame(page)["playing"])
-    drag = dragged(page, grip.locator(".knob"), hand, MOVES, dy=-60.0)
+    drag = dragged(page, grip.locator(".handle-mark"), hand, MOVES, dy=-60.0)
     page.context.close()
     return single, drag
 
@@ -108,8 +108,8 @@ def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, 
     page = new_page(browser)
     page.goto(f"{server}/lecture.html")
     grips = {
-        "profile": ("#model", "figure.profile", "Hit increment", ".knob", 0.0, -24.0),
-        "rays": ("#rays", "figure.rays", "Where the beam ends", ".knob-dot", 60.0, -60.0),
+        "profile": ("#model", "figure.profile", "Hit increment", ".handle-mark", 0.0, -24.0),
+        "rays": ("#rays", "figure.rays", "Last cell of the line", ".drag-handle-dot", 60.0, -60.0),
         "thresholds": ("#file", "figure.thresholds", "Occupied above", ".pill", 30.0, 0.0),
     }
     took = {}
@@ -131,7 +131,7 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     """
     page = new_page(browser)
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text=LOG).get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text=LOG).get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")

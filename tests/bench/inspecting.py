@@ -23,8 +23,8 @@ from mapper.io.export.recording import write_mcap
 from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.stream.protocol import decode_tiles, encode_tiles
-from server.stream.tiles import picture_of
+from server.stream.codecs import TILES, decode_frame, encode_frame
+from server.stream.tiles import TilePicture, picture_range
 from tests.bench.feel import new_page
 from tests.bench.stopwatch import Laps, laps
 from tests.browser.looking import frame, settled_digest, until
@@ -46,7 +46,7 @@ def seeking(log: ScanLog) -> Laps:
         with running_server(Path(folder), "--logs-dir", str(logs)) as server, running_chromium() as browser:
             page = new_page(browser)
             page.goto(f"{server}/logs.html")
-            page.locator(".log-card", has_text="long").get_by_role("button", name="Make its map").click()
+            page.locator(".log-card", has_text="long").get_by_role("button", name="Open map").click()
             page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()", timeout=60_000)
             timeline = page.get_by_role("slider", name="Scans in the map")
             timeline.focus()
@@ -128,7 +128,7 @@ def _at_the_end(person: httpx.Client, address: str, path: Path, stack: ExitStack
     stream = stack.enter_context(
         connect(
             f"{address.replace('http', 'ws', 1)}/api/sessions/{answer.json()['id']}/stream",
-            subprotocols=["gridbloom.v1"],  # type: ignore[list-item]
+            subprotocols=["gridbloom.v2"],  # type: ignore[list-item]
             compression=None,
             max_size=None,
             additional_headers={"Cookie": "; ".join(f"{k}={v}" for k, v in person.cookies.items())},
@@ -138,7 +138,7 @@ def _at_the_end(person: httpx.Client, address: str, path: Path, stack: ExitStack
     while True:
         said = stream.recv(PATIENCE_S)
         if isinstance(said, bytes):
-            stream.send(json.dumps({"type": "ack", "seq": decode_tiles(said).seq}))
+            stream.send(json.dumps({"type": "ack", "seq": decode_frame(said).seq}))
         elif json.loads(said).get("index") == known["scans"]:
             return
 
@@ -150,7 +150,8 @@ def one_region() -> tuple[tuple[int, float], tuple[int, float]]:
     smooth = np.kron(random.normal(0.0, 1.0, (SIDE // 16, SIDE // 16)), np.ones((16, 16)))
     grid.log_odds[:] = np.clip(smooth + random.normal(0.0, 0.1, smooth.shape), -2.0, 3.5)
     grid.observed[:] = True
-    picture = picture_of(grid, MappingConfig())
+    picture = TilePicture(grid.geometry, *picture_range(MappingConfig()))
+    picture.update(grid, CellBox(0, SIDE, 0, SIDE))
     picture.publish()
     row = col = SIDE // 2
     box = CellBox(row, row + TILE, col, col + TILE)
@@ -160,7 +161,7 @@ def one_region() -> tuple[tuple[int, float], tuple[int, float]]:
         began = time.perf_counter()
         picture.update(grid, box)
         picture.publish()
-        size = len(encode_tiles(1, 1, [picture.payload(row // TILE, col // TILE)]))
+        size = len(encode_frame(TILES, [picture.payload(row // TILE, col // TILE)], layer=1, epoch=1, seq=1))
         ours.append(time.perf_counter() - began)
     shown = np.repeat((127 - picture.cells.astype(np.int16)).astype(np.uint8)[:, :, np.newaxis], 3, axis=2)
     server = viser.ViserServer(host="127.0.0.1", port=free_port(), verbose=False)

@@ -51,7 +51,9 @@ def long_story() -> dict[str, Any]:
 @contextlib.contextmanager
 def stories(server: str, visitors: Sequence[str], addresses: Sequence[str]) -> Iterator[None]:
     """Have stories replayed while the block runs: a visitor's cookie and an address for each."""
-    body = json.dumps({"kind": "world", "world": "office", "seed": 1, "story": long_story()}, separators=(",", ":"))
+    body = json.dumps(
+        {"kind": "simulation", "world": "office", "seed": 1, "story": long_story()}, separators=(",", ":")
+    )
     place = urlsplit(server)
     with ExitStack() as stack:
         pages = []
@@ -136,7 +138,7 @@ def sharing(log: ScanLog) -> None:
                 cookie = "; ".join(f"{name}={value}" for name, value in cookies.items())
                 with connect(
                     address,
-                    subprotocols=[Subprotocol("gridbloom.v1")],
+                    subprotocols=[Subprotocol("gridbloom.v2")],
                     additional_headers={"Cookie": cookie},
                     max_size=None,
                 ) as socket:

@@ -83,9 +83,9 @@ _STOPWATCH = """([starts, change]) => {
   };
   if (change === "map" || change === "whole map") {
     const { store } = gridbloom.connection;
-    let before = store.progress();
+    let before = store.layers.grid("map").complete;
     store.mapVersion.subscribe(() => queueMicrotask(() => {
-      const now = store.progress();
+      const now = store.layers.grid("map").complete;
       const whole = now && (!before || now.epoch !== before.epoch || now.revision > before.revision);
       if (change === "map" || whole) changed();
       if (whole) before = now;

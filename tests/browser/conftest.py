@@ -134,7 +134,7 @@ def open_lab(page: Page, server: str) -> Callable[..., Page]:
 def standing_world(context: BrowserContext, server: str, world: str = "office", scans: int = 45) -> str:
     """Begin a session of a world in which the robot has walked for a while and stands; return its id."""
     story = {"steps": 5 * scans}  # of 0.02 s; the sensor scans at 10 Hz
-    wanted = {"kind": "world", "world": world, "seed": SEED, "playing": False, "story": story}
+    wanted = {"kind": "simulation", "world": world, "seed": SEED, "playing": False, "story": story}
     answer = context.request.post(f"{server}/api/sessions", data=wanted)
     assert answer.status == 201, answer.text()
     return str(answer.json()["id"])

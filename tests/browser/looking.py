@@ -72,7 +72,7 @@ def map_digest(page: Page) -> str:
 
 
 def _digest(geometry: dict[str, Any], cells: str) -> str:
-    numbers = [geometry[name] for name in ("rows", "cols", "resolution", "log_odds_min", "log_odds_max")]
+    numbers = [geometry[name] for name in ("rows", "cols", "resolution", "low", "high")]
     return " ".join([*(f"{float(number):.9g}" for number in [*numbers, *geometry["origin"]]), cells])
 
 

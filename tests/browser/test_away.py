@@ -26,7 +26,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         home.goto(address)
         viewer.goto(f"{address}/logs.html")
         viewer.bring_to_front()
-        viewer.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+        viewer.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
         await_map(viewer)
         logs.goto(f"{address}/logs.html")
         logs.bring_to_front()
@@ -40,7 +40,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         says(home, ".hero-facts", AWAY)
         says(viewer, ".viewer-over", AWAY)
         logs.bring_to_front()
-        card.get_by_role("button", name="Make its map").click()
+        card.get_by_role("button", name="Open map").click()
         says(logs, ".viewer-message", "tries again by itself")
 
         proxy.mend()
@@ -86,7 +86,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         assert before[1:] == [True, {"x": 5, "y": 5, "scale": 0.02}]
         assert context.request.delete(f"{server}/api/sessions/{session}").ok
         proxy.mend()
-        expect(page.locator(".toast")).to_contain_text("Here it is again")
+        expect(page.locator(".toast")).to_contain_text("Its world was restored")
         expect(page.locator(".lab-status")).to_have_text("live")
         confirmed = "() => { const s = gridbloom.connection.store;"
         confirmed += " return Object.keys({ ...s.mapping.pending(), ...s.robot.pending() }).length === 0; }"

@@ -154,7 +154,7 @@ def test_the_logs_page_in_every_state(page: Page, server: str) -> None:
     expect(page.locator(".log-card.failed")).to_contain_text("could not be kept")
     nothing_serious(page)
     page.reload()
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     doctor = page.get_by_role("region", name="Log doctor")
     doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)

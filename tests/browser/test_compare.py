@@ -112,7 +112,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
 
     # What the browser holds of both maps, against the numbers.
     a, b, geometry = both(viewer)
-    low, high = geometry["log_odds_min"], geometry["log_odds_max"]
+    low, high = geometry["low"], geometry["high"]
 
     def states(byte: NDArray[np.uint8]) -> NDArray[np.int64]:
         p = 1.0 / (1.0 + np.exp(-(low + (byte - 1.0) / 254.0 * (high - low))))
@@ -219,8 +219,8 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     place = [float(geometry["origin"][i] + (cell[1 - i] + 0.5) * geometry["resolution"]) for i in (0, 1)]
     evaluate(viewer, "(place) => gridbloom.connection.store.ask(place)", place)
     until("the answer", lambda: store(viewer, "why"))
-    assert store(viewer, "why")["map"] == "second"
-    assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["touches"] if not t["hit"])
+    assert store(viewer, "why")["layer"] == "second_map"
+    assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["contributions"] if not t["hit"])
     viewer.locator(".why .choice-option", has_text="In B").click()
     until("the other answer", lambda: (why := store(viewer, "why")) and "map" not in why)
     viewer.keyboard.press("Escape")

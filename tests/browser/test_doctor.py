@@ -11,7 +11,7 @@ SECONDS = 120  #: in a fresh clone kernels are compiled first
 
 def opened_sample(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     expect(page.get_by_role("region", name="Log doctor")).to_be_visible(timeout=SECONDS * 1000)
 
 
@@ -24,7 +24,7 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     expect(verdict).to_be_visible(timeout=SECONDS * 1000)
     assert doctor.bounding_box() == place
     verdict.click()
-    expect(doctor).to_contain_text("No problems found. Poses: the truth.", timeout=SECONDS * 1000)
+    expect(doctor).to_contain_text("No problems found. Poses: ground truth.", timeout=SECONDS * 1000)
     page.get_by_label("Poses from").get_by_text("wheel odometry").click()
     doctor.get_by_role("button", name=re.compile("Show .* findings?")).click(timeout=SECONDS * 1000)
     finding = doctor.locator('[data-check="walls.drift"]')

@@ -114,7 +114,7 @@ def test_share_copies_a_link_to_a_world_of_its_own(lab: Page, visitor: BrowserCo
 def test_a_link_that_lost_a_piece_opens_a_new_world_and_says_so(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html#s=notalink")
     await_map(page)
-    expect(page.locator(".toast").first).to_contain_text("lost a piece")
+    expect(page.locator(".toast").first).to_contain_text("incomplete or damaged")
 
 
 def test_a_long_replay_shows_how_far_it_is_and_can_be_cancelled(visitor: BrowserContext, server: str) -> None:

@@ -75,4 +75,4 @@ def test_a_ring_of_sonars_brings_its_cone_and_the_cone_has_handles(lab: Page) ->
     lab.keyboard.press("ArrowLeft")
     until("the reading", lambda: float(reading.get_attribute("aria-valuenow") or "nan") < z)
     choose(lab, "moravec_elfes")
-    expect(profile.locator("figcaption")).to_contain_text("no log-odds that are added")
+    expect(profile.locator("figcaption")).to_contain_text("no log-odds are added")

@@ -21,7 +21,7 @@ _HELD = """() => {
   for (const { cell, evidence } of walk.steps.slice(0, walk.done)) {
     const name = `${cell.row} ${cell.col}`;
     const byte = map.cells.at(cell.row, cell.col);
-    const { log_odds_min: low, log_odds_max: high } = map.geometry;
+    const { low, high } = map.geometry;
     const before = held.get(name) ?? (byte === 0 ? 0 : low + ((byte - 1) / 254) * (high - low));
     held.set(name, Math.min(high, Math.max(low, f(before + evidence))));
   }
@@ -104,11 +104,11 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     until("the scan in the map", lambda: frame(lab)["index"] == index + 1 and walk(lab) is None)
     settled_digest(lab)
     after = map_bytes(lab)
-    step = (after["log_odds_max"] - after["log_odds_min"]) / 254
+    step = (after["high"] - after["low"]) / 254
     same = 0
     for row, col, value in held:
         byte = after["bytes"][row * after["cols"] + col]
-        same += abs(after["log_odds_min"] + (byte - 1) * step - value) <= 1.1 * step
+        same += abs(after["low"] + (byte - 1) * step - value) <= 1.1 * step
     # Readings come rounded to a millimetre: on a border of cells a beam may end in the neighbour.
     assert same >= 0.98 * len(held)
 

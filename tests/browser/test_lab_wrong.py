@@ -52,7 +52,7 @@ def test_each_switch_changes_the_map_and_gives_back_what_was_there(lab: Page) ->
         expect(switch).to_have_attribute("aria-checked", "true")
         assert settled_digest(lab) != before, label
         assert changed.items() <= values(lab).items()
-        expect(lab.locator(".faults-told")).to_contain_text("Look for:")
+        expect(lab.locator(".faults-note")).to_contain_text("Look for:")
         switch.click()
         expect(switch).to_have_attribute("aria-checked", "false")
         assert settled_digest(lab) == before, label

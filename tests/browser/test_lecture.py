@@ -58,7 +58,7 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     assert abs(at) < 2
     # The section in sight is marked in the list beside the lecture, and another one is a key press away.
     sections = page.get_by_role("navigation", name="Sections of the lecture")
-    expect(sections.locator("[aria-current]")).to_have_text(re.compile(r"7\s+Sonar and its cone"))
+    expect(sections.locator("[aria-current]")).to_have_text(re.compile(r"7\s+Sonar cones"))
     page.mouse.move(700, 500)
     for way in (-700, 700):
         for _ in range(30):
@@ -101,7 +101,7 @@ def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
     page.keyboard.press("Space")
     expect(page.locator(".presenter-number")).to_have_text(f"5 / {count}")
     # What has the focus keeps its keys: the handle moves, the slide stays.
-    end = page.get_by_role("slider", name="Where the beam ends")
+    end = page.get_by_role("slider", name="Last cell of the line")
     end.focus()
     page.keyboard.press("ArrowRight")
     expect(end).to_have_attribute("aria-valuetext", "column 23, row 10")
@@ -135,9 +135,9 @@ def test_the_page_leads_into_the_lecturers_mode_and_the_front_page_here(page: Pa
     page.goto(server)
     page.get_by_role("link", name="Open the lecture").click()
     expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_visible()
-    page.get_by_role("button", name="Present").click()
+    page.get_by_role("button", name="Presentation mode").click()
     expect(page.locator(".presenter")).to_be_visible()
-    page.get_by_role("button", name="Leave").click()
+    page.get_by_role("button", name="Exit").click()
     expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_attached()
 
 

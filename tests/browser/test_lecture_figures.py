@@ -61,7 +61,7 @@ def test_a_number_in_the_prose_can_be_dragged(page: Page, server: str) -> None:
 def test_the_cell_is_fed_by_buttons_and_keys(page: Page, server: str) -> None:
     section = open_section(page, server, "cell")
     caption = section.locator("figcaption")
-    section.get_by_role("button", name="Begin again").click()
+    section.get_by_role("button", name="Reset the cell").click()
     expect(caption).to_contain_text("ℓ = 0.00 · odds 1.00 : 1")
     section.get_by_role("button", name="hit +0.85").click()
     expect(caption).to_contain_text("ℓ = 0.85 · odds 2.34 : 1")
@@ -83,7 +83,7 @@ def test_the_product_runs_out_of_digits_and_the_sum_does_not(page: Page, server:
     expect(rows.nth(0)).to_contain_text("+∞")
     expect(rows.nth(1)).to_contain_text("∞")
     expect(rows.nth(2)).not_to_have_class("lost")
-    cursor = section.get_by_role("slider", name="Look at the belief after reading")
+    cursor = section.get_by_role("slider", name="Show the belief after reading")
     cursor.focus()
     page.keyboard.press("Home")
     for _ in range(3):
@@ -118,7 +118,7 @@ def test_the_line_goes_round_and_needs_its_fixes(page: Page, server: str) -> Non
     expect(caption).to_contain_text("Octant 1: a = 18, b = 7. Cell 10 of 19: ∇ = −22 < 0, so straight")
     section.get_by_role("button", name="Forward one cell").click()
     expect(caption).to_contain_text("Cell 11 of 19: ∇ = −8")
-    end = section.get_by_role("slider", name="Where the beam ends")
+    end = section.get_by_role("slider", name="Last cell of the line")
     stage = section.locator(".stage").bounding_box()
     assert stage is not None
     cell = stage["width"] / 27
@@ -141,7 +141,7 @@ def test_the_line_goes_round_and_needs_its_fixes(page: Page, server: str) -> Non
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_a_finger_moves_the_end_of_the_beam(page: Page, server: str) -> None:
     section = open_section(page, server, "rays")
-    end = section.get_by_role("slider", name="Where the beam ends")
+    end = section.get_by_role("slider", name="Last cell of the line")
     x, y = centre(end)
     session = page.context.new_cdp_session(page)
     for kind, dx in (("touchStart", 0), ("touchMove", -40), ("touchMove", -80), ("touchEnd", None)):
@@ -159,24 +159,24 @@ def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
     expect(lit).to_have_count(1)
     expect(lit).to_contain_text("low, high = config.clamp_limits")
     start = output.inner_text()
-    section.get_by_role("button", name="On").click()
+    section.get_by_role("button", name="Step forward").click()
     expect(lit).to_contain_text("return min(max(log_odds + evidence")
-    section.get_by_role("button", name="On").click()
+    section.get_by_role("button", name="Step forward").click()
     expect(lit).to_contain_text("grid.observed[cell] = True")
     expect(section.locator(".program-values")).to_contain_text("→")
     for _ in range(2):
-        section.get_by_role("button", name="Back").click()
+        section.get_by_role("button", name="Step back").click()
     expect(output).to_have_text(start)
-    section.get_by_text("a beam", exact=True).click()
-    section.get_by_role("button", name="On").click()
+    section.locator(".choice-option", has_text="beam").click()
+    section.get_by_role("button", name="Step forward").click()
     expect(lit).to_contain_text("evidence = evidence_of_beam")
-    section.get_by_text("the scan", exact=True).click()
-    section.get_by_role("button", name="On").click()
+    section.locator(".choice-option", has_text="scan").click()
+    section.get_by_role("button", name="Step forward").click()
     expect(lit).to_contain_text("return updates")
     assert numbers(output)[0] == numbers(output)[1]
-    section.get_by_role("button", name="To the beginning").click()
+    section.get_by_role("button", name="Back to the start").click()
     expect(output).to_contain_text("line 1 of")
-    section.get_by_text("a line", exact=True).click()
+    section.locator(".choice-option", has_text="line").click()
     section.get_by_role("button", name="Play").click()
     until("the program to run by itself", lambda: numbers(output)[0] > 4)
     section.get_by_role("button", name="Pause").click()
@@ -200,15 +200,15 @@ def test_the_same_echoes_wall_up_the_door_for_bayes_only(page: Page, server: str
     occupied = float(re.findall(r"[\d.]+", certainties.inner_text())[0])
     assert door > 0.9
     assert occupied < 0.6
-    count = section.get_by_role("slider", name="Readings taken in", exact=True)
+    count = section.get_by_role("slider", name="Number of readings", exact=True)
     count.focus()
     page.keyboard.press("Home")
     expect(bayes).to_contain_text("not observed")
     page.keyboard.press("End")
     expect(bayes).to_contain_text("p = ")
-    section.get_by_text("weaker off the axis").click()
+    section.get_by_text("weaker away from the axis").click()
     assert float(bayes.inner_text().split("p = ")[1]) < door
-    drag(page, section.get_by_role("slider", name="Cell to look at, Bayes"), -120, 0)
+    drag(page, section.get_by_role("slider", name="Selected cell, Bayes"), -120, 0)
     expect(certainties).to_contain_text("occupied 0.00, empty")
     opening = section.get_by_role("slider", name="opening of the cone")
     opening.focus()

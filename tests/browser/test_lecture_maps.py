@@ -14,9 +14,9 @@ def test_only_the_mistake_builds_walls_where_nothing_stands(page: Page, server: 
     section = open_section(page, server, "no-return")
     ignored, freed, mistaken = (section.locator(".side-by-side p").nth(i) for i in range(3))
     assert numbers(freed)[0] > numbers(ignored)[0] + 100
-    expect(ignored).not_to_contain_text("where nothing stands")
-    expect(freed).not_to_contain_text("where nothing stands")
-    expect(mistaken).to_contain_text("where nothing stands")
+    expect(ignored).not_to_contain_text("where no wall is")
+    expect(freed).not_to_contain_text("where no wall is")
+    expect(mistaken).to_contain_text("where no wall is")
     before = numbers(ignored)
     robot = section.get_by_role("slider", name="Robot, map with no returns ignored")
     drag(page, robot, 60, -20)
@@ -27,7 +27,7 @@ def test_only_the_mistake_builds_walls_where_nothing_stands(page: Page, server: 
     reach = section.get_by_role("slider", name="Max range of the lidar")
     reach.focus()
     page.keyboard.press("End")
-    expect(section.get_by_role("slider", name="reach of the lidar")).to_have_text("9.0 m")
+    expect(section.get_by_role("slider", name="max range, lidar")).to_have_text("9.0 m")
 
 
 # --- mount -----------------------------------------------------------------------------------------------------------
@@ -37,20 +37,20 @@ def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str
     section = open_section(page, server, "mount")
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("lie where no wall is")
-    section.get_by_role("button", name="right", exact=True).click()
+    section.get_by_role("button", name="correct", exact=True).click()
     expect(caption).to_contain_text("all lie on walls")
-    drag(page, section.get_by_role("slider", name="Sensor: which way it looks"), 0, -40)
+    drag(page, section.get_by_role("slider", name="Direction of the sensor"), 0, -40)
     expect(caption).to_contain_text("lie where no wall is")
-    section.get_by_role("button", name="right", exact=True).click()
-    sensor = section.get_by_role("slider", name="Sensor: where it is on the robot")
+    section.get_by_role("button", name="correct", exact=True).click()
+    sensor = section.get_by_role("slider", name="Position of the sensor")
     sensor.focus()
     for _ in range(6):
         page.keyboard.press("ArrowUp")
     expect(caption).to_contain_text("+0.30 m to the left")
     expect(caption).to_contain_text("lie where no wall is")
-    section.get_by_role("button", name="right", exact=True).click()
-    section.get_by_role("switch", name="hangs upside down").press("Space")
-    expect(caption).to_contain_text("turned over")
+    section.get_by_role("button", name="correct", exact=True).click()
+    section.get_by_role("switch", name="mounted upside down").press("Space")
+    expect(caption).to_contain_text("upside down")
     expect(caption).to_contain_text("lie where no wall is")
 
 
@@ -68,10 +68,10 @@ def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("Your guess: 10")
     # (3.5 − log 0.65/0.35) / 0.4 is 7.2, and (40 · 0.85 − …) / 0.4 is 83.5.
-    expect(caption).to_contain_text("With the clamp it was forgotten after 8")
-    expect(caption).to_contain_text("without it it was forgotten after 84. You were 2 over.")
+    expect(caption).to_contain_text("With the clamp: forgotten after 8")
+    expect(caption).to_contain_text("without it: forgotten after 84. Your guess was 2 too high.")
     section.get_by_role("button", name="Put the table back").click()
-    expect(caption).to_contain_text("How many will the map need")
+    expect(caption).to_contain_text("How many scans does the map need")
 
 
 def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
@@ -86,7 +86,7 @@ def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
         return caption.inner_text() == before
 
     until("the figure to stand", stands)
-    expect(caption).not_to_contain_text("without it it was forgotten")  # it has not come to its end
+    expect(caption).not_to_contain_text("without it: forgotten")  # it has not come to its end
 
 
 def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> None:
@@ -116,7 +116,7 @@ def test_near_the_sensor_a_scan_says_it_many_times(page: Page, server: str) -> N
     page.keyboard.press("End")
     assert numbers(section.locator("figcaption b"))[0] > 3 * times
     expect(per_scan).to_contain_text("ℓ = −0.40, p = 0.40")
-    drag(page, section.get_by_role("slider", name="Cell to look at, map per scan"), 90, 0)
+    drag(page, section.get_by_role("slider", name="Selected cell, map per scan"), 90, 0)
     assert numbers(section.locator("figcaption b"))[0] < 3 * times
 
 
@@ -137,9 +137,9 @@ def test_thresholds_change_the_file_and_a_reader_can_spoil_it(page: Page, server
         page.keyboard.press("ArrowLeft")
     expect(handle).to_have_attribute("aria-valuenow", "0.17")
     assert numbers(words)[0] < free
-    reader = section.get_by_role("slider", name="free_thresh that the reader uses")
+    reader = section.get_by_role("slider", name="free_thresh of the reader")
     reader.focus()
     page.keyboard.press("ArrowRight")
-    expect(words).to_contain_text("All that was unknown is now free to drive on")
+    expect(words).to_contain_text("All unknown cells are read as free")
     page.keyboard.press("ArrowLeft")
-    expect(words).not_to_contain_text("All that was unknown")
+    expect(words).not_to_contain_text("All unknown cells")

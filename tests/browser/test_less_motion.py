@@ -52,7 +52,7 @@ def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> No
     expect(facts).not_to_have_text(before)
 
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     until("the whole log", lambda: frame(page)["index"] == frame(page)["count"])
     stands(page)
@@ -68,7 +68,7 @@ def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
     expect(page.get_by_role("button", name="Play")).to_have_count(0)
     for section, step, told in (
         ("rays", "Forward one cell", "figcaption"),
-        ("algorithm", "On", ".figure-controls output"),
+        ("algorithm", "Step forward", ".figure-controls output"),
         ("forgetting", "Forward one scan", "figcaption"),
     ):
         figure = page.locator(f"#{section} figure")

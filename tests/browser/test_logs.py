@@ -26,7 +26,7 @@ def intel(page: Page, server: str, data_file: Callable[[str], Path]) -> Page:
     data_file("carmen/intel-corrected.log.gz")
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text="intel-corrected.log.gz")
-    card.get_by_role("button", name="Make its map").click()
+    card.get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     return page
 
@@ -65,7 +65,7 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
     assert description["resolution"] == pytest.approx(held["resolution"])
     assert description["origin"] == pytest.approx(held["origin"])
     byte = np.array(held["bytes"], dtype=float).reshape(image.shape)
-    low, high = held["log_odds_min"], held["log_odds_max"]
+    low, high = held["low"], held["high"]
     p = 1.0 - 1.0 / (1.0 + np.exp(low + (byte - 1.0) / 254.0 * (high - low)))
     shown = np.where(byte == 0, 205, np.where(p > 0.65, 0, np.where(p < 0.25, 254, 205)))
     np.testing.assert_array_equal(shown, image)
@@ -131,7 +131,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(data_file("carmen/aces-corrected.log.gz"))
     card = page.locator(".log-card", has_text="aces-corrected.log.gz")
-    card.get_by_role("button", name="Make its map").click()
+    card.get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().occupied > 100")
     page.get_by_role("button", name="All logs").click()
     card.get_by_role("button", name="Delete aces-corrected.log.gz").click()
@@ -179,7 +179,7 @@ def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: st
     assert "Traceback" not in error.inner_text()
     expect(page.locator(".log-card.failed")).to_contain_text("CARMEN logs, ROS bags, MCAP")
     # Nothing else stopped working: the sample opens beside it.
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
 
 

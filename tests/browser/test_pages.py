@@ -59,7 +59,7 @@ def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str
 def test_an_ended_session_is_replaced_and_the_page_says_so(page: Page, server: str, watched) -> None:
     page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
     await_map(page)
-    expect(page.locator(".toast").first).to_contain_text("new one")
+    expect(page.locator(".toast").first).to_contain_text("This is a new world")
     assert "endedlongago" not in page.url
     # The browser itself notes the 404 by which the page learns that the session is gone.
     watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]

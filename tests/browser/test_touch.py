@@ -40,7 +40,7 @@ class Fingers:
 def viewer(page: Page, server: str) -> Page:
     """The viewer of the sample, paused."""
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").tap()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").tap()
     await_map(page)
     page.get_by_role("button", name="Pause").tap()
     until("the log to stand still", lambda: not frame(page)["playing"])
@@ -98,20 +98,20 @@ def test_two_fingers_zoom_the_map_and_one_moves_it(viewer: Page, fingers: Finger
 
 
 def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -> None:
-    knob = viewer.get_by_role("slider", name="Max range", exact=True).first
-    knob.scroll_into_view_if_needed()
+    handle = viewer.get_by_role("slider", name="Max range", exact=True).first
+    handle.scroll_into_view_if_needed()
     expect(viewer.locator(".viewer-map")).to_be_in_viewport(ratio=0.95)
 
     def value() -> float:
         return float(viewer.evaluate("() => gridbloom.connection.store.mapping.values.peek().range_max"))
 
-    share = float(knob.input_value()) / 1000.0
-    fingers.drag((place_in(knob, 0.03 + 0.94 * share), place_in(knob, 0.25)))
+    share = float(handle.input_value()) / 1000.0
+    fingers.drag((place_in(handle, 0.03 + 0.94 * share), place_in(handle, 0.25)))
     until("a shorter range", lambda: value() < 5.0)
     settled_digest(viewer)
     # A finger that comes down on a slider only to scroll changes nothing.
     chosen, before = value(), scrolled(viewer)
-    x, y = place_in(knob, 0.7)
+    x, y = place_in(handle, 0.7)
     fingers.drag(((x, y), (x, y - 150)))
     until("the page to scroll", lambda: scrolled(viewer) > before + 50)
     settled_digest(viewer)
@@ -123,8 +123,8 @@ def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> No
     other.goto(viewer.url)
     other.get_by_text("wheel odometry", exact=True).tap()
     expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked()
-    viewer.get_by_text("the truth", exact=True).tap()
-    expect(other.get_by_role("radio", name="the truth")).to_be_checked()
+    viewer.get_by_text("ground truth", exact=True).tap()
+    expect(other.get_by_role("radio", name="ground truth")).to_be_checked()
 
 
 # --- the lecture -----------------------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> No
 # A slider put into the middle of the window: where a finger takes it, how large what it takes is, and what it says.
 _HOLD = """slider => {
   slider.scrollIntoView({ block: "center", behavior: "instant" });
-  const box = (slider.querySelector(".knob-grab, .handle-grab") ?? slider).getBoundingClientRect();
+  const box = (slider.querySelector(".drag-handle-grab, .handle-grab") ?? slider).getBoundingClientRect();
   let x = box.x + box.width / 2;
   if (slider.type === "range") {
     const share = (slider.value - slider.min) / (slider.max - slider.min);
@@ -185,7 +185,7 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
     for section in page.locator(".lesson").all():
         name = section.get_attribute("id")
         in_figure = section.locator("figure").locator("[role=slider], input[type=range]").element_handles()
-        in_prose = section.locator(".prose .scrub").element_handles()[:1]
+        in_prose = section.locator(".prose .drag-number").element_handles()[:1]
         for slider in in_figure + in_prose:
             at = slider.evaluate(_HOLD)
             assert min(at["width"], at["height"]) >= 24, (name, slider.get_attribute("aria-label"), at)

@@ -41,7 +41,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 def viewer(page: Page, server: str) -> Page:
     """The viewer on the sample log, standing at its end."""
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")
@@ -81,19 +81,19 @@ def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
     why: dict[str, Any] = store(page, "why")
     cell = page.evaluate("(xy) => gridbloom.readState(xy)", xy)
     geometry = page.evaluate("() => gridbloom.connection.store.map.peek().geometry")
-    step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+    step = (geometry["high"] - geometry["low"]) / 254
     assert (why["row"], why["col"]) == (cell["row"], cell["col"])
     assert why["log_odds"] == pytest.approx(cell["log_odds"], abs=step)
     # The whole story told again, beam by beam, ends at what the map shows.
     values = page.evaluate("() => gridbloom.connection.store.mapping.values.peek()")
-    assert why["touches"][-1]["n"] == why["total"]
-    if why["total"] == len(why["touches"]):
+    assert why["contributions"][-1]["n"] == why["total"]
+    if why["total"] == len(why["contributions"]):
         log_odds = why["prior"]
-        for touch in why["touches"]:
+        for touch in why["contributions"]:
             assert touch["increment"] == pytest.approx(values["log_odds_hit" if touch["hit"] else "log_odds_miss"])
             log_odds = min(max(log_odds + touch["increment"], why["log_odds_min"]), why["log_odds_max"])
         assert log_odds == pytest.approx(cell["log_odds"], abs=step)
-        assert why["hits"] == sum(touch["hit"] for touch in why["touches"])
+        assert why["hits"] == sum(touch["hit"] for touch in why["contributions"])
     panel = page.locator(".why")
     expect(panel.locator(".why-sentence")).to_contain_text(re.compile(r"^Occupied, p 0\.9\d: "))
     expect(panel.locator(".why-sentence")).to_contain_text(f"{why['hits']} beam")
@@ -105,12 +105,12 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     pose = frame(lab)["pose"]
     why = check_answer(lab, ask(lab))
     assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
-    scrub = lab.get_by_role("slider", name="Beams through this cell")
-    assert int(scrub.input_value()) == why["total"] > 3
+    slider = lab.get_by_role("slider", name="Beams through this cell")
+    assert int(slider.input_value()) == why["total"] > 3
     equation = lab.locator(".why-equation output")
     newest = equation.inner_text()
     assert re.fullmatch(r"−?\d\.\d\d [+−] 0\.\d\d = −?\d\.\d\d( → −?\d\.\d\d)?", newest)
-    scrub.focus()
+    slider.focus()
     lab.keyboard.press("Home")
     expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
     assert store(lab, "touch")["n"] == 1
@@ -127,7 +127,9 @@ def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
     ask(lab)
     before = store(lab, "why")
     lab.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 0.4)")
-    until("the new increment", lambda: any(abs(t["increment"] - 0.4) < 1e-6 for t in store(lab, "why")["touches"]))
+    until(
+        "the new increment", lambda: any(abs(t["increment"] - 0.4) < 1e-6 for t in store(lab, "why")["contributions"])
+    )
     lab.get_by_role("button", name="Play").click()
     until("more scans in the answer", lambda: store(lab, "why")["index"] > before["index"] + 10)
 
@@ -167,8 +169,8 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
 
 def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
     why = check_answer(viewer, ask(viewer))
-    scrub = viewer.get_by_role("slider", name="Beams through this cell")
-    scrub.focus()
+    slider = viewer.get_by_role("slider", name="Beams through this cell")
+    slider.focus()
     viewer.keyboard.press("Home")
     first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
     assert first["scan"] == why["first_scan"]

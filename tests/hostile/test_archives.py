@@ -65,8 +65,8 @@ def test_a_size_that_lies(path, number):
     data[148:156] = b" " * 8
     data[148:156] = b"%06o\0 " % sum(data[:512])
     log = opened(path, bytes(data))
-    notes = log.notes if isinstance(log, ScanLog) else ["The archive ends early: what stands before is there."]
-    assert "The archive ends early: what stands before is there." in notes
+    notes = log.notes if isinstance(log, ScanLog) else ["The archive ends early: only what precedes is read."]
+    assert "The archive ends early: only what precedes is read." in notes
 
 
 def test_links_devices_and_names_are_nothing_but_what_they_are(path):
@@ -115,7 +115,7 @@ def test_a_header_that_has_another_checksum_ends_the_archive(path):
     data[second] ^= 1  # of the second file's name
     log = opened(path, bytes(data))
     assert isinstance(log, ScanLog)
-    assert log.notes[0] == f"The archive is damaged at byte {second}: what stands before is there."
+    assert log.notes[0] == f"The archive is damaged at byte {second}: only what precedes is read."
     data[0] ^= 1
     error = opened(path, bytes(data))
     assert isinstance(error, ReadError)

@@ -121,7 +121,7 @@ async def test_twelve_guests_who_take_a_map_of_31_million_cells(process: Process
             return guest.get(f"/api/sessions/{session}/map.png")
 
     with process.client() as other, ThreadPoolExecutor(GUESTS) as threads:
-        own = other.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+        own = other.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
         stream = f"ws://127.0.0.1:{process.port}/api/sessions/{own}/stream"
         async with stream_at(stream, additional_headers={"Authorization": f"Bearer {TOKEN}"}) as connection:
             watcher = Watcher(connection)

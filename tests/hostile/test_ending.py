@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
 
 UPGRADE = (
-    "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: gridbloom.v1\r\n"
+    "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: gridbloom.v2\r\n"
     "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
 )
 
@@ -46,7 +46,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
         return heard
 
     try:
-        body = '{"kind":"world","world":"room"}'
+        body = '{"kind":"simulation","world":"room"}'
         began = say(
             "POST /api/sessions HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n"
             f"Content-Length: {len(body)}\r\n\r\n{body}",

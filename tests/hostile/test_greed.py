@@ -13,14 +13,14 @@ from typing import Any
 import pytest
 
 from mapper.mapping.integrate import integrate_scans
-from server.sessions import Session
+from server.sessions import SessionHost
 from tests.server.service import PATIENCE_S, Service, Watcher, eventually, until_closed
 
 Undisturbed = Callable[[Service], AbstractAsyncContextManager[Watcher]]
 
 
-def session_of(service: Service, session_id: str) -> Session:
-    session: Session = service.state.sessions.get(session_id)
+def session_of(service: Service, session_id: str) -> SessionHost:
+    session: SessionHost = service.state.sessions.get(session_id)
     return session
 
 
@@ -28,19 +28,19 @@ async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
-    session_id = await asyncio.to_thread(lambda: service.begin(kind="world", world="office"))
+    session_id = await asyncio.to_thread(lambda: service.begin(kind="simulation", world="office"))
     session = session_of(service, session_id)
     async with undisturbed(service), service.connect(session_id) as socket:
-        started = session.progress[0]
+        started = session.model.progress[0]
         for _ in range(200):
             await socket.send(json.dumps({"type": "step", "scans": 100}))
         watcher = Watcher(socket)
         await watcher.send("ping", id=1)
         await watcher.answer("pong")  # all of them were taken in
-        await eventually(lambda: session.progress[0] > started + 300)
+        await eventually(lambda: session.model.progress[0] > started + 300)
         assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204
         # 20,000 scans were asked for: all of them would have taken the session a minute.
-        assert session.progress[0] < started + 5000
+        assert session.model.progress[0] < started + 5000
 
 
 async def test_a_session_ends_in_the_middle_of_a_long_computation(
@@ -76,14 +76,14 @@ async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Servi
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         await watcher.settle()
-        started = session.progress[0]
+        started = session.model.progress[0]
         await watcher.send("step", scans=95)
         await watcher.send("step", scans=5)
         counts = set()
-        while session.progress[0] < started + 100 or session.has_queued_commands:
+        while session.model.progress[0] < started + 100 or session.has_queued_commands:
             if await watcher.read() is None:
                 await watcher.acknowledge()
-            counts.add(session.progress[0])
+            counts.add(session.model.progress[0])
         await watcher.settle()
         assert watcher.newest["frame"]["index"] == started + 100
         assert len(counts) > 3

@@ -197,7 +197,7 @@ def test_of_gzip_data_that_is_damaged_in_its_middle_the_scans_before_are_there_a
         log = open_log(path)
         assert sound <= log.n_scans <= len(lines)
         np.testing.assert_array_equal(log.ranges[:sound], whole.ranges[:sound])
-        assert packed == good or any("The gzip data is damaged: what stands before line" in note for note in log.notes)
+        assert packed == good or any("The gzip data is damaged: what precedes line" in note for note in log.notes)
 
 
 def test_gzip_data_with_another_checksum_than_its_own_is_marked(tmp_path):

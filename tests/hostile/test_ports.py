@@ -63,7 +63,9 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
     pid, port = guarded
     headers = {"Authorization": f"Bearer {TOKEN}"}
     base = f"http://127.0.0.1:{port}"
-    session_id = httpx.post(f"{base}/api/sessions", json={"kind": "world"}, headers=headers, timeout=60).json()["id"]
+    session_id = httpx.post(f"{base}/api/sessions", json={"kind": "simulation"}, headers=headers, timeout=60).json()[
+        "id"
+    ]
     scene = f"/scenes/{session_id}/"
     with connect(
         f"ws://127.0.0.1:{port}{scene}", subprotocols=[VISER], additional_headers=headers, max_size=None, proxy=None
@@ -80,7 +82,7 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
                     assert set(answer.json()) == {"code", "message", "detail"}
                 for path in ("/", scene, f"/api/sessions/{session_id}/stream"):
                     for origin in (f"https://{EVIL}", f"http://127.0.0.1:{one}", "null", None):
-                        for protocol in (VISER, "gridbloom.v1"):
+                        for protocol in (VISER, "gridbloom.v2"):
                             with pytest.raises((InvalidHandshake, EOFError)):
                                 opened(one, path, host, origin, protocol)
         assert ports == {port}

@@ -29,7 +29,8 @@ ODD: tuple[Any, ...] = (
 )
 COMMANDS: dict[str, dict[str, Any]] = {
     "ack": {"seq": 0},
-    "resume": {"epoch_id": "x", "epoch": 1, "revision": 0},
+    "resume": {"epoch_id": "x", "layer": "map", "epoch": 1, "revision": 0},
+    "subscribe": {"layers": ["map", "second_map"]},
     "step": {"scans": 1},
     "speed": {"value": 1.0},
     "seek": {"index": 0},
@@ -74,7 +75,7 @@ def open_raw(service: Service, session_id: str, receive_buffer: int | None = Non
     connection.sendall(
         f"GET /api/sessions/{session_id}/stream HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n".encode()
         + b"Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-        + b"Sec-WebSocket-Protocol: gridbloom.v1\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+        + b"Sec-WebSocket-Protocol: gridbloom.v2\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
     )
     answer = b""
     while b"\r\n\r\n" not in answer:
@@ -158,9 +159,9 @@ async def barrier(watcher: Watcher, number: int) -> None:
 
 
 @pytest.mark.usefixtures("unthrottled")
-@pytest.mark.parametrize("kind", ["world", "log"])
+@pytest.mark.parametrize("kind", ["simulation", "log"])
 async def test_every_command_takes_odd_values(service: Service, undisturbed: Undisturbed, kind: str) -> None:
-    wanted = {"kind": "log", "log": "sample-office"} if kind == "log" else {"kind": "world", "world": "room"}
+    wanted = {"kind": "log", "log": "sample-office"} if kind == "log" else {"kind": "simulation", "world": "room"}
     session_id = await asyncio.to_thread(lambda: service.begin(**wanted))
     async with undisturbed(service), service.connect(session_id) as socket:
         watcher = Watcher(socket)
@@ -174,6 +175,7 @@ async def test_every_command_takes_odd_values(service: Service, undisturbed: Und
                 await barrier(watcher, count)
         session = service.state.sessions.get(session_id)
         await eventually(lambda: not session.has_queued_commands)
+        await watcher.send("subscribe", layers=["map"])  # one of the odd values is a list, without a layer
         await watcher.send("play")
         frames = watcher.frames
         await watcher.until(lambda: watcher.frames > frames + 3)
@@ -225,7 +227,7 @@ def codes(watcher: Watcher, since: int) -> list[str]:
 async def test_the_largest_map_that_can_be_asked_for_stays_within_its_cells(tmp_path: Path) -> None:
     """Every parameter that makes a map large, at its largest, in a service that allows few cells."""
     with running(settings_for(tmp_path, max_cells=1 << 20)) as service:
-        session_id = service.begin(kind="world", world="office", seed=1)
+        session_id = service.begin(kind="simulation", world="office", seed=1)
         async with service.connect(session_id) as socket:
             watcher = Watcher(socket)
             await watcher.send("parameters", values={"resolution": 0.01, "range_max": 100.0, "no_return": "free"})

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from server.stream.layers import GridLayer
 from tests.server.service import Service, Watcher, running, settings_for
 
 PERIOD_S = 0.5
@@ -36,7 +37,7 @@ async def drain(watcher: Watcher) -> int:
 
 
 async def test_a_client_at_two_hertz_is_at_most_half_a_second_behind(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=1)
+    session_id = service.begin(kind="simulation", world="office", seed=1)
     async with service.connect(session_id) as slow_socket, service.connect(session_id) as fast_socket:
         slow, fast = Watcher(slow_socket), Watcher(fast_socket)
         looking = True
@@ -74,7 +75,7 @@ async def test_a_client_at_two_hertz_is_at_most_half_a_second_behind(service: Se
 
 
 async def test_a_client_that_never_reads_costs_the_others_nothing(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=2)
+    session_id = service.begin(kind="simulation", world="office", seed=2)
     async with service.connect(session_id, max_queue=1, close_timeout=0.5), service.connect(session_id) as good_socket:
         good = Watcher(good_socket)
         await good.until(lambda: good.frames > 60)
@@ -89,7 +90,7 @@ async def test_twenty_browsers_on_ten_sessions_all_have_their_map(service: Servi
     for i in range(10):
         if i % 5 == 0:
             http.cookies.clear()  # another visitor, with a budget of their own
-        ids.append(service.begin(kind="world", world=worlds[i % 5], seed=i))
+        ids.append(service.begin(kind="simulation", world=worlds[i % 5], seed=i))
 
     all_run = asyncio.Barrier(20)
 
@@ -103,4 +104,7 @@ async def test_twenty_browsers_on_ten_sessions_all_have_their_map(service: Servi
 
     watchers = await asyncio.gather(*(watch(ids[i % 10]) for i in range(20)))
     for i, watcher in enumerate(watchers):
-        assert watcher.picture.tobytes() == service.state.sessions.get(ids[i % 10]).hub.picture.cells.tobytes()
+        layer = service.state.sessions.get(ids[i % 10]).model.layers[0]
+        assert isinstance(layer, GridLayer)
+        assert layer.picture is not None
+        assert watcher.picture.tobytes() == layer.picture.cells.tobytes()

@@ -49,7 +49,7 @@ def lab(page: Page, server: str) -> None:
 def log(page: Page, server: str) -> None:
     """The Intel Research Lab at the end of its log."""
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="intel-corrected").get_by_role("button", name="Make its map").click()
+    page.locator(".log-card", has_text="intel-corrected").get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")

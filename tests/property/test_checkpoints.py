@@ -78,10 +78,10 @@ def kept_by(replay: Replay) -> Checkpoints:
 
 
 @pytest.mark.parametrize("config", WAYS, ids=named)
-@given(jumps=st.lists(st.integers(0, N), min_size=1, max_size=5), scouted=st.integers(0, 5), budget=st.booleans())
+@given(jumps=st.lists(st.integers(0, N), min_size=1, max_size=5), prefetched=st.integers(0, 5), budget=st.booleans())
 @settings(max_examples=12)
 def test_seeks_of_every_model_end_at_the_map_made_in_one_go(
-    log: ScanLog, config: MappingConfig, jumps: list[int], scouted: int, budget: bool
+    log: ScanLog, config: MappingConfig, jumps: list[int], prefetched: int, budget: bool
 ) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(checkpoints, "BUDGET_BYTES", 20_000 if budget else 1 << 20)
@@ -89,7 +89,7 @@ def test_seeks_of_every_model_end_at_the_map_made_in_one_go(
         replay.advance_to(4)
         for index in jumps:
             prefetcher = replay.prefetcher()
-            for _ in range(scouted if prefetcher else 0):
+            for _ in range(prefetched if prefetcher else 0):
                 assert prefetcher is not None
                 prefetcher.step()
             before = replay.grid.log_odds.copy()
@@ -158,7 +158,7 @@ def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, mon
     assert not mapped
 
 
-def test_a_scout_leaves_all_checkpoints_while_the_replay_goes_on(log: ScanLog) -> None:
+def test_the_prefetcher_makes_all_checkpoints_while_the_replay_goes_on(log: ScanLog) -> None:
     replay = Replay(log, WAYS[0])
     assert replay.prefetcher() is None  # nothing is known of the log yet
     replay.advance_to(3)

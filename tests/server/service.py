@@ -11,7 +11,7 @@ import json
 import struct
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from websockets.exceptions import ConnectionClosed
 
 from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
-from server.sessions import SessionNotFoundError
+from server.sessions import KINDS, Kind, SessionNotFoundError
 from server.settings import Settings
 from server.stream.messages import ServerMessage
 
@@ -65,7 +65,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 
 def stream_at(address: str, **more: Any) -> Any:
     """Open the stream at an address."""
-    return connect(address, subprotocols=["gridbloom.v1"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+    return connect(address, subprotocols=["gridbloom.v2"], compression=None, max_size=None, **more)  # type: ignore[list-item]
 
 
 class Service:
@@ -85,7 +85,7 @@ class Service:
 
     def begin(self, **wanted: Any) -> str:
         """Start a session; return its id."""
-        answer = self.http.post("/api/sessions", json=wanted or {"kind": "world", "world": "room", "seed": 3})
+        answer = self.http.post("/api/sessions", json=wanted or {"kind": "simulation", "world": "room", "seed": 3})
         assert answer.status_code == 201, answer.text
         return str(answer.json()["id"])
 
@@ -99,16 +99,16 @@ class Service:
     def address(self, session: str) -> str:
         return f"ws://127.0.0.1:{self.port}/api/sessions/{session}/stream"
 
-    def connect(self, session: str, query: str = "", **more: Any) -> Any:
+    def connect(self, session: str, **more: Any) -> Any:
         """Open a session's stream."""
-        return stream_at(self.address(session) + query, **more)
+        return stream_at(self.address(session), **more)
 
 
 @contextmanager
-def running(settings: Settings) -> Iterator[Service]:
-    """Run a service in a thread until the block ends."""
+def running(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Iterator[Service]:
+    """Run a service with sessions of these kinds in a thread until the block ends."""
     bound = listen("127.0.0.1", 0)
-    server = make_server(settings)
+    server = make_server(settings, kinds)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, name="uvicorn")
     thread.start()
     service = Service(server, bound.getsockname()[1])
@@ -135,23 +135,30 @@ async def until_closed(socket: ClientConnection) -> None:
 
 
 class Watcher:
-    """A browser without a screen: follows a stream, keeps the picture, acknowledges when told to."""
+    """A browser without a screen: follows a grid of a stream, keeps its picture, acknowledges when told to."""
 
-    def __init__(self, socket: ClientConnection) -> None:
+    def __init__(self, socket: ClientConnection, layer: str = "map") -> None:
         self.socket = socket
+        self.layer = layer
+        self._subscribed = layer == "map"  # that is sent unasked
         self.newest: dict[str, dict[str, Any]] = {}  #: the newest message of each type
         self.messages: list[dict[str, Any]] = []  #: all but frame messages
         self.frames = 0
+        self.of_other_layers: dict[int, int] = {}  #: tiles by the id of the layer
         self.scans = 0  #: frame messages that brought a scan
         self.unacknowledged = 0
         self.complete = False
         self.epoch = -1
+        self.geometry: dict[str, Any] = {}  #: of the grid
         self.revision = 0
         self.picture: NDArray[np.int8] = np.full((0, 0), -128, dtype=np.int8)
         self.ages: list[float] = []  #: of each frame message when it was read, in seconds
 
     async def read(self, patience_s: float = PATIENCE_S) -> dict[str, Any] | None:
         """Read one message; return it if it is a text."""
+        if not self._subscribed:
+            self._subscribed = True
+            await self.send("subscribe", layers=[self.layer])
         async with asyncio.timeout(patience_s):
             data = await self.socket.recv()
         if isinstance(data, bytes):
@@ -170,14 +177,28 @@ class Watcher:
             self.ages.append(time.monotonic() - message["t"])
         else:
             self.messages.append(message)
-        if message["type"] == "geometry" and message["epoch"] != self.epoch:
-            self.epoch = message["epoch"]
-            self.picture = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
+        if message["type"] == "geometry" and message["layer"] == self.layer_id():
+            self._begin(message)
         return message
 
+    def _begin(self, message: dict[str, Any]) -> None:
+        self.geometry = message
+        if message["epoch"] != self.epoch:
+            self.epoch = message["epoch"]
+            self.picture = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
+
+    def layer_id(self) -> int:
+        """The id of the grid, 0 before it is known."""
+        layers = self.newest.get("layers", {"layers": []})["layers"]
+        return next((int(one["id"]) for one in layers if one["name"] == self.layer), 0)
+
     async def _tiles(self, data: bytes) -> None:
-        kind, flags, _, epoch, seq, count = struct.unpack_from("<BBHIII", data)
+        kind, flags, layer, epoch, seq, count = struct.unpack_from("<BBHIII", data)
         assert kind == 1
+        if layer != self.layer_id():
+            self.unacknowledged = seq
+            self.of_other_layers[layer] = self.of_other_layers.get(layer, 0) + count
+            return
         at = 16
         for _ in range(count):
             tx, ty, revision, nbytes = struct.unpack_from("<hhII", data, at)
@@ -242,7 +263,7 @@ class Watcher:
 
     def log_odds(self) -> NDArray[np.float64]:
         """The picture's log-odds, NaN where never observed."""
-        g = self.newest["geometry"]
-        low, high = g["log_odds_min"], g["log_odds_max"]
+        g = self.geometry
+        low, high = g["low"], g["high"]
         value = low + (self.picture.astype(np.float64) + 127.0) / 254.0 * (high - low)
         return np.where(self.picture == -128, np.nan, value)

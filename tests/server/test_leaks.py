@@ -25,7 +25,7 @@ def tasks(service: Service) -> list[str]:
 
 
 async def one_visit(service: Service, number: int) -> None:
-    wanted = {"kind": "log", "log": "sample-office"} if number % 5 == 0 else {"kind": "world", "world": "room"}
+    wanted = {"kind": "log", "log": "sample-office"} if number % 5 == 0 else {"kind": "simulation", "world": "room"}
     session_id = await asyncio.to_thread(lambda: service.begin(**wanted))
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)

@@ -76,9 +76,9 @@ def test_no_line_holds_a_secret(
         httpx.get(f"{base}/?token={TOKEN}", timeout=60)
         httpx.get(f"{base}/api/sessions/{session_id}?token=wrong-{TOKEN}", timeout=60)
         for one in (session_id, guest_id, world_id):
-            visit(service, f"/api/sessions/{one}/stream", "gridbloom.v1")
+            visit(service, f"/api/sessions/{one}/stream", "gridbloom.v2")
             visit(service, f"/scenes/{one}/", f"viser-v{viser.__version__}")
-        visit(service, f"/api/sessions/{session_id}/stream", "gridbloom.v1", refused=True)
+        visit(service, f"/api/sessions/{session_id}/stream", "gridbloom.v2", refused=True)
         until(lambda: len(service.state.scenes) == 3)
         with monkeypatch.context() as patched:
             patched.setattr("server.scenes.scene.Scene._draw", failing)

@@ -228,13 +228,13 @@ def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: P
     """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
     program = f"""
 import time
-import server.sessions.registry
+import server.sessions.models.simulation_kind
 
 def never_ends(*_, **__):
     print("computing", flush=True)
     time.sleep(10_000)
 
-server.sessions.registry.retold = never_ends
+server.sessions.models.simulation_kind.replayed = never_ends
 {RUN}
 """
     process, address = started(program, tmp_path)
@@ -254,4 +254,4 @@ server.sessions.registry.retold = never_ends
 
 def post_and_be_cut(address: str) -> None:
     with contextlib.suppress(httpx.TransportError):
-        httpx.post(address, json={"kind": "world", "world": "room"}, timeout=PATIENCE_S)
+        httpx.post(address, json={"kind": "simulation", "world": "room"}, timeout=PATIENCE_S)

@@ -1,7 +1,7 @@
 """Counts and entropy sums of one map, in one pass over its cells.
 
 A map holds few distinct values, and neighbouring cells often the same one. The pass counts how often each value occurs,
-in a table; entropy and state are computed once for each value, and again for one that another pushed out of its slot.
+in a table; entropy and state are computed once for each value, and again for one that another replaced in its slot.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What one takes away besides the map's own files: a log and its map for other viewers, and the robot's way."""
+"""Export besides map files: a log and its map for other viewers, and the robot's trajectory."""
 
 from mapper.io.export.growing_map import GrowingMap
 from mapper.io.export.recording import write_mcap

@@ -2,7 +2,7 @@
 
 | topic | type | |
 |---|---|---|
-| ``/map`` | nav_msgs/OccupancyGrid | the map after the first scan, at some instants on the way, and after the last |
+| ``/map`` | nav_msgs/OccupancyGrid | the map after the first scan, at some scans in between, and after the last |
 | ``/tf_static`` | tf2_msgs/TFMessage | base → sensor, the sensor's mount |
 | ``/tf`` | tf2_msgs/TFMessage | the trajectory's frame → base at each scan |
 | ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
@@ -11,8 +11,8 @@
 | ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
 
 Frames have the names that the log and its trajectory state: poses of odometry are odom → base_link, and the map that
-was made with them lies in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map lies in the base's
-frame. ``/map`` and ``/tf_static`` are latched (transient local): who joins a playback late receives the last one.
+was made with them is in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map is in the base's
+frame. ``/map`` and ``/tf_static`` are latched (transient local): a late subscriber receives the last one.
 
 Source: mcap.dev/spec, and its registry on the ``ros2`` profile; REP 105 (frames).
 """

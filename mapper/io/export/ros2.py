@@ -1,4 +1,4 @@
-"""The few ROS 2 messages that a log and its map are told in: their definitions, and their bytes (CDR, little-endian).
+"""The ROS 2 messages that a log and its map are exported as: their definitions, and serialisation (CDR, little-endian).
 
 Source: the message definitions of ROS 2 (nav_msgs, sensor_msgs, geometry_msgs, tf2_msgs, std_msgs,
 builtin_interfaces); OMG DDSI-RTPS, 10. A definition that is embedded in a file names the messages that it is made of

@@ -3,7 +3,7 @@
 Trajectory names, in the order in which a log offers them (the first is its default):
 
 ``scan``      the robot's pose as each scan line states it; in a corrected log, the corrected pose
-``odom``      the odometry pose that each scan line states beside it, where the two differ
+``odom``      the odometry pose that each scan line states as well, where the two differ
 ``wheel``     the odometry messages (CARMEN's ODOM) at the time of each scan
 ``truepos``   the simulator's true pose (CARMEN's TRUEPOS) at the time of each scan
 """

@@ -1,10 +1,10 @@
-"""The files in a tar archive, each read where it stands: nothing is unpacked, and no name in it is ever a path.
+"""The files in a tar archive, each read in place: nothing is unpacked, and no name in it is ever a path.
 
 Source: POSIX.1-2017, pax (the ustar format, and the record ``path`` of its extended headers); the GNU tar manual (long
 names, numbers to the base 256). Of everything else that an archive may hold, as links, nothing is made.
 
 Python's own ``tarfile`` is not used: it takes a name of any length into memory, calls itself for every record of a name
-(thousands of them end in RecursionError) and goes where a size that lies sends it, backwards too.
+(thousands of them end in RecursionError) and seeks to wherever a false size points, backwards too.
 """
 
 from __future__ import annotations
@@ -118,10 +118,10 @@ def members(archive: Path, limits: Limits) -> tuple[list[Member], list[str]]:
                     there = max(0, min(size, end - start))
                     found.append(Member(printable(last[:200]), folder, archive, start, there))
         except _NoHeaderError:
-            return found, [f"The archive is damaged at byte {at}: what stands before is there."]
+            return found, [f"The archive is damaged at byte {at}: only what precedes is read."]
         except OSError as error:
             raise ReadError("log.unreadable", f"The archive cannot be read: {error.strerror}.") from error
-    return found, ["The archive ends early: what stands before is there."]
+    return found, ["The archive ends early: only what precedes is read."]
 
 
 def _header(header: bytes) -> tuple[bytes, int, str]:

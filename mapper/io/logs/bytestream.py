@@ -1,4 +1,4 @@
-"""The bytes of a binary log from front to back, plain, gzip or Zstandard, never more at a time than there are."""
+"""Sequential reading of a binary log, plain, gzip or Zstandard, with memory bounded by the bytes that exist."""
 
 from __future__ import annotations
 

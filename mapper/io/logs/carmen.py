@@ -11,7 +11,7 @@ seconds, metres, radians::
     TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
     PARAM name value …
 
-A FLASER line states neither angles nor range: 180 or 181 beams stand 1° apart, as a SICK LMS sends them; an even n
+A FLASER line states neither angles nor range: 180 or 181 beams are 1° apart, as a SICK LMS sends them; an even n
 spreads over π in n steps, an odd n in n − 1, from −π/2. Readings of 80 m or more are the SICK's "no return" (81.83 m:
 its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and counted in the notes.
 """
@@ -291,7 +291,7 @@ class CarmenReader:
         return None if value is None else value[0]
 
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
-        """Return ``T_base_laser``: what PARAM states, else what lies between a line's two poses, if always the same."""
+        """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""
         yaw = 0.0 if sensor.word in FRONT else math.pi
         ahead, aside, turned = (
             self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
@@ -351,7 +351,7 @@ def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 
 def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Return whether nine tenths of the poses (n, 3) lie within :data:`_NEAR_M` of one another."""
+    """Return whether nine tenths of the poses (n, 3) are within :data:`_NEAR_M` of one another."""
     return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
 
 

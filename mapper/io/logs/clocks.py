@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Clock:
-    """How the stamps of one sender lie to when its messages were recorded."""
+    """Offset of one sender's stamps from the times at which its messages were recorded."""
 
     def __init__(self) -> None:
         self._ahead = array("q")
@@ -24,6 +24,6 @@ class Clock:
         return int(np.median(np.frombuffer(self._ahead, dtype=np.int64))) if self._ahead else None
 
     def ahead_of(self, other: Clock) -> int:
-        """Return by how many nanoseconds this clock is ahead of another; 0 where that cannot be told."""
+        """Return by how many nanoseconds this clock is ahead of another; 0 where that is not known."""
         mine, theirs = self.ahead_ns, other.ahead_ns
         return 0 if mine is None or theirs is None else mine - theirs

@@ -62,7 +62,7 @@ def pose(tokens: Sequence[str], line: int, word: str, whose: str, limits: Limits
     if max(abs(x), abs(y), abs(theta)) > limits.max_pose:
         raise ReadError(
             "log.pose",
-            f"Line {line}: {whose} pose in this {word} line, {x:g}, {y:g}, {theta:g}, is no place: it lies beyond "
+            f"Line {line}: {whose} pose in this {word} line, {x:g}, {y:g}, {theta:g}, is no place: it is beyond "
             f"{limits.max_pose:g}.",
         )
     return values

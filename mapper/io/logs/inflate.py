@@ -1,4 +1,4 @@
-"""Compressed data taken apart as streams, with a cap on what comes out: no frame header is believed.
+"""Compressed data taken apart as streams, with a cap on the output: sizes in frame headers are not trusted.
 
 zstandard's own cap is ignored where a frame declares a size, and the one-call functions of bz2 and lz4 have none, so
 each is driven piece by piece here.

@@ -19,10 +19,10 @@ def poses_at_scans(
 ) -> Float64Array:
     """Return the pose (n, 3) at each of n scans, from m ≥ 1 messages' ``poses`` (m, 3) and ``stamps`` (m,).
 
-    ``before`` (n,) counts the messages that stand before each scan in the file. Recorded clocks jump backwards, so it
-    is the file's order that chooses the two neighbours, and the stamps only weigh them. Where most scans stand
+    ``before`` (n,) counts the messages before each scan in the file. Recorded clocks jump backwards, so it
+    is the file's order that chooses the two neighbours, and the stamps only weight them. Where most scans are
     before the first or after the last message, as in a file that was sorted by kind, the stamps choose as well.
-    Linear in position, the short way round in angle; nothing is extrapolated.
+    Linear in position, along the shorter arc in angle; nothing is extrapolated.
     """
     m = len(poses)
     after = before
@@ -42,7 +42,7 @@ def poses_at_scans(
 def restarts(
     poses: Float64Array, stamps: Float64Array, before: Int64Array, scan_poses: Float64Array, scan_stamps: Float64Array
 ) -> NDArray[np.bool_]:
-    """Return which of m messages (m,) only restart the odometry from the scan that stands before them.
+    """Return which of m messages (m,) only restart the odometry from the scan before them.
 
     A mapper that writes a corrected log (gmapping does) sends, after each scan, an odometry message with the corrected
     pose, and counts on from there. Its stamp is whatever was in memory, so it is not the scan's.

@@ -1,4 +1,4 @@
-"""The lines of a text log, plain or packed, read in pieces: neither a bomb nor one huge line fills the memory."""
+"""The lines of a text log, plain or packed, read in pieces, so that no decompression bomb fills the memory."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def take_lines(
         raise ReadError("log.truncated", f"{lines.broken}, after line {lines.number}, before any whole scan.")
     if lines.is_damaged():
         notes.append(
-            f"{lines.broken}: what stands before line {lines.number} is there, some of it perhaps wrong, and the rest "
+            f"{lines.broken}: what precedes line {lines.number} is read, some of it perhaps wrong, and the rest "
             "is missing."
         )
     else:

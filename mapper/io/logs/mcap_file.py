@@ -1,9 +1,9 @@
 """MCAP files with ROS messages (the default of ROS 2 bags), chunks plain, lz4 or zstd; the whole file gzip or zstd.
 
-Source: mcap.dev/spec. After the magic bytes come records ``<opcode u8> <length u64> <content>``; most stand in chunks.
+Source: mcap.dev/spec. After the magic bytes come records ``<opcode u8> <length u64> <content>``; most are in chunks.
 
 Records are read from front to back, each no larger than what is there, and expanded as streams with a cap; the mcap
-library, whose own readers believe every length and expand a chunk in one call, decodes what is in a record.
+library, whose own readers trust every length and expand a chunk in one call, decodes what is in a record.
 """
 
 from __future__ import annotations
@@ -82,14 +82,14 @@ class _Mcap:
             while self._record():
                 pass
         except _CutError:
-            self.recording.notes.append(f"The file ends early, at byte {self.stream.at}: what stands before is there.")
+            self.recording.notes.append(f"The file ends early, at byte {self.stream.at}: only what precedes is read.")
         except _DamagedError:
             self.recording.notes.append(f"The file is damaged before byte {self.stream.at}: the rest is left out.")
 
     def look_ahead(self, file: BinaryIO) -> None:
         """Take the schemas and channels that a whole, uncompressed file repeats at its end.
 
-        They first stand in the chunks: without this, a damaged chunk would take all later messages of its channels
+        They are first in the chunks: without this, a damaged chunk would take all later messages of its channels
         with it. What is wrong here is no harm: the chunks say it again.
         """
         size = file.seek(0, os.SEEK_END)

@@ -1,4 +1,4 @@
-"""Words out of a binary file as they may be shown: in one line, and as what they are."""
+"""Text from a binary file, made safe to display in one line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from __future__ import annotations
 def printable(text: str) -> str:
     """Return ``text`` with a replacement character for each that is not printable: line ends, controls, overrides.
 
-    A right-to-left override in a topic's name could turn the sentence around that the name stands in.
+    A right-to-left override in a topic's name could reverse the sentence that contains it.
     """
     if text.isprintable():
         return text

@@ -38,7 +38,7 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
 )
 
-#: Archives of several files: where their mark stands, the mark, and what they are.
+#: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
 ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"PK\x03\x04", "a zip archive"),
     (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
@@ -69,7 +69,7 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (sonar.is_sonar, sonar.read_sonar),
 )
 
-METADATA = "metadata.yaml"  #: what rosbag2 puts beside the files that a recording was split into
+METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
 
 KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
@@ -112,8 +112,8 @@ def log_files(folder: Path) -> list[Path]:
     """
     files = _files_in(folder, DEFAULT_LIMITS)
     logs, _ = _one_log(files, "folder")
-    beside = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
-    return [file for file in [*beside, *logs] if isinstance(file, Path)]
+    metadata = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
+    return [file for file in [*metadata, *logs] if isinstance(file, Path)]
 
 
 def _reading(path: Path, limits: Limits) -> Reading:
@@ -218,7 +218,7 @@ def _kind_of(file: Source) -> Container | Reader:
         if head.startswith(magic):
             return container
     archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
-    if archive is not None:  # the lines of a log may well stand in it
+    if archive is not None:  # it may contain the lines of a log
         raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     words = _first_words(head)
     for format_words, reader in TEXT:

@@ -84,12 +84,12 @@ class ScanStack:
 
     @property
     def odometry_before(self) -> NDArray[np.int64]:
-        """How many odometry messages stand before each scan (n_scans,)."""
+        """How many odometry messages precede each scan (n_scans,)."""
         return np.frombuffer(self._odometry_before, dtype=np.int64)
 
     @property
     def truth_before(self) -> NDArray[np.int64]:
-        """How many messages with the true pose stand before each scan (n_scans,)."""
+        """How many messages with the true pose precede each scan (n_scans,)."""
         return np.frombuffer(self._truth_before, dtype=np.int64)
 
     @property
@@ -116,7 +116,7 @@ class ScanStack:
         return ranges, notes
 
     def notes_on_time(self) -> list[str]:
-        """Return notes on stamps with too few digits, that run backwards or that lie far apart."""
+        """Return notes on stamps with too few digits, that run backwards or that are far apart."""
         step = few_digits(self.stamps)
         if step:
             note = (
@@ -140,7 +140,7 @@ def few_digits(stamps: NDArray[np.float64]) -> float:
 
 
 def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
-    """Return notes on stamps (n,) in nanoseconds: how often they run backwards, and where they lie far apart."""
+    """Return notes on stamps (n,) in nanoseconds: how often they run backwards, and where they are far apart."""
     notes = []
     back = int(np.count_nonzero(stamps_ns[1:] < stamps_ns[:-1]))
     if back:
@@ -168,7 +168,7 @@ def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:
     if piled < max(20, 0.002 * finite.size):
         return []
     note = (
-        f"{piled} readings lie at the largest value, {largest:.2f} m, which is likely the sensor's way to say "
+        f"{piled} readings are at the largest value, {largest:.2f} m, which is likely the sensor's code for "
         "no return: a max range below it leaves them out."
     )
     return [note]

@@ -57,7 +57,7 @@ def trajectories_at(
             "None of the file's poses can be used, so the map shows all scans as from one place."
             if is_any
             else "The file holds no poses, so the map shows all scans as from one place: record /tf and /tf_static, or "
-            "the odometry, beside the scans."
+            "the odometry, together with the scans."
         )
         found[STILL] = Trajectory(
             np.zeros((len(stamps_ns), 3)),
@@ -86,9 +86,9 @@ def _at(stamps_ns: Int64Array, source: PoseSource, limits: Limits) -> tuple[Traj
         return None, [f"The poses of {name} {why}."]
     planar = np.broadcast_to(source.at(stamps_ns).planar, (len(covered), 3))
     if np.abs(planar[:, :2]).max() > limits.max_pose:
-        return None, [f"The poses of {name} lie more than {limits.max_pose:g} m away, and are left out."]
+        return None, [f"The poses of {name} are more than {limits.max_pose:g} m away, and are left out."]
     if outside == 1:
-        notes.append(f"1 scan lies before the first or after the last pose of {name}; it gets the nearest.")
+        notes.append(f"1 scan is before the first or after the last pose of {name}; it gets the nearest.")
     elif outside:
-        notes.append(f"{outside} scans lie before the first or after the last pose of {name}; they get the nearest.")
+        notes.append(f"{outside} scans are before the first or after the last pose of {name}; they get the nearest.")
     return Trajectory(planar, source.sentence, source.frame_id, source.child_frame_id), notes

@@ -276,7 +276,7 @@ class Recording:
         return [f"Only {chosen.topic} is mapped; the log has {more} to choose: {_listed(others)}.{apart}"]
 
     def _mount(self, chain: list[str], stamps: Int64Array) -> tuple[tuple[float, float, float], bool, list[str]]:
-        """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, as it was at first."""
+        """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
         notes = []
         if len(chain) == 1 and self._tf.frames:
             notes.append(
@@ -298,15 +298,15 @@ class Recording:
         """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""
         base = chain[0][:MAX_FRAME_NAME]
         for world in self._tf.worlds(chain):
-            way = chain[: chain.index(world) + 1]
+            path = chain[: chain.index(world) + 1]
             sentence = f"tf from {world} to {chain[0]}, at the time of each scan"
             yield PoseSource(
                 name=f"tf/{world}",
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=base,
                 sentence=sentence,
-                at=partial(self._tf.lookup, way),
-                covers=partial(self._tf.covers, way),
+                at=partial(self._tf.lookup, path),
+                covers=partial(self._tf.covers, path),
                 ahead_ns=self._tf_clock.ahead_of(sensor.clock),
             )
         if base == sensor.frame[:MAX_FRAME_NAME] and base not in self._children:

@@ -1,12 +1,12 @@
 """ROS 1 bags, format 2.0, plain or compressed (bz2, lz4; the whole file gzip or Zstandard).
 
 Source: wiki.ros.org/Bags/Format/2.0. After a line ``#ROSBAG V2.0`` come records: ``<header length> <header> <data
-length> <data>``, a header being fields ``<length> name=value``; messages stand in chunks, and their connections state
+length> <data>``, a header being fields ``<length> name=value``; messages are in chunks, and their connections state
 topic and type.
 
 The records are read from front to back, without the index at the end: a bag whose recording was cut has none, and
-what stands before the cut is still good. rosbags' reader needs the index, and expands a chunk without a cap; the
-tests hold this one to it.
+what precedes the cut is still good. rosbags' reader needs the index, and expands a chunk without a cap; the
+tests compare this one with it.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class _Bag:
                 pass
         except _CutError:
             self.recording.notes.append(
-                f"The bag ends early, at byte {self.stream.at}, within a record: what stands before is there."
+                f"The bag ends early, at byte {self.stream.at}, within a record: only what precedes is read."
             )
         except _DamagedError:
             self.recording.notes.append(f"The bag is damaged before byte {self.stream.at}: the rest is left out.")

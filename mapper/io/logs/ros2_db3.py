@@ -40,19 +40,19 @@ def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: 
         if is_journaled:
             recording.notes.append(
                 "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
-                "file beside it that ends in -wal, which is not read, and is missing here."
+                "file next to it that ends in -wal, which is not read, and is missing here."
             )
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if recording.n_scans == before:
             raise _unreadable(error) from error
-        recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): what stands before is there.")
+        recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): only what precedes is read.")
     except ReadError as error:
         if not is_journaled:
             raise
         raise ReadError(
             error.code,
-            f"{error.message} If the recorder was not closed, what it wrote is in the file beside it that ends in "
+            f"{error.message} If the recorder was not closed, what it wrote is in the file next to it that ends in "
             "-wal; with both in one folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in.",
         ) from error
     finally:
@@ -70,7 +70,7 @@ def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str]
     notes = []
     try:
         if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
-            # immutable: neither locks nor a journal beside it, which a hostile file could come with
+            # immutable: neither locks nor a journal next to it, which a hostile file could come with
             connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
         else:
             data = bytearray()
@@ -80,7 +80,7 @@ def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str]
                 notes += stream.notes
             head = bytes(data[:100])
             if _is_cut(data, len(data)):
-                notes.append("The SQLite file ends early: what stands before is there.")
+                notes.append("The SQLite file ends early: only what precedes is read.")
                 # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
                 pages = len(data) // _page_bytes(data)
                 del data[pages * _page_bytes(data) :]

@@ -3,7 +3,7 @@
 One fixed decoder for the message types below, in both serialisations: that of ROS 1, and CDR (ROS 2). A library that
 decodes any message takes its definition from the file; here no definition is ever read from a file, so none can
 redefine a type, refer to itself or claim ``string[1000000]``, and every length is checked against the bytes that are
-there before anything is made of it. The tests hold it to rosbags' decoder.
+there before anything is made of it. The tests compare it with rosbags' decoder.
 
 Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_msgs; the ROS wiki's technical overview
 (serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header); REP 117.
@@ -169,7 +169,7 @@ def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
         raise BadMessageError
     readings = np.frombuffer(fields.data, fields.order + "f4", rest, fields.pos)
     lengths = np.frombuffer(fields.data, fields.order + "u4", rest, fields.pos).tolist()
-    firsts = np.zeros(n, dtype=np.int64)  #: where each beam's first echo stands, after the number of its echoes
+    firsts = np.zeros(n, dtype=np.int64)  #: index of each beam's first echo, after the number of its echoes
     at = 0
     for beam in range(n):
         if at >= rest:

@@ -6,7 +6,7 @@ is the same time and the robot's pose: x and y in millimetres, the heading in te
 
 Where the sonars point is in neither file. Eight of them are taken to be the half ring of those exercises: one to each
 side and six ahead, 15° apart, from right to left; any other number is spread evenly over the half circle ahead. A cone
-is taken to be 20° wide, and nearer than 0.17 m a sonar hears nothing.
+is taken to be 20° wide, and nearer than 0.17 m a sonar measures nothing.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def read_sonar(
     *,
     poses: Source | None = None,
 ) -> ScanLog:
-    """Return the log of a sonar ring; its ``poses`` lie beside the ``readings`` where no other file is named.
+    """Return the log of a sonar ring; its ``poses`` are in the folder of the ``readings`` where no other file is named.
 
     Raises :class:`ReadError`, naming the file and the line, also where the poses are missing, and :class:`LimitError`.
     """
@@ -106,7 +106,7 @@ def read_sonar(
     if poses is None:
         raise ReadError(
             "log.poses",
-            f"The poses are missing: beside {readings.name} there is no {POSES}; a ring of sonars is both files "
+            f"The poses are missing: next to {readings.name} there is no {POSES}; a ring of sonars is both files "
             "together, or the folder or tar archive that they are in.",
         )
     measured, notes = _rows(readings, None, limits, progress)

@@ -15,7 +15,7 @@ EPOCH_S = (6e8, 5e9)  #: a stamp between these is seconds since 1970: the years 
 
 @dataclass(frozen=True, slots=True)
 class TrajectorySummary:
-    """``length_m`` is the way from the first scan's pose to the last's, as the sum of its steps."""
+    """``length_m`` is the length of the path from the first scan's pose to the last's, as the sum of its steps."""
 
     name: str
     description: str
@@ -97,7 +97,7 @@ def summarise(log: ScanLog) -> LogSummary:
 def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
     """Return how much of the recorded time is over at each scan (n_scans,), in seconds since the earliest stamp.
 
-    Never decreasing: where the clock steps back, time stands still until it has caught up. The last one is the log's
+    Never decreasing: where the clock steps back, time stays constant until it has caught up. The last one is the log's
     duration; all are zero for a log without times.
     """
     if log.n_scans == 0:

@@ -1,7 +1,7 @@
 """Poses over time, and the tree of frames that tf keeps: where a frame was in one of its ancestors.
 
 Positions (n, 3) are metres, orientations (n, 4) unit quaternions x y z w. Source: REP 105; the tf2 design (tf2 looks a
-transform up along the way to the common ancestor, interpolating each edge); Shoemake 1985 (slerp).
+transform up along the path to the common ancestor, interpolating each edge); Shoemake 1985 (slerp).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 MAX_FRAMES = 5000
 MAX_DEPTH = 64  #: frames from a sensor's up to the root
-MAX_WORLDS = 8  #: frames in which the robot's way is told
+MAX_WORLDS = 8  #: fixed frames in which the robot's trajectory is given
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: an edge that never differs by more is a mount, not a motion
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
@@ -110,13 +110,13 @@ class Timeline:
         return stamps, Poses3(values[:, :3], values[:, 3:] / np.linalg.norm(values[:, 3:], axis=1, keepdims=True))
 
     def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
-        """Return which of the times (n,) lie between the first and the last of these, give or take 0.2 s."""
+        """Return which of the times (n,) are between the first and the last of these, to within 0.2 s."""
         stamps, _ = self._sorted()
         slack = 200_000_000
         return np.asarray((stamps_ns >= stamps[0] - slack) & (stamps_ns <= stamps[-1] + slack))
 
     def at(self, stamps_ns: Int64Array) -> Poses3:
-        """Return the poses at n times: linear in position, the short way round in rotation, nothing extrapolated."""
+        """Return the poses at n times: linear in position, along the shorter arc in rotation, nothing extrapolated."""
         stamps, poses = self._sorted()
         if len(stamps) == 1:
             return poses
@@ -131,7 +131,7 @@ class Timeline:
 
     @property
     def moves(self) -> bool:
-        """Whether it is ever another pose than at first."""
+        """Whether any pose differs from the first one."""
         _, poses = self._sorted()
         dots = np.abs(np.sum(poses.rotations * poses.rotations[0], axis=1))
         far = np.abs(poses.positions - poses.positions[0]).max() > _MOVED_M
@@ -193,7 +193,7 @@ class FrameTree:
         return [self._parents[child][parent] for child, parent in pairwise(chain)]
 
     def lookup(self, chain: list[str], stamps_ns: Int64Array) -> Poses3:
-        """Return where the first of ``chain`` was in the last, at n times (or once, where nothing on the way moves)."""
+        """Return where the first of ``chain`` was in the last, at n times (or once, where no edge of it moves)."""
         found = Poses3(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
         for edge in self.edges(chain):
             found = edge.at(stamps_ns) @ found

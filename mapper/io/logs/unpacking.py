@@ -40,7 +40,7 @@ class Unpacked:
     ``packing`` is what the file is packed with, "gzip" or "zstd", or None. ``broken`` says afterwards what is wrong
     with the packed data, "ends early" or "is damaged", or None: the pieces are what comes out before. Where nothing
     tells of it before a checksum does, they are all, and wrong in places. Of Zstandard data that does not state its
-    size it cannot be told that it ends early. ``where`` is asked in which place of the log an error comes. Raises
+    size it cannot be detected that it ends early. ``where`` is asked in which place of the log an error comes. Raises
     :class:`ReadError` for packed data of which nothing comes out and for a disk that fails.
     """
 
@@ -127,7 +127,7 @@ class Unpacked:
 
 
 def _up_to_the_damage(stream: zlib._Decompress, data: bytes) -> Iterator[bytes]:
-    """Yield what comes out of ``data``, in which an error stands, before the error comes."""
+    """Yield what can be decompressed of ``data`` before the error in it."""
     out = bytearray()
     with contextlib.suppress(zlib.error):
         for at in range(len(data)):

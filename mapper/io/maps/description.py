@@ -1,4 +1,4 @@
-"""The yaml that describes a map's image, read with suspicion.
+"""The yaml that describes a map's image, read as untrusted input.
 
 Only plain scalars and lists count. What YAML 1.1 makes of a scalar is not trusted: ``1:30`` would be the number 90 and
 ``010`` the number 8. Aliases are refused, since a few lines of them describe gigabytes.
@@ -143,7 +143,7 @@ def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
         raise ReadError("map.origin", "The key 'origin' of the map's yaml must be a list of three numbers: x, y, yaw.")
     x, y, yaw = (_number(item, "origin") for item in node.value)
     if max(abs(x), abs(y), abs(yaw)) > limits.max_pose:
-        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} lies beyond {limits.max_pose:g}.")
+        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {limits.max_pose:g}.")
     return (x, y, yaw)
 
 
@@ -188,7 +188,7 @@ def _image(node: yaml.Node) -> str:
     for kind in (PurePosixPath(name), PureWindowsPath(name)):
         if kind.is_absolute() or kind.drive:
             raise ReadError(
-                "map.image_outside", f"The map's yaml names an absolute path, {name!r:.80}; it must be beside the yaml."
+                "map.image_outside", f"The map's yaml names an absolute path, {name!r:.80}; it must be in its folder."
             )
         if ".." in kind.parts:
             raise ReadError("map.image_outside", f"The map's yaml names an image outside its own folder: {name!r:.80}.")

@@ -20,7 +20,7 @@ Bands = Iterable[NDArray[np.uint8]]
 
 
 def pgm_header(shape: tuple[int, int]) -> bytes:
-    """Return what stands before the pixels of a binary PGM of ``shape`` (rows, cols)."""
+    """Return the header of a binary PGM of ``shape`` (rows, cols)."""
     rows, cols = shape
     return f"P5\n{cols} {rows}\n255\n".encode()
 

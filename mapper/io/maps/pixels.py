@@ -47,7 +47,7 @@ def occupancy_values(
 ) -> NDArray[np.int8]:
     """Return p_occ in per cent (rows, cols) int8, −1 where nothing was observed, as nav_msgs/OccupancyGrid has it.
 
-    Rounding never carries a cell over a threshold: it has the same three-way state as :meth:`OccupancyGrid.classify`
+    Rounding never moves a value across a threshold: it has the same three-way state as :meth:`OccupancyGrid.classify`
     says.
     """
     values = np.empty(grid.geometry.shape, dtype=np.int8)

@@ -40,7 +40,7 @@ def open_plain_image(file: BinaryIO, named: str) -> PpmImagePlugin.PpmImageFile:
 
 
 class _WithoutComments:
-    """A file read without what lies between # and the end of its line, in time linear in its length.
+    """A file read without its comments, from # to the end of the line, in time linear in its length.
 
     Pillow copies the rest of a block of 1 MB for every comment in it.
     """

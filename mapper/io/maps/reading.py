@@ -166,7 +166,7 @@ def _values(
 
 
 def _look_up(table: NDArray[_T], index: NDArray[Any], out: NDArray[_T]) -> NDArray[_T]:
-    """Put ``table[index]`` into ``out``, a few rows at a time: NumPy makes eight bytes of each index on the way."""
+    """Put ``table[index]`` into ``out``, a few rows at a time: NumPy converts each index to eight bytes."""
     for row in range(0, len(index), _ROWS):
         out[row : row + _ROWS] = table[index[row : row + _ROWS]]
     return out

@@ -6,7 +6,7 @@ Source: nav2_map_server, map_io.cpp. The modes:
 ``scale``    a PNG, grey (100 − v) % for a value v of 0 … 100, transparent where nothing was observed
 ``raw``      a PGM whose grey is the value 0 … 100 itself, 255 where nothing was observed
 
-The three states are told apart at p_occ 0.65 and 0.25. A trinary yaml states 0.65 and 0.196 all the same, as
+The thresholds of the three states are p_occ 0.65 and 0.25. A trinary yaml states 0.65 and 0.196 all the same, as
 map_saver's does: its reader takes grey 205 for an occupancy of (255 − 205) / 255 = 0.196, so that any higher
 ``free_thresh`` would turn the unknown free. A scale yaml states 1 and 0, between which the reader stretches the greys.
 """
@@ -84,10 +84,10 @@ def yaml_text(
     free_thresh: float | None = None,
     frame: str | None = None,
 ) -> str:
-    """Return the yaml for an image beside it: resolution in m, origin as the pose (x, y, yaw) of the lower-left corner.
+    """Return the yaml of an image in its folder: resolution in m, origin as pose (x, y, yaw) of the lower-left corner.
 
     The thresholds are those to read the image with, not those it was made with: :data:`STATED_THRESHOLDS` unless given.
-    ``frame`` is the map's frame (None: not stated). It stands under a key of our own, :data:`FRAME_KEY`; map_server and
+    ``frame`` is the map's frame (None: not stated). It has a key of its own, :data:`FRAME_KEY`; map_server and
     Nav2 read the keys that they know and ignore others.
     """
     stated = STATED_THRESHOLDS[mode]

@@ -1,8 +1,8 @@
 """The per-beam update along exact rays: every cell that the segment from the sensor to the reading crosses.
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_beam` with Amanatides and Woo's traversal, in the two passes of
-:mod:`mapper.mapping.kernels.bresenham`. A ray has one cell more for each border that it crosses, so it is walked, not
-entered.
+:mod:`mapper.mapping.kernels.bresenham`. A ray has one cell more for each border that it crosses, so it is traversed
+from its start.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def draw_rays(
     """
     log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
-    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    # Kept in registers: the boxes of two threads share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     for j in range(rays.shape[0]):

@@ -2,7 +2,7 @@
 
 What a scan frees is a star-shaped region, and a row of the grid enters and leaves it a few times. Each such place is a
 *toggle*, one bit in a plane of bits with 32 cells to a word. The running exclusive or along a row, five shifts for a
-word, then tells for each cell whether it lies inside: the scanline fill of a polygon by its edges' parity (Foley, van
+word, then gives for each cell whether it is inside: the scanline fill of a polygon by its edges' parity (Foley, van
 Dam, Feiner & Hughes, Computer Graphics, section 3.5). Each word is added to 32 cells at once.
 """
 
@@ -20,7 +20,7 @@ from mapper.mapping.kernels.types import LogOddsUpdate
 #: case. The word to spare holds toggles at the sheet's far side, where nothing follows that they could concern.
 PLANES = 3
 FREE, OUTER, HITS = range(PLANES)
-#: Where a sheet lies: the row of the grid at which it begins, the word (of 32 columns) likewise, how many words of it
+#: Where a sheet is: the row of the grid at which it begins, the word (of 32 columns) likewise, how many words of it
 #: count, and the shift.
 Place = tuple[int, int, int, int]
 
@@ -61,7 +61,7 @@ def _note(
 
 @jit
 def _toggle(planes: Int64Array, used: Int64Array, place: Place, plane: int, row: int, column: int) -> None:
-    """Flip the bit of a column, whose row must lie in the sheet; what is beyond its sides counts as at them.
+    """Flip the bit of a column, whose row must be in the sheet; what is beyond its sides counts as at them.
 
     Without a branch, for numba counts references to arrays at each one, and with unsigned indices, of which it does not
     ask whether they count from the end: either costs more than all the rest.
@@ -74,7 +74,7 @@ def _toggle(planes: Int64Array, used: Int64Array, place: Place, plane: int, row:
 
 @jit
 def _mark(planes: Int64Array, used: Int64Array, place: Place, row: int, column: int) -> None:
-    """Note that a cell is hit, whose row must lie in the sheet; what is beyond its sides is dropped."""
+    """Mark a cell as hit, whose row must be in the sheet; what is beyond its sides is dropped."""
     c = column - WORD * place[1]
     if 0 <= c < WORD * place[2]:
         planes[HITS, row - place[0], c >> WORD_BITS] |= 1 << (c & (WORD - 1))
@@ -102,7 +102,7 @@ def _span(bits: int) -> tuple[int, int]:
 
 @jit
 def _filled(toggles: int) -> int:
-    """Return for each bit of a word whether an odd number of toggles lies at it and before it."""
+    """Return for each bit of a word whether the number of toggles at it and before it is odd."""
     toggles ^= toggles << 1
     toggles ^= toggles << 2
     toggles ^= toggles << 4
@@ -130,9 +130,9 @@ def _settle(
 ) -> int:  # fmt: skip
     """Add what a sheet says to the grid and wipe it; return the number of updates.
 
-    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the sheet lies in it. In ``seen``
-    (rows, words) int64, which lies at ``seen_place``, the bits of the cells touched are set. With ``windows`` the plane
-    OUTER counts.
+    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the sheet is within it. In ``seen``
+    (rows, words) int64, which starts at ``seen_place``, the bits of the cells touched are set. With ``windows`` the
+    plane OUTER counts.
     """
     free_plane, outer_plane, hit_plane = planes[FREE].reshape(-1), planes[OUTER].reshape(-1), planes[HITS].reshape(-1)
     noted, noted_length = seen.reshape(-1), seen.shape[1]
@@ -198,7 +198,7 @@ def _settle_narrow(
 
 @jit
 def observe(observed: BoolArray, seen: Int64Array, place: Place, row_low: int, row_high: int, box: Int64Array) -> None:
-    """Note the cells of the rows [row_low, row_high) that have a bit in ``seen`` (rows, words) int64 as observed.
+    """Mark the cells of the rows [row_low, row_high) that have a bit in ``seen`` (rows, words) int64 as observed.
 
     ``observed`` (rows, cols) bool is the grid's. ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to
     hold them.

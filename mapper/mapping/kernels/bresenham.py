@@ -2,11 +2,12 @@
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_beam`, in two passes. :func:`plan_lines` says for each beam
 which line it is and which of its cells are passed and which are hit. :func:`draw_lines` adds the evidence, in the order
-of the beams, to a band of the grid's rows: threads that draw one band each never meet and give together, bit for bit,
-what one gives.
+of the beams, to a band of the grid's rows: threads that draw one band each write to different cells and give,
+bit for bit, the result of one thread.
 
 A line's cells are not stepped through with an error term but computed: after i steps along the major axis Bresenham's
-1965 rule has made ``(2·i·minor + major) // (2·major)`` steps along the minor one, so a line can be entered anywhere.
+1965 rule has made ``(2·i·minor + major) // (2·major)`` steps along the minor one, so drawing can start at
+any step of a line.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int,
              inclusive: bool) -> int:  # fmt: skip
     """Return how many cells at the start of a line have their centre nearer to (u, v) than ``limit`` metres.
 
-    Along a line that starts in the cell of (u, v) the distance never falls: from a guess the border is walked to.
+    Along a line that starts in the cell of (u, v) the distance never falls: the search starts at an
+    estimate and steps to the border.
     """
     d_row, d_col = abs(end_row - row), abs(end_col - col)
     s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
@@ -68,7 +70,7 @@ def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int,
         else:
             falling = True
             i -= 1
-            # A step back that is near enough ends the walk; one forward that is not does so at the next turn.
+            # A step back that is near enough ends the search; one forward that is not ends it in the next iteration.
     return i
 
 
@@ -159,8 +161,8 @@ def plan_lines(
 @jit
 def _clip(start: int, step: int, low: int, high: int, major: int, minor: int, along_major: bool, first: int,
           stop: int) -> tuple[int, int]:  # fmt: skip
-    """Narrow the steps [first, stop) of a line to those whose coordinate on one axis lies in [low, high)."""
-    # The coordinate is start + step · n, so n must lie in [least, most].
+    """Narrow the steps [first, stop) of a line to those whose coordinate on one axis is in [low, high)."""
+    # The coordinate is start + step · n, so n must be in [least, most].
     least, most = (low - start, high - 1 - start) if step > 0 else (start - high + 1, start - low)
     if along_major:
         return max(first, least), min(stop, most + 1)
@@ -216,7 +218,7 @@ def draw_lines(
     """
     log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
-    # Kept in registers: two threads that wrote their boxes side by side would fight for one cache line.
+    # Kept in registers: the boxes of two threads share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
     chosen = _crossing(lines, row_low, row_high)

@@ -1,7 +1,7 @@
-"""Wide beams: every cell in a cone gets evidence that depends on its distance and on its angle from the axis.
+"""Sonar cones: every cell in a cone gets evidence that depends on its distance and on its angle from the axis.
 
 Numba twin of :func:`mapper.mapping.textbook.evidence_in_cone` and of :func:`mapper.mapping.textbook.update_per_scan`
-for models whose evidence differs from cell to cell. A cone lies between two edges, unit vectors of the lattice (u along
+for models whose evidence differs from cell to cell. A cone is between two edges, unit vectors of the lattice (u along
 columns, v along rows): to the left of its right edge, the edge included, and to the right of its left edge. The rows
 and columns that it may reach are found loosely; each cell in them is tested exactly, as the textbook tests it.
 """
@@ -52,9 +52,9 @@ def _rows_of(v: float, edges: tuple[float, float, float, float], radius: float, 
     """Return the rows [first, stop) within [low, high) that a cone of ``radius`` cells may reach, a row too many."""
     right_u, right_v, left_u, left_v = edges
     least, most = min(0.0, right_v, left_v), max(0.0, right_v, left_v)
-    if right_u >= -_NEAR_ZERO and left_u <= _NEAR_ZERO:  # the way up lies in it
+    if right_u >= -_NEAR_ZERO and left_u <= _NEAR_ZERO:  # it contains the direction up
         most = 1.0
-    if right_u <= _NEAR_ZERO and left_u >= -_NEAR_ZERO:  # the way down
+    if right_u <= _NEAR_ZERO and left_u >= -_NEAR_ZERO:  # the direction down
         least = -1.0
     return max(floor(v + least * radius) - 1, low), min(floor(v + most * radius) + 2, high)
 
@@ -82,7 +82,7 @@ def _columns_of(
 
 @jit
 def _lies_in(d_u: float, d_v: float, edges: tuple[float, float, float, float]) -> bool:
-    """Return whether a cell's centre, at (d_u, d_v) cells from the sensor, lies between the edges."""
+    """Return whether a cell's centre, at (d_u, d_v) cells from the sensor, is between the edges."""
     right_u, right_v, left_u, left_v = edges
     return right_u * d_v - right_v * d_u >= 0.0 and left_u * d_v - left_v * d_u < 0.0
 

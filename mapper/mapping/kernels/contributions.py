@@ -45,7 +45,7 @@ def filter_readings_near_cell(
     ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     _, range_max, window, growth, _ = reading_filter
     origin_x, origin_y, cos_yaw, sin_yaw, resolution = frame
-    spare = 3.0 * resolution  # no traversal strays so far from its beam
+    spare = 3.0 * resolution  # no cell of a traversal is so far from its beam
     d_u, d_v = (col + 0.5) * resolution, (row + 0.5) * resolution
     cell_x, cell_y = origin_x + cos_yaw * d_u - sin_yaw * d_v, origin_y + sin_yaw * d_u + cos_yaw * d_v
     for t in range(ranges.shape[0]):
@@ -116,7 +116,7 @@ def contributions_of_fields(
 ) -> int:
     """Test a cell against scans, at most one touch each; ``out`` (≥ n_scans, 2) int64 is written.
 
-    A scan that hits the cell is named by the first beam that ended in it, else by the beam in whose field it lies. The
+    A scan that hits the cell is named by the first beam that ended in it, else by the beam whose field contains it. The
     other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
     """
     ranges, sensors, beams, fields, headings = scans
@@ -133,7 +133,7 @@ def contributions_of_fields(
         beam, kind = -1, -1
         for k in range(n_beams):
             z = float(ranges[t, k])
-            if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell lies elsewhere
+            if not range_min <= z <= range_max or abs(s - z) > 2.0 * resolution:  # its cell is another
                 continue
             px, py = z * beams[k, 0], z * beams[k, 1]
             eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)

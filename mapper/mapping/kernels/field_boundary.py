@@ -2,7 +2,7 @@
 
 The field of a beam is a sector: from the sensor to an arc, between two edges. All sectors of a scan make one region,
 whose border runs along the first arc, along the edge to the next one, and so on round. Where the border crosses a row,
-the row enters or leaves the region; between two pieces it has the same corner, so none of its crossings is lost or
+the row enters or leaves the region; between two pieces it has the same corner, so no crossing is lost or
 counted twice.
 
 Rows and columns are found here by rounding, which is right as long as a corner keeps clear of every row's middle and a
@@ -10,9 +10,9 @@ crossing of every cell's centre. Where either comes nearer than a HAIR, the exac
 :mod:`mapper.mapping.kernels.sectors` must do that scan.
 
 An edge is a unit vector (u along columns, v along rows), (u, v) is the sensor in lattice coordinates. A piece crosses
-the rows between those of its ends, [low, high): a row counts where its middle lies at or above an end. Pieces are first
-listed and then walked, a few rows at a time whether the piece has them or not; what is too much, the next piece
-overwrites. So there is no loop whose length a processor must guess, and vector instructions do the work.
+the rows between those of its ends, [low, high): a row counts where its middle is at or above an end. Pieces are first
+listed and then traversed, a few rows at a time whether the piece has them or not; surplus rows are overwritten by the
+next piece. So no loop has a length that is hard to predict, and the compiler can vectorise.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from mapper.mapping.kernels.bitmask_fill import _packed
 
 HAIR = 1e-7  # of a cell, far above what rounding does to a place in the grid
 _SHALLOW = 1e-8  # of a radius' square: where half a chord's is less than that, its root is not sure to a hair
-STRIDE = 4  # rows walked at once
+STRIDE = 4  # rows traversed at once
 
 #: How a scan's sectors follow one another: for each (n,) int64 the one before it, counter-clockwise, and (n,) bool
 #: whether its right edge is the left edge of that one.
@@ -75,7 +75,7 @@ def _turned(u: float, v: float, turn_u: float, turn_v: float) -> tuple[float, fl
 
 @jit
 def _row_at(v: float) -> tuple[float, bool]:
-    """Return the first row whose middle lies at or above a place, and whether the place is too near to a middle."""
+    """Return the first row whose middle is at or above a place, and whether the place is too near to a middle."""
     row = np.ceil(v - 0.5)
     ahead = row - (v - 0.5)
     return row, (ahead < HAIR) | (ahead > 1.0 - HAIR)
@@ -146,7 +146,7 @@ def _list_edges(
     for k in range(len(before)):
         last = before[k]
         row, end_row = corners[1, last], corners[0, k]
-        if not shared[k]:  # home to the sensor, and out again
+        if not shared[k]:  # to the sensor and back to the arc
             n = _list_edge(pieces, n, edges[2, last], edges[3, last], row, home, u, v, low, high)
             row = home
         n = _list_edge(pieces, n, edges[0, k], edges[1, k], row, end_row, u, v, low, high)
@@ -188,7 +188,7 @@ def _crossed(pieces: Pieces, n: int, work: Float64Array) -> int:
 
 
 @jit
-def _walk_edges(pieces: Pieces, n: int, crossings: Crossings, done: int) -> int:
+def _traverse_edges(pieces: Pieces, n: int, crossings: Crossings, done: int) -> int:
     """Note where ``n`` edges cross rows, after the ``done`` first crossings; return how many there are then.
 
     There must be room for STRIDE more.
@@ -210,10 +210,10 @@ def _walk_edges(pieces: Pieces, n: int, crossings: Crossings, done: int) -> int:
 
 
 @jit
-def _walk_arcs(
+def _traverse_arcs(
     pieces: Pieces, n: int, u: float, v: float, crossings: Crossings, done: int
 ) -> tuple[int, bool]:  # fmt: skip
-    """Note where ``n`` arcs cross rows; otherwise as :func:`_walk_edges`. Return also whether the roots are sure."""
+    """Note where ``n`` arcs cross rows, as :func:`_traverse_edges`; return also whether the roots are sure."""
     rows, shapes = pieces
     at_rows, at_columns = crossings
     start, unsure = done, False

@@ -1,7 +1,7 @@
 """The grids of Moravec and Elfes, 1985: for each cell how certain it is that it is empty, and that it is occupied.
 
-Numba twin of :func:`mapper.mapping.textbook.update_moravec_elfes`. A reading's certainty of "occupied" is shared out
-over its whole arc, which may lie anywhere in the grid, so scans are added one after another by one thread.
+Numba twin of :func:`mapper.mapping.textbook.update_moravec_elfes`. A reading's certainty of "occupied" is distributed
+over its whole arc, which may be anywhere in the grid, so scans are added one after another by one thread.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def _cone(
                 weight *= 1.0 - (s / (z - half)) ** 2
                 empty[cell] += weight * (1.0 - empty[cell])
             else:
-                # Cancelled by what is known to be empty, then shared out so that the whole arc holds one obstacle.
+                # Cancelled by what is known to be empty, then normalised so that the whole arc holds one obstacle.
                 weight *= (1.0 - ((s - z) / half) ** 2) * (1.0 - empty[cell])
                 total += weight
                 if what == _SUM:

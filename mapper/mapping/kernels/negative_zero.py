@@ -1,7 +1,7 @@
-"""Which cells were touched, told by the sign of their zero instead of a second write for each update.
+"""Which cells were touched, encoded in the sign of zero instead of a second write for each update.
 
-A cell that nobody has seen holds the prior. Where the prior is 0, it is veiled as −0: adding evidence to −0 gives the
-same as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only where both
+A cell that was never observed holds the prior. Where the prior is 0, it is encoded as −0: adding evidence to −0 gives
+the same as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only where both
 are). So what still is −0 in the end was not touched. That saves the write to ``observed``, whose cache lines cost more
 than the addition itself.
 """
@@ -14,7 +14,7 @@ from mapper.core.array_types import BoolArray, Float32Array, Int64Array
 from mapper.core.jit import jit
 from mapper.mapping.kernels.types import LogOddsUpdate
 
-_VEILED = np.int32(-(1 << 31))  # the bits of −0
+_UNOBSERVED = np.int32(-(1 << 31))  # the bits of −0
 
 
 @jit
@@ -22,7 +22,7 @@ def encode_unobserved(log_odds: Float32Array, observed: BoolArray, box: Int64Arr
     """Turn the cells of ``box`` (row0, row1, col0, col1) that were never observed to −0; return whether all could be.
 
     ``log_odds`` (rows, cols) float32; ``observed`` (rows, cols) bool. Where one of them holds another value than 0,
-    nothing is veiled.
+    nothing is encoded.
     """
     for r in range(box[0], box[1]):
         cells, seen = log_odds[r, box[2] : box[3]], observed[r, box[2] : box[3]]
@@ -40,11 +40,11 @@ def encode_unobserved(log_odds: Float32Array, observed: BoolArray, box: Int64Arr
 
 @jit
 def decode_observed(log_odds: Float32Array, observed: BoolArray, box: Int64Array) -> None:
-    """Turn the veiled cells of ``box`` back to +0 and note all others as observed."""
+    """Turn the −0 cells of ``box`` back to +0 and mark all others as observed."""
     for r in range(box[0], box[1]):
         bits, noted = log_odds[r, box[2] : box[3]].view(np.int32), observed[r, box[2] : box[3]]
         for c in range(len(bits)):
-            seen = bits[c] != _VEILED
+            seen = bits[c] != _UNOBSERVED
             noted[c] = noted[c] | seen
             bits[c] = bits[c] if seen else np.int32(0)
 

@@ -1,10 +1,10 @@
-"""The per-scan update: each cell of the perceptual field once, by the beam whose field it lies in.
+"""The per-scan update: each cell of the perceptual field once, by the beam whose field contains it.
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_scan`, in two passes. :func:`plan_fields` finds for each scan
 where the border of its field crosses the rows of the grid (:mod:`mapper.mapping.kernels.field_boundary`) and in which
 cells its beams end; :func:`draw_fields` notes that on a sheet of bits (:mod:`mapper.mapping.kernels.bitmask_fill`) and
-adds it to a band of the grid's rows, scan after scan, so that threads that have a band each never meet. The work goes
-with the regions' borders and with their areas by 32 cells at a time.
+adds it to a band of the grid's rows, scan after scan, so that threads that have a band each write to different cells.
+The work is proportional to the regions' borders and to a 32nd of their areas.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ from mapper.mapping.kernels.field_boundary import (
     _room_for_crossings,
     _room_for_pieces,
     _row_at,
+    _traverse_arcs,
+    _traverse_edges,
     _turned,
-    _walk_arcs,
-    _walk_edges,
 )
 from mapper.mapping.kernels.sectors import _ring, _sector
 from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
@@ -131,8 +131,8 @@ def _cross(
     n = _crossed(edges, n_edges, work) + _crossed(arcs, n_arcs, work)
     if n + STRIDE > len(crossings[0]):
         crossings = _room_for_crossings(2 * n)
-    done = _walk_edges(edges, n_edges, crossings, 0)
-    done, roots_sure = _walk_arcs(arcs, n_arcs, u, v, crossings, done)
+    done = _traverse_edges(edges, n_edges, crossings, 0)
+    done, roots_sure = _traverse_arcs(arcs, n_arcs, u, v, crossings, done)
     return (edges, arcs, crossings), done, arcs_sure & roots_sure
 
 
@@ -212,10 +212,10 @@ def draw_fields(
 ) -> int:
     """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
 
-    ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which lies at ``seen_place`` in it, the bits
-    of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a sheet, all 0 before and after,
-    have as many rows and words as any of the plan's views has within these rows. The other arguments are those of
-    :func:`plan_fields` and what it gave.
+    ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which starts at ``seen_place`` in it, the
+    bits of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a sheet, all 0 before and
+    after, have as many rows and words as any view of ``plan`` has within these rows. The other arguments are those of
+    :func:`plan_fields` and its results.
     """
     ranges, sensors, fields, headings = scans.ranges, scans.sensors, scans.fields, scans.headings
     starts, sure, views = plan

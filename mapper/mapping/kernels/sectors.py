@@ -2,8 +2,8 @@
 
 Ends of rows are found by division and square root; where that falls close to a cell's centre, the exact test of
 :func:`mapper.mapping.textbook.inverse_range_sensor_model` decides. That is for the few scans in which rounding may
-decide; all others take the way of :mod:`mapper.mapping.kernels.field_boundary`. An edge is a unit vector (u along
-columns, v along rows); a sector lies to the left of its right edge, the edge included, and to the right of its left
+decide; all others are done by :mod:`mapper.mapping.kernels.field_boundary`. An edge is a unit vector (u along
+columns, v along rows); a sector is to the left of its right edge, the edge included, and to the right of its left
 edge. (u, v) is the sensor in lattice coordinates. What is found is noted on a sheet: see
 :mod:`mapper.mapping.kernels.bitmask_fill`.
 """
@@ -29,7 +29,7 @@ def _close(ahead: float) -> bool:
 
 @jit
 def _crossing(edge_u: float, edge_v: float, slope: float, d_v: float, u: float, radius: float) -> int:
-    """Return the first column that lies beyond an edge's line on a row, going right; ``slope`` is edge_u / edge_v."""
+    """Return the first column beyond an edge's line on a row, going right; ``slope`` is edge_u / edge_v."""
     at = slope * d_v
     if abs(at) > radius + 4.0:  # far outside the arc, where only the side counts
         return floor(u + (radius + 4.0 if at > 0.0 else -radius - 4.0))
@@ -58,7 +58,7 @@ def _half_chord(d_v: float, radius: float) -> float:
 
 @jit
 def _arc_first(half: float, d_v: float, u: float, limit: float, resolution: float, inclusive: bool) -> int:
-    """Return the first column of a row whose centre lies within ``limit`` metres; ``half`` is half the chord."""
+    """Return the first column of a row whose centre is within ``limit`` metres; ``half`` is half the chord."""
     at = u - half - 0.5
     column = floor(at) + 1
     if _close(column - at):
@@ -70,7 +70,7 @@ def _arc_first(half: float, d_v: float, u: float, limit: float, resolution: floa
 
 @jit
 def _arc_stop(half: float, d_v: float, u: float, limit: float, resolution: float, inclusive: bool) -> int:
-    """Return the column after the last one of a row whose centre lies within ``limit`` metres."""
+    """Return the column after the last one of a row whose centre is within ``limit`` metres."""
     at = u + half - 0.5
     column = floor(at) + 1
     if _close(column - at):
@@ -99,7 +99,7 @@ def _nonzero(value: float) -> float:
 def _bounds(
     right_u: float, right_v: float, left_u: float, left_v: float, d_v: float, u: float, radius: float
 ) -> tuple[int, int]:
-    """Return the columns [first, stop) of a row that lie between a sector's edges, without regard to its arc."""
+    """Return the columns [first, stop) of a row between a sector's edges, without regard to its arc."""
     first, stop = -_FAR, _FAR
     right_slope, left_slope = right_u / _nonzero(right_v), left_u / _nonzero(left_v)
     if right_v > 0.0:

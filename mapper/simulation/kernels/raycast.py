@@ -17,7 +17,7 @@ Float64Array = NDArray[np.float64]
 
 VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two edges share must not pass between them
 RUN = 64  # consecutive points that share a search for their nearest edges, at most
-RUN_RADIUS = 0.5  # metres: no farther do they lie from the middle of their bounding box
+RUN_RADIUS = 0.5  # metres: their greatest distance from the middle of their bounding box
 CULL_SLACK = 1e-6  # metres: rounding must not drop an edge that is exactly as near as another
 BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop the beam that just grazes a vertex
 
@@ -125,7 +125,7 @@ def nearest_edge(segments: Float64Array, x: float, y: float, out: Float64Array) 
 def clearances(segments: Float64Array, points: Float64Array, out: Float64Array) -> None:
     """Write into ``out`` (n,) the clearance of each of ``points`` (n, 2), as :func:`nearest_edge` defines it.
 
-    Bit for bit that of :func:`nearest_edge`. Consecutive points that lie close together share a search: only edges
+    Bit for bit that of :func:`nearest_edge`. Consecutive points that are close together share a search: only edges
     that may be nearest to one of them, or that one of their crossing counts may need, are tried for each.
     """
     n_points, n_edges = min(points.shape[0], out.shape[0]), segments.shape[0]

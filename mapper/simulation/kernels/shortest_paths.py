@@ -23,7 +23,7 @@ def shortest_paths(
     ``cost`` (rows, cols) is the cost of a metre (any unit) in each cell, +inf where nothing may pass; a step costs the
     mean of its two cells times its length in cells. ``distance`` (rows, cols) is +inf where no path leads; ``parent``
     (rows, cols) holds flat indices, −1 at the start and where no path leads. A diagonal step needs both cells
-    beside it to be passable. Dijkstra's algorithm with a binary heap (Cormen et al., chapter 22.3).
+    next to it to be passable. Dijkstra's algorithm with a binary heap (Cormen et al., chapter 22.3).
     """
     rows, cols = cost.shape
     distance[:, :] = np.inf
@@ -63,7 +63,7 @@ def shortest_paths(
                     continue
                 if dr != 0 and dc != 0 and not (np.isfinite(cost[row, c]) and np.isfinite(cost[r, col])):
                     continue
-                # The start itself may stand where nothing may pass: only the cell that is entered counts then.
+                # The start itself may be impassable: only the cell that is entered counts then.
                 here = cost[row, col] if np.isfinite(cost[row, col]) else cost[r, c]
                 new = key + 0.5 * (here + cost[r, c]) * math.sqrt(dr * dr + dc * dc)
                 if new < distance[r, c]:

@@ -15,8 +15,10 @@ from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import asker_of, snapshot, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
-from server.sessions import LogSession, SessionRegistry
-from server.sessions.second_map_view import Wanted, numbers
+from server.sessions import SessionHost, SessionRegistry
+from server.sessions.comparison_numbers import numbers
+from server.sessions.parts import Comparable
+from server.sessions.view import Wanted
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -32,18 +34,18 @@ class Other(BaseModel):
     topic: str | None = Field(None, max_length=400, description="Which of that log's sensors, where it has several.")
 
 
-def _session(sessions: SessionRegistry, session_id: str) -> LogSession:
+def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:
     session = sessions.get(session_id)
-    if not isinstance(session, LogSession):
+    if session.model.comparison is None:
         raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
-    return session
+    return session, session.model.comparison
 
 
 @router.put("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
 async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: Other) -> dict[str, Any]:
     """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
-    session = _session(sessions, session_id)
+    session, comparison = _compared(sessions, session_id)
     log, title = None, ""
     if wanted.log is not None:
         if session.link is not None:
@@ -51,30 +53,31 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         await sessions.free_bytes(log, session.owner)
-    await session.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
+    await comparison.compare(Wanted(wanted.values, wanted.trajectory, log, wanted.log, wanted.topic, title))
     try:
-        return await _told(session)
+        return await _comparison(comparison)
     except MapperError as error:
         # Both maps are shown all the same, only without a comparison of cells.
-        return {"a": session.parameters_message()["compare"], "refused": error.message}
+        return {"a": comparison.description(), "refused": error.message}
 
 
 @router.delete("/{session_id}/compare", status_code=204)
 @guests_may(GuestRight.LINKED_SESSION)
 async def end(sessions: Sessions, session_id: str) -> None:
     """End the comparison."""
-    await _session(sessions, session_id).compare(None)
+    _, comparison = _compared(sessions, session_id)
+    await comparison.compare(None)
 
 
 @router.get("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
-async def told(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return A and the numbers of the comparison of the two maps (:class:`mapper.grid.compare.Comparison`)."""
-    return await _told(_session(sessions, session_id))
+    return await _comparison(_compared(sessions, session_id)[1])
 
 
-async def _told(session: LogSession) -> dict[str, Any]:
-    other, found = await session.compared()
+async def _comparison(comparison: Comparable) -> dict[str, Any]:
+    other, found = await comparison.compared()
     return {"a": other, "refused": None} | numbers(found)
 
 
@@ -82,11 +85,11 @@ async def _told(session: LogSession) -> dict[str, Any]:
 @guests_may(GuestRight.LINKED_SESSION)
 async def picture(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
-    session = _session(sessions, session_id)
+    session, comparison = _compared(sessions, session_id)
 
     async def make() -> Content:
         async with session.still():
-            image = await snapshot(downloads, lambda: difference_pixels(*session.compared_grids()))
+            image = await snapshot(downloads, lambda: difference_pixels(*comparison.grids()))
         name = file_name(stem_of(session), "png", "difference")
         return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))
 

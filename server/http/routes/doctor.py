@@ -9,7 +9,6 @@ from fastapi import APIRouter
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Sessions
-from server.sessions import LogSession
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -18,9 +17,9 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 @guests_may(GuestRight.LINKED_SESSION)
 async def doctor(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the diagnosis of the session's log with its current trajectory."""
-    session = sessions.get(session_id)
-    if not isinstance(session, LogSession):
+    recording = sessions.get(session_id).model.recording
+    if recording is None:
         raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")
-    trajectory = session.trajectory  # which may be another one when the examination is over
-    findings = await session.examined()
+    trajectory = recording.trajectory  # which may be another one when the examination is over
+    findings = await recording.examined()
     return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

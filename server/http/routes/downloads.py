@@ -15,42 +15,43 @@ from mapper.io.export import tum_lines, write_mcap
 from server.downloads import Content, Download, file_name
 from server.http.routes.maps import asker_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.sessions import LogSession, SessionRegistry
+from server.sessions import SessionHost, SessionRegistry
+from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 PIECE = 1 << 18
 
 
-def _log_session(sessions: SessionRegistry, session_id: str) -> LogSession:
+def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
     session = sessions.get(session_id)
-    if not isinstance(session, LogSession):
+    if session.model.recording is None:
         raise MapperError("session.no_log", "This session shows no log: it has no recorded scans to download.")
     if session.link is not None:
         raise MapperError("link.read_only", "This link shares a view of the log, not the log itself.")
-    return session
+    return session, session.model.recording
 
 
 @router.get("/{session_id}/run.mcap")
 async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
-    session = _log_session(sessions, session_id)
+    session, recording = _recorded(sessions, session_id)
 
     async def make() -> Content:
         file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it
         try:
             async with downloads.export_turn:
-                growing_map, trajectory = await session.growing_map()
+                growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
                     with single_threaded():  # the map is made again: on one core, the other ones are the sessions'
-                        write_mcap(file, session.log, growing_map, trajectory, lambda _: check())
+                        write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)
         except BaseException:
             file.close()
             raise
-        name = file_name(stem_of(session), "mcap", title=session.title)
+        name = file_name(stem_of(session), "mcap", title=session.model.title)
         return Content(name, _pieces(file), file.tell(), file.close)
 
     response = Download(downloads, asker_of(request, session), make, "application/octet-stream")
@@ -67,10 +68,10 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 @router.get("/{session_id}/trajectory.tum")
 async def trajectory_tum(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
-    session = _log_session(sessions, session_id)
+    session, recording = _recorded(sessions, session_id)
 
     async def make() -> Content:
-        name = file_name(stem_of(session), "tum", title=session.title)
-        return Content(name, (line.encode() for line in tum_lines(session.log, session.trajectory)))
+        name = file_name(stem_of(session), "tum", title=session.model.title)
+        return Content(name, (line.encode() for line in tum_lines(recording.log, recording.trajectory)))
 
     return Download(downloads, asker_of(request, session), make, "text/plain; charset=utf-8")

@@ -16,7 +16,7 @@ from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
-from server.sessions import LogSession, LogView, SessionRegistry, first_config
+from server.sessions import LogView, SessionRegistry, log_plan
 
 router = APIRouter(tags=["links"])
 
@@ -65,15 +65,15 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewL
 
     It is valid until it is revoked. Only visitors who may open the log may make one.
     """
-    session = sessions.get(wanted.session)
-    if not isinstance(session, LogSession):
+    recording = sessions.get(wanted.session).model.recording
+    if recording is None:
         raise MapperError("session.not_a_log", "Only the view of a log can be shared by a link, not a simulation.")
-    record = library.get(visitor, session.log_id)
-    seen = session.seen()
+    record = library.get(visitor, recording.log_id)
+    seen = recording.seen()
     look = None if wanted.look is None else wanted.look.model_dump()
-    first = asdict(first_config(session.log))
+    first = asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
-    view = {"view": asdict(seen), "look": look, "count": session.log.n_scans, "changed": changed}
+    view = {"view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed}
     return _public(sessions, await library.links.make(visitor, record, view))
 
 
@@ -110,12 +110,9 @@ async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Vi
     log = await library.load(link.owner, link.log_id, view.topic)
     session = await while_connected(
         request,
-        sessions.create_log(
+        sessions.begin(
+            log_plan(log, log_id=link.log_id, title=title, view=view),
             visitor,
-            log,
-            log_id=link.log_id,
-            title=title,
-            view=view,
             link=token,
             address=client_address(request),
         ),

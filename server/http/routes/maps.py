@@ -8,6 +8,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
+from mapper.core.errors import MapperError
+from mapper.grid import OccupancyGrid
 from mapper.io.maps import yaml_text
 from mapper.io.maps.images import Bands, pgm_header, pgm_pieces, png_pieces
 from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, trinary_pixels
@@ -25,7 +27,7 @@ from server.downloads import (
 from server.downloads.places import Asker, asker
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
-from server.sessions import LogSession, Session, SimulationSession
+from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -39,17 +41,19 @@ At = Annotated[
 ]
 
 
-def stem_of(session: Session) -> str:
+def stem_of(session: SessionHost) -> str:
     """Return what the files of a session are called: after its log, or its world."""
-    return file_stem(session.world.name if isinstance(session, SimulationSession) else session.title)
+    return file_stem(session.model.file_stem)
 
 
-def frame_of(session: Session) -> str | None:
-    """Return the frame of a session's map: that of a log's poses, None where the log does not state it."""
-    return session.log.trajectory(session.trajectory).frame_id if isinstance(session, LogSession) else "map"
+def grid_of(session: SessionHost) -> OccupancyGrid:
+    """Return the map of a session. Raises :class:`MapperError` where it has none that can be downloaded."""
+    if session.model.grid is None:
+        raise MapperError("session.no_map", "This session shows no occupancy grid map to download.")
+    return session.model.grid
 
 
-def asker_of(request: Request, session: Session) -> Asker:
+def asker_of(request: Request, session: SessionHost) -> Asker:
     """Return who asks for a file of a session."""
     return asker(request.state.visitor, request.client and request.client.host, session.link)
 
@@ -64,12 +68,12 @@ async def snapshot(downloads: Downloads, pixels: Callable[[], tuple[tuple[int, i
     return await downloads.run(work)
 
 
-async def _moment(downloads: Downloads, session: Session, at: str | None) -> Moment:
+async def _moment(downloads: Downloads, session: SessionHost, at: str | None) -> Moment:
     """Return the map of a session now, or of the instant ``at``, with its trinary image."""
 
     async def make() -> Moment:
         async with session.still():
-            grid, stem, frame = session.grid, stem_of(session), frame_of(session)
+            grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
             image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
         return Moment(stem, grid.geometry, image, frame)
 
@@ -86,7 +90,7 @@ async def map_yaml(
 
     async def make() -> Content:
         if at is None:
-            stem, geometry, frame = stem_of(session), session.view().geometry, frame_of(session)
+            stem, geometry, frame = stem_of(session), grid_of(session).geometry, session.model.frame_id
         else:
             moment = await _moment(downloads, session, at)
             stem, geometry, frame = moment.stem, moment.geometry, moment.frame
@@ -126,7 +130,7 @@ async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads
 
     async def make() -> Content:
         async with session.still():
-            grid = session.grid
+            grid = grid_of(session)
             image = await snapshot(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
         return Content(file_name(stem_of(session), "png"), png_pieces(image.shape, image.bands(), PROBABILITY_PALETTE))
 

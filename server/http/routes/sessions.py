@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Annotated, Any, Literal
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
@@ -16,104 +18,44 @@ from mapper.simulation import SENSOR_PARAMETERS, WORLDS
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Library
-from server.sessions import LogView, Session, SessionRegistry, SimulationSession
+from server.sessions import Kind, SessionHost
+from server.sessions.kind import SessionRequest
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
-class Story(BaseModel):
-    """The history of a simulation: enough to reproduce the world, its recording and its map."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    sensor: dict[str, Any] = Field({}, description="Values of the simulated sensor at the beginning.")
-    edits: dict[str, list[Any]] = Field({}, description="What was drawn and erased at the beginning: added, erased.")
-    steps: int = Field(0, ge=0, description="Physics steps of 0.02 s since the beginning.")
-    journal: list[tuple[int, dict[str, Any]]] | None = Field(
-        None, description="Each action and the step before which it came; null where only the pose is known."
-    )
-    pose: tuple[float, float, float] | None = Field(None, description="Where the robot is now, where journal is null.")
-    auto: bool = Field(True, description="Whether it walks by itself then.")
-    parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from a new world's.")
-    faults: dict[str, Any] = Field({}, description="The robot's faults.")
-    playing: bool = Field(True, description="Whether time goes on.")
-    speed: float | None = Field(None, description="Seconds of the world's time in a second.")
-
-
-class NewWorld(BaseModel):
-    """A session of a live world."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    kind: Literal["world"]
-    playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
-    world: str | None = Field(
-        None, max_length=100, description="Name of the world; the first one where it is left out."
-    )
-    seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
-    story: Story | None = Field(None, description="What happened in a world before, as /api/sessions/{id}/story tells.")
-    name: str | None = Field(
-        None, max_length=100, description="A name under which /api/sessions/making/{name} tells how far the replay is."
-    )
-
-
-class NewLog(BaseModel):
-    """A session of a log."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    kind: Literal["log"]
-    playing: bool = Field(True, description="Whether scans come in from the start.")
-    log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
-    topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
-    trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
-
-
-def public(session: Session) -> dict[str, Any]:
+def public(session: SessionHost) -> dict[str, Any]:
     """Return what the HTTP interface shows of a session."""
-    index, count = session.progress
+    model = session.model
+    index, count = model.progress
     return {
         "id": session.id,
-        "kind": session.kind,
-        "title": session.title,
+        "kind": model.kind,
+        "title": model.title,
         "stream": f"/api/sessions/{session.id}/stream",
-        "playing": session.playing,
+        "playing": model.playback.playing,
         "index": index,
         "count": count,
         "watching": len(session.hub.clients),
     }
 
 
-@router.post("/sessions", status_code=201)
-async def create(
-    request: Request,
-    wanted: Annotated[NewWorld | NewLog, Body(discriminator="kind")],
-    sessions: Sessions,
-    library: Logs,
-    visitor: Visitor,
-) -> Response:
-    """Begin a session on a live world or on a log. If the client disconnects, the work is cancelled."""
-    return await while_connected(request, _create(wanted, sessions, library, visitor, client_address(request)))
+def creating(kinds: Mapping[str, Kind]) -> APIRouter:
+    """Return the route that begins sessions of these kinds; its body is the request of one of them, by ``kind``."""
+    router = APIRouter(prefix="/api", tags=["sessions"])
 
+    async def create(
+        request: Request, wanted: SessionRequest, sessions: Sessions, library: Logs, visitor: Visitor
+    ) -> Response:
+        """Begin a session. If the client disconnects, the work is cancelled."""
+        work = sessions.create(kinds[wanted.kind], wanted, visitor, library, address=client_address(request))
+        session = await while_connected(request, work)
+        return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
-async def _create(
-    wanted: NewWorld | NewLog, sessions: SessionRegistry, library: Library, visitor: str, address: str
-) -> Response:
-    session: Session
-    if isinstance(wanted, NewWorld):
-        story = None if wanted.story is None else wanted.story.model_dump()
-        session = await sessions.create_world(
-            visitor, wanted.world, wanted.seed, story, playing=wanted.playing, address=address, name=wanted.name
-        )
-    else:
-        log = await library.load(visitor, wanted.log, wanted.topic)
-        title = library.get(visitor, wanted.log).name
-        view = LogView(wanted.topic, wanted.trajectory)
-        session = await sessions.create_log(
-            visitor, log, log_id=wanted.log, title=title, view=view, playing=wanted.playing, address=address
-        )
-    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+    body = reduce(or_, (kind.request for kind in kinds.values()))
+    create.__annotations__["wanted"] = Annotated[body, Body(discriminator="kind")]
+    router.post("/sessions", status_code=201)(create)
+    return router
 
 
 @router.get("/sessions")
@@ -146,12 +88,12 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 
 @router.get("/sessions/{session_id}/story")
-async def story(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the history of a live world, from which another session can begin."""
-    session = sessions.get(session_id)
-    if not isinstance(session, SimulationSession):
+    story = sessions.get(session_id).model.story
+    if story is None:
         raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
-    return await session.story()
+    return await story.current()
 
 
 @router.get("/worlds")

@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from server.http.guests import GuestRight, guests_may
 from server.http.services import ServiceSettings, Sessions
-from server.sessions import Session, SessionBudgetError
+from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.hub import Client
@@ -53,11 +53,10 @@ async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSett
         await websocket.accept()
         await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
         return
-    hub = session.hub_of(second=websocket.query_params.get("map") == "second")
-    if len(hub.clients) >= settings.max_clients_per_session:
+    if len(session.hub.clients) >= settings.max_clients_per_session:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
-    client = session.join(hub)
+    client = session.join()
     tasks = [
         asyncio.create_task(_send(websocket, session, client), name="stream out"),
         asyncio.create_task(_receive(websocket, session, client), name="stream in"),
@@ -82,7 +81,7 @@ async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
             await websocket.close(code.code, reason)
 
 
-async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
+async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> None:
     while True:
         client.wake.clear()
         for message in client.take():
@@ -101,7 +100,7 @@ async def _send(websocket: WebSocket, session: Session, client: Client) -> None:
                 await client.wake.wait()
 
 
-async def _receive(websocket: WebSocket, session: Session, client: Client) -> None:
+async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -> None:
     malformed = throttled = 0
     allowance = Allowance()
     while True:
@@ -129,13 +128,15 @@ def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
     return decode_command(message.get("bytes") or b"" if data is None else data)
 
 
-def _take(session: Session, client: Client, command: dict[str, Any]) -> None:
+def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None:
     match command["type"]:
         case "ack":
             client.acknowledge(integer(command, "seq"))
         case "resume":
             if text(command, "epoch_id") == session.epoch_id:
-                client.resume(integer(command, "epoch"), integer(command, "revision"))
+                client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))
+        case "subscribe":
+            client.subscribe(command["layers"])
         case "ping":
             client.tell({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
         case _:

@@ -1,4 +1,4 @@
-/** Which beam of the newest scan is meant, and where it goes. */
+/** Beams of the newest scan: selection by direction, and points along them. */
 
 import type { Frame, Point, Pose } from "../wire/protocol";
 
@@ -22,7 +22,7 @@ export function beamAt(frame: Frame, index: number): Beam | null {
   return { index, bearing: bearingOf(frame, index), range };
 }
 
-/** The beam nearest in bearing to a world point, for a sensor at `from`; null where the sensor does not look. */
+/** The beam nearest in bearing to a world point, for a sensor at `from`; null outside the field of view. */
 export function beamToward(frame: Frame, from: Pose, [x, y]: Point): Beam | null {
   const n = frame.ranges.length;
   if (frame.bearings) return beamNear(frame, frame.bearings, Math.atan2(y - from[1], x - from[0]) - from[2]);
@@ -36,14 +36,14 @@ export function beamToward(frame: Frame, from: Pose, [x, y]: Point): Beam | null
   return Math.round((TURN - swept) / Math.abs(step)) === 0 ? beamAt(frame, 0) : null;
 }
 
-/** The beam nearest to a bearing, at most half a right angle away: as `uneven_fields` in `mapper/sensors/scan.py`. */
+/** The beam nearest to a bearing, at most 45° away, as `uneven_fields` in `mapper/sensors/scan.py`. */
 function beamNear(frame: Frame, bearings: readonly number[], bearing: number): Beam | null {
   const off = bearings.map((one) => Math.abs(Math.atan2(Math.sin(one - bearing), Math.cos(one - bearing))));
   const nearest = off.indexOf(Math.min(...off));
   return (off[nearest] ?? TURN) <= Math.PI / 4 ? beamAt(frame, nearest) : null;
 }
 
-/** The beam that looks ahead, as nearly as one does; null where there is none. */
+/** The beam nearest to straight ahead; null if there is no beam. */
 export function beamAhead(frame: Frame): Beam | null {
   if (frame.bearings) {
     const off = frame.bearings.map((one) => 1 - Math.cos(one));
@@ -53,7 +53,7 @@ export function beamAhead(frame: Frame): Beam | null {
   return beamAt(frame, Math.min(frame.ranges.length - 1, Math.max(0, ahead)));
 }
 
-/** The frame of a sensor that hangs the other way up. */
+/** The frame with the bearings of a sensor that is mounted upside down. */
 export const mirroredScan = (frame: Frame): Frame => ({
   ...frame,
   angle_min: -frame.angle_min,

@@ -1,4 +1,4 @@
-/** Boxes in the world. */
+/** Axis-aligned boxes in the world. */
 
 /** A box in world metres: x0, y0, x1, y1. */
 export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];

@@ -1,6 +1,6 @@
 /**
- * Bresenham's line step by step, with the error term ∇ in sight, and without one or both of the fixes that carry it
- * from the first octant, for which it was printed, to all eight. With both it is the line of `bresenham.ts`.
+ * Bresenham's line step by step, with the error term ∇, and without one or both of the fixes that extend it from the
+ * first octant to all eight. With both it is the line of `bresenham.ts`.
  */
 
 import type { Cell } from "./lattice";
@@ -14,7 +14,7 @@ export interface Fixes {
 
 interface LineStep {
   readonly cell: Cell;
-  /** ∇ when the algorithm stands in this cell and decides where to go next; null in the last cell. */
+  /** ∇ in this cell, which decides the next step; null in the last cell. */
   readonly nabla: number | null;
 }
 
@@ -46,7 +46,7 @@ export function bresenhamSteps(start: Cell, end: Cell, fixes: Fixes): Line {
   return { steps, a, b, steep };
 }
 
-/** Which eighth of the plane a line runs into, 1 … 8 counter-clockwise from east. */
+/** The octant of a line's direction, 1 … 8 counter-clockwise from +x. */
 export function octant(start: Cell, end: Cell): number {
   const angle = Math.atan2(end.row - start.row, end.col - start.col);
   return (Math.floor((angle + 2 * Math.PI) / (Math.PI / 4)) % 8) + 1;

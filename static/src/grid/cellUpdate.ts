@@ -1,4 +1,4 @@
-/** One cell under a row of readings: `ℓ ← clamp(ℓ + evidence)`, as `mapper/mapping/integrate.py` does it. */
+/** Updates of one cell: `ℓ ← clamp(ℓ + evidence)`, as in `mapper/mapping/integrate.py`. */
 
 import { beamModel, type SensorModelParameters } from "./sensorModel";
 
@@ -24,7 +24,7 @@ export function logOddsHistory(events: readonly CellEvent[], values: CellParamet
   return found;
 }
 
-/** How many readings of one kind bring the cell over a log-odds threshold; null where they never do. */
+/** Number of readings of one kind until the cell crosses a log-odds threshold; null if it never does. */
 export function readingsUntil(
   event: CellEvent,
   from: number,

@@ -1,25 +1,28 @@
-/** What a cell's byte means: log-odds, probability and state, for the geometry that the bytes came with. */
+/** The meaning of a cell's byte: log-odds, probability and state, for the geometry of the same stream. */
 
 import type { CellState, Geometry } from "../wire/protocol";
 import { logOdds } from "./logOdds";
 
-type Range = Pick<Geometry, "log_odds_min" | "log_odds_max">;
+type Range = Pick<Geometry, "low" | "high">;
 
-/** p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py (map_server's). */
+/**
+ * p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py
+ * (map_server's).
+ */
 export const OCCUPIED_THRESHOLD = 0.65;
 export const FREE_THRESHOLD = 0.25;
 
 /** The log-odds of a byte 1 … 255 (0 is "never observed" and has none). */
 export function logOddsAt(byte: number, range: Range): number {
-  return range.log_odds_min + ((byte - 1) / 254) * (range.log_odds_max - range.log_odds_min);
+  return range.low + ((byte - 1) / 254) * (range.high - range.low);
 }
 
 /** The byte of a log-odds value, not rounded and not limited. */
 export function byteAt(logOdds: number, range: Range): number {
-  return 1 + (254 * (logOdds - range.log_odds_min)) / (range.log_odds_max - range.log_odds_min);
+  return 1 + (254 * (logOdds - range.low)) / (range.high - range.low);
 }
 
-/** The same, limited to what a byte can say: its ends stand for all that lies beyond them. */
+/** The same, limited to 1 … 255: the ends stand for all values beyond them. */
 export const shownByteAt = (logOdds: number, range: Range): number =>
   Math.min(255, Math.max(1, byteAt(logOdds, range)));
 

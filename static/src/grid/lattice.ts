@@ -1,4 +1,4 @@
-/** Where the cells lie in the world, as `GridGeometry` of mapper/grid/occupancy_grid.py has it; checked against vectors from there. */
+/** World and cell coordinates, as `GridGeometry` in mapper/grid/occupancy_grid.py; tested with vectors from there. */
 
 import type { Geometry, Point, Pose } from "../wire/protocol";
 import type { Bounds } from "./bounds";
@@ -28,7 +28,7 @@ export function fromLattice({ origin, resolution }: Lattice, u: number, v: numbe
   return [origin[0] + (c * u - s * v) * resolution, origin[1] + (s * u + c * v) * resolution];
 }
 
-/** The cell that holds a world point; it may lie outside the grid. */
+/** The cell that contains a world point; it may lie outside the grid. */
 export function cellAt(lattice: Lattice, x: number, y: number): Cell {
   const [u, v] = toLattice(lattice, x, y);
   return { row: Math.floor(v), col: Math.floor(u) };

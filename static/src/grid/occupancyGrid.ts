@@ -1,4 +1,4 @@
-/** The small grids, scans and settings that the lecture's figures compute with; names as in the mapper. */
+/** Grids, scans and parameters of the lecture's figures; names as in the mapper. */
 
 import type { Pose } from "../wire/protocol";
 import type { Cell } from "./lattice";
@@ -42,7 +42,7 @@ export interface MappingConfig {
   readonly log_odds_prior: number;
 }
 
-/** The table's first values; held to the mapper's by the vectors. */
+/** The table's default values; tested against the mapper's with the vectors. */
 export const INITIAL_CONFIG: MappingConfig = {
   range_max: 30,
   window: 0,
@@ -68,7 +68,7 @@ export const copyOf = (grid: OccupancyGrid): OccupancyGrid => ({
   observed: grid.observed.slice(),
 });
 
-/** Where a cell's values stand in the arrays; −1 outside the grid. */
+/** Index of a cell in the arrays; −1 outside the grid. */
 export function indexOf({ rows, cols }: GridGeometry, { row, col }: Cell): number {
   return row >= 0 && col >= 0 && row < rows && col < cols ? row * cols + col : -1;
 }

@@ -31,7 +31,7 @@ describe("the same geometry on both sides", () => {
 
   test("a byte means the log-odds that the server quantised, to a step", () => {
     const { quantised } = vectors;
-    const step = (quantised.log_odds_max - quantised.log_odds_min) / 254 + 1e-6;
+    const step = (quantised.high - quantised.low) / 254 + 1e-6;
     for (const [i, int8] of quantised.int8.entries()) {
       const byte = (int8 & 0xff) ^ 0x80;
       if (!quantised.observed[i]) expect(byte).toBe(0);

@@ -1,14 +1,14 @@
 /**
  * The inverse sensor model along one beam, as `mapper/mapping/sensor_model.py` and the per-beam update compute it.
  *
- * Pure functions of the parameters, checked against vectors that the mapper writes (sensorModel.vectors.json). Distances are
- * metres from the sensor, evidence is log-odds. Source: Thrun, Burgard & Fox, Probabilistic Robotics, table 9.2; of the
- * other models the sources that the mapper names.
+ * Pure functions of the parameters, checked against vectors that the mapper writes (sensorModel.vectors.json).
+ * Distances are metres from the sensor, evidence is log-odds. Source: Thrun, Burgard & Fox, Probabilistic Robotics,
+ * table 9.2; of the other models the sources that the mapper names.
  */
 
 import { logOdds, probability } from "./logOdds";
 
-/** Which part of the beam a place belongs to. */
+/** Parts of a beam. */
 export type Zone = "free" | "hit" | "beyond";
 
 /** The parameters that shape the profile; names as in the mapper's parameter table. */
@@ -36,17 +36,17 @@ interface BeamModel {
   readonly hit: number;
 }
 
-/** Whether the beam is wide: its picture has two dimensions. */
+/** Whether the beam is wide: its evidence depends on distance and angle. */
 export const isCone = ({ model }: SensorModelParameters): boolean =>
   model === "sonar_cone" || model === "moravec_elfes";
 
-/** Whether the evidence is the same all over a zone; it is not on a ramp, and not under a Gaussian. */
+/** Whether the evidence is constant in each zone; it is not for a ramp and for a Gaussian. */
 export const isStepped = (values: SensorModelParameters): boolean =>
   values.model !== "smooth_ramp" &&
   values.model !== "moravec_elfes" &&
   !(values.model === "sonar_cone" && values.cone_profile === "gaussian");
 
-/** The most that the model says for free and for occupied; of counting what the first visit changes. */
+/** The greatest evidence of the model for free and for occupied; for hit counting the change by the first visit. */
 export function beamModel(values: SensorModelParameters): BeamModel {
   switch (values.model) {
     case "step_window": {
@@ -59,29 +59,34 @@ export function beamModel(values: SensorModelParameters): BeamModel {
       return { miss: -Math.log1p(1 / (w * (1 - p))), hit: Math.log1p(1 / (w * p)) };
     }
     case "moravec_elfes":
-      return { miss: -1, hit: 1 }; // certainties, no log-odds
+      return { miss: -1, hit: 1 }; // certainties, not log-odds
     default:
       return { miss: values.log_odds_miss, hit: values.log_odds_hit };
   }
 }
 
-/** Half the width of the zone around a reading `z` that argues for occupied, metres; a cone's is at least a cell wide. */
+/**
+ * Half the width of the zone around a reading `z` with evidence for occupied, metres; for a cone at least one cell
+ * wide.
+ */
 export function halfWindow(z: number, values: SensorModelParameters): number {
   if (isCone(values)) return Math.max(values.window, values.resolution) / 2;
   return values.model === "smooth_ramp" ? 2 * (values.sigma + values.sigma_growth * z) : values.window / 2;
 }
 
-/** Whether a reading counts as no return. A reading of NaN or at most 0 is none at all and leaves no evidence. */
+/** Whether a reading counts as no return. A reading that is NaN or at most 0 is invalid and gives no evidence. */
 export function isNoReturn(z: number, values: SensorModelParameters): boolean {
   return z > values.range_max && values.no_return !== "hit";
 }
 
-/** The reading as the map takes it: where no return is read as a hit, what is too far comes from the max range. */
+/**
+ * The reading that the map uses: with the setting no return as a hit, a reading that is too far becomes the max range.
+ */
 export function effectiveReading(z: number, values: SensorModelParameters): number {
   return values.no_return === "hit" ? Math.min(z, values.range_max) : z;
 }
 
-/** The zone of a place at distance `s` along the beam of a reading. */
+/** The zone of a point at distance `s` along the beam of a reading. */
 function zoneAt(s: number, reading: number, values: SensorModelParameters): Zone {
   const z = effectiveReading(reading, values);
   if (Number.isNaN(z) || z <= 0 || s < 0) return "beyond";
@@ -91,7 +96,7 @@ function zoneAt(s: number, reading: number, values: SensorModelParameters): Zone
   return s <= z + half ? "hit" : "beyond";
 }
 
-/** The evidence that a zone gets, at most. */
+/** The greatest evidence in a zone. */
 export function evidence(zone: Zone, model: BeamModel): number {
   return zone === "free" ? model.miss : zone === "hit" ? model.hit : 0;
 }
@@ -107,7 +112,7 @@ function rangeWeight(s: number, z: number, half: number): number {
   return half > 0 ? 1 - ((s - z) / half) ** 2 : 1;
 }
 
-/** The profile: what a reading adds, in log-odds, at distance `s` and, in a cone, `theta` radians off its axis. */
+/** The increment of a reading, log-odds, at distance `s` and, in a cone, `theta` radians off its axis. */
 export function increment(s: number, reading: number, values: SensorModelParameters, theta = 0): number {
   const z = effectiveReading(reading, values);
   const zone = zoneAt(s, z, values);
@@ -138,15 +143,15 @@ export function increment(s: number, reading: number, values: SensorModelParamet
   }
 }
 
-/** Index of the cell that holds distance `s`, for a sensor on the near border of cell 0. */
+/** Index of the cell that contains distance `s`, for a sensor on the near border of cell 0. */
 export function cellIndexAt(s: number, resolution: number): number {
   return Math.floor(s / resolution);
 }
 
 /**
- * The zone of cell `index` on a beam along a row of cells. A cell is in the window when its centre is; the cell
- * that holds the endpoint of a thin beam always is; a beam without return frees every cell up to the one that holds
- * the max range, a wide one those whose centre lies before it.
+ * The zone of cell `index` on a beam along a row of cells. A cell is in the window if its centre is, and the cell with
+ * the endpoint of a thin beam always is. For a beam without a return the cells up to the one with the max range are
+ * free, for a wide beam those whose centre lies before the max range.
  */
 export function cellZone(index: number, reading: number, values: SensorModelParameters): Zone {
   const { resolution } = values;
@@ -166,7 +171,7 @@ export function cellZone(index: number, reading: number, values: SensorModelPara
   return zoneAt(centre, z, values);
 }
 
-/** What cell `index` on a beam along a row of cells gets. */
+/** The increment of cell `index` on a beam along a row of cells. */
 export function cellIncrement(index: number, reading: number, values: SensorModelParameters): number {
   const z = effectiveReading(reading, values);
   const zone = cellZone(index, z, values);
@@ -193,7 +198,7 @@ export function hitCells(
   return [first, last];
 }
 
-/** The table's first values: what the figure shows before a session has said its own. */
+/** The table's default values, which the figure shows until those of a session are known. */
 export const INITIAL_PARAMETERS: SensorModelParameters = {
   model: "fixed_increments",
   range_max: 30,

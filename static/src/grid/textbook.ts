@@ -1,6 +1,6 @@
 /**
- * Occupancy grid mapping, the twin of `mapper/mapping/textbook.py`, function by function under the same names; held to it by
- * vectors that the mapper writes (textbook.vectors.json). Source: Probabilistic Robotics, tables 4.2, 9.1 and 9.2.
+ * Occupancy grid mapping, as in `mapper/mapping/textbook.py`, with the same functions and names; tested with vectors
+ * that the mapper writes (textbook.vectors.json). Source: Probabilistic Robotics, tables 4.2, 9.1 and 9.2.
  */
 
 import type { Point, Pose } from "../wire/protocol";
@@ -9,7 +9,7 @@ import { bresenham } from "./bresenham";
 import { type Cell, toLattice } from "./lattice";
 import { type GridGeometry, indexOf, type LaserScan, type MappingConfig, type OccupancyGrid } from "./occupancyGrid";
 
-/** What one beam says of a cell, in log-odds. */
+/** The evidence of one beam for a cell, log-odds. */
 export interface Evidence {
   readonly cell: Cell;
   readonly evidence: number;
@@ -23,7 +23,7 @@ export function bayesFilter(logOdds: number, evidence: number, config: MappingCo
   return Math.min(Math.max(sum, f32(config.log_odds_min)), f32(config.log_odds_max));
 }
 
-/** Put one piece of evidence into one cell; outside the grid there is nothing to update. Return how many were. */
+/** Add evidence to one cell; return the number of updated cells: 1, or 0 outside the grid. */
 export function update(grid: OccupancyGrid, cell: Cell, evidence: number, config: MappingConfig): number {
   const index = indexOf(grid.geometry, cell);
   if (index < 0) return 0;
@@ -50,18 +50,18 @@ export function updatePerBeam(grid: OccupancyGrid, scan: LaserScan, pose: Pose, 
   return updates;
 }
 
-/** A beam's range; where "no return" is taken for a hit, a mistake, as if it had come from z_max. */
+/** The range of a beam; with the setting no return as a hit (an error) z_max for a beam without a return. */
 export function readingOf(scan: LaserScan, beam: number, config: MappingConfig): number {
   const z = scan.ranges[beam] ?? Number.NaN;
   const zMax = Math.min(scan.range_max, config.range_max);
   if (config.no_return !== "hit" || !(z > zMax)) return z;
   const nearest = Float32Array.of(zMax);
-  // Ranges are kept as float32, and no reading may lie beyond z_max.
+  // Ranges are float32, and no reading may lie beyond z_max.
   if ((nearest[0] ?? 0) > zMax) new Uint32Array(nearest.buffer)[0] = (new Uint32Array(nearest.buffer)[0] ?? 1) - 1;
   return nearest[0] ?? zMax;
 }
 
-/** What one beam says of each cell: a reading, no return, or (too near, NaN, −Infinity) nothing at all. */
+/** The evidence of one beam for each cell: of a reading, of no return, or none (too near, NaN, −Infinity). */
 export function evidenceOfBeam(
   geometry: GridGeometry,
   scan: LaserScan,
@@ -78,7 +78,9 @@ export function evidenceOfBeam(
   return [];
 }
 
-/** What a reading `z` says of each cell on its beam: free before the window, occupied in it and at the endpoint. */
+/**
+ * The evidence of a reading `z` for each cell on its beam: free before the window, occupied in it and at the endpoint.
+ */
 export function evidenceAlongBeam(
   geometry: GridGeometry,
   pose: Pose,
@@ -125,7 +127,7 @@ export function updatePerScan(grid: OccupancyGrid, scan: LaserScan, pose: Pose, 
   return putIntoCells(grid, inverseRangeSensorModel(grid.geometry, scan, pose, config), config);
 }
 
-/** Put into each cell what a scan says of it; NaN is nothing. Return the number of updates. */
+/** Add the evidence of a scan to each cell; NaN is no evidence. Return the number of updates. */
 export function putIntoCells(grid: OccupancyGrid, evidence: Float64Array, config: MappingConfig): number {
   let updates = 0;
   evidence.forEach((value, index) => {
@@ -137,7 +139,7 @@ export function putIntoCells(grid: OccupancyGrid, evidence: Float64Array, config
   return updates;
 }
 
-/** What a scan says of each cell, NaN outside the perceptual field: table 9.2. */
+/** The evidence of a scan for each cell, NaN outside the perceptual field: table 9.2. */
 export function inverseRangeSensorModel(
   geometry: GridGeometry,
   scan: LaserScan,
@@ -190,7 +192,7 @@ export function pointAt(geometry: GridGeometry, pose: Pose, bearing: number, z: 
 
 const floored = ([u, v]: Point): Cell => ({ row: Math.floor(v), col: Math.floor(u) });
 
-/** The cell that holds the point at distance `z` along a bearing. */
+/** The cell that contains the point at distance `z` along a bearing. */
 export function cellOfBeam(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Cell {
   return floored(pointAt(geometry, pose, bearing, z));
 }

@@ -1,6 +1,5 @@
 /**
- * `window.gridbloom`: a look behind the pages for tests and for whoever is curious in the browser's console. Nothing
- * of the pages depends on it.
+ * `window.gridbloom`: the state of the page for tests and for the browser's console. The pages do not use it.
  */
 
 import { logOddsAt, stateAt, thresholds } from "../grid/cellValues";
@@ -19,11 +18,11 @@ interface CellInfo {
 
 interface Hook {
   readonly connection: Connection;
-  /** Cells of the map on show by state; what was never observed is not counted. */
+  /** Counts of observed cells of the displayed map by state. */
   cells(): { readonly free: number; readonly undecided: number; readonly occupied: number };
-  /** What is believed at a world point; null outside the grid. */
+  /** The map's value at a world point; null outside the grid. */
   readState(xy: Point): CellInfo | null;
-  /** The CSS pixel, from the picture's upper left corner, at which a world point lies. */
+  /** The CSS pixel of a world point, from the picture's upper left corner. */
   screen(xy: Point): Point | null;
   /** The colour on the map's canvas at a world point, freshly painted; null outside the picture. */
   colourAt(xy: Point): readonly number[] | null;

@@ -9,7 +9,7 @@ import { type Connection, connect } from "../store/connect";
 import type { Store } from "../store/store";
 import { BeliefView } from "../tools/picture/BeliefView";
 import { Profile } from "../tools/profile/Profile";
-import { tellingReading } from "../tools/profile/reading";
+import { profileReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
 import { reducedMotion } from "../ui/reducedMotion";
@@ -18,12 +18,12 @@ import { Toasts, toast } from "../ui/Toast";
 import { Contents } from "./lecture/Contents";
 import { worldSession } from "./worldSession";
 
-/** The visitor's own live world; null until the server has given one. */
+/** The connection to the visitor's own live world; null until there is a session. */
 const connection = signal<Connection | null>(null);
 const session = signal<string | null>(null);
 const trouble = signal<string | null>(null);
 
-async function begin(): Promise<void> {
+async function openWorld(): Promise<void> {
   try {
     const id = await worldSession();
     trouble.value = null;
@@ -37,7 +37,7 @@ async function begin(): Promise<void> {
       error instanceof TypeError
         ? "The server does not answer. The page tries again by itself."
         : (error as Error).message;
-    setTimeout(() => void begin(), 3000);
+    setTimeout(() => void openWorld(), 3000);
   }
 }
 
@@ -45,7 +45,7 @@ function Hero() {
   const live = connection.value;
   const store = live?.store;
   useSignalEffect(() => {
-    if (connection.value?.status.value === "gone") void begin();
+    if (connection.value?.status.value === "gone") void openWorld();
   });
   useSignalEffect(() => {
     const notice = connection.value?.store.notice.value;
@@ -82,21 +82,21 @@ function Hero() {
   );
 }
 
-/** Scans of one step: a second of the robot's walk. */
-const STRIDE = 10;
+/** Scans of one step: one second of simulated time. */
+const SCANS_PER_STEP = 10;
 
-/** The walk by steps, for who wants less motion. */
+/** A button that advances the simulation by one step, if reduced motion is preferred. */
 function Steps({ store }: { readonly store: Store }) {
   return (
     <div class="actions">
-      <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: STRIDE })}>
-        Forward {STRIDE} scans
+      <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: SCANS_PER_STEP })}>
+        Forward {SCANS_PER_STEP} scans
       </Button>
     </div>
   );
 }
 
-/** What the map knows so far, or what is the matter. */
+/** Counts of scans and readings in the map, or the error. */
 function Facts() {
   const frame = connection.value?.store.frame.value;
   const problem = trouble.value ?? connection.value?.trouble.value;
@@ -110,7 +110,7 @@ function Facts() {
   );
 }
 
-/** Until the session has said its parameters the figures show the table's first ones, and can be played with. */
+/** Parameters of the figures until those of the session are known: the defaults, which can be changed. */
 const own = signal<Record<string, unknown>>({ ...INITIAL_PARAMETERS });
 const parameters = computed(() => {
   const store = connection.value?.store;
@@ -126,11 +126,11 @@ function setParameter(name: string, value: number): void {
 
 const reading = computed(() => {
   const store = connection.value?.store;
-  return store && tellingReading(store);
+  return store && profileReading(store);
 });
 
-/** What the clamp is for, with the increments of the moment. */
-function Stubborn() {
+/** A sentence on the effect of the clamp, with the current increments. */
+function ClampEffect() {
   const { hit, miss } = beamModel({ ...INITIAL_PARAMETERS, ...parameters.value });
   const needed = miss < 0 ? Math.ceil((1000 * hit) / -miss).toLocaleString("en") : null;
   return (
@@ -144,7 +144,7 @@ function Stubborn() {
 
 function Page() {
   useEffect(() => {
-    void begin();
+    void openWorld();
   }, []);
   return (
     <>
@@ -182,7 +182,7 @@ function Page() {
             rule.
           </p>
           <p>
-            The dashed lines clamp it. <Stubborn /> With the clamp, a table that is removed also disappears from the
+            The dashed lines clamp it. <ClampEffect /> With the clamp, a table that is removed also disappears from the
             map.
           </p>
         </div>

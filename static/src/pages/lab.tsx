@@ -28,19 +28,19 @@ const Faults = lazy(async () => (await import("../tools/faults/Faults")).Faults)
 const MovingTable = lazy(async () => (await import("../tools/table/MovingTable")).MovingTable);
 const Why = lazy(async () => (await import("../tools/why/Why")).Why);
 
-/** The session on show; null until the server has given one. */
+/** The current session; null until the server has opened one. */
 const live = signal<Live | null>(null);
 const trouble = signal<string | null>(null);
 const RETRY_MS = 3000;
-/** The map's version before its first tiles have come. */
+/** The map's version before its first tiles arrive. */
 const EMPTY_MAP = 1;
 
-async function begin(): Promise<void> {
+async function connectLab(): Promise<void> {
   try {
     const { id, notice, shown } = await openSession();
     const before = live.peek();
     before?.stop();
-    unfollow();
+    stopAddress();
     const connection = connect(id);
     let picture: Picture | null = null;
     onPicture = (made) => {
@@ -48,10 +48,10 @@ async function begin(): Promise<void> {
     };
     exposeHook(connection, () => picture);
     connection.start();
-    // The page knows more of a world that had ended than its address: also what was set while nobody listened.
+    // Of a session that has ended the page knows more than the address does: also changes made while disconnected.
     if (shown) restore(connection.store, before ? visibleState(before.store) : shown);
     if (shown && before) connection.store.takeOver(before.store);
-    unfollow = keepAddress(id, connection.store);
+    stopAddress = keepAddress(id, connection.store);
     trouble.value = null;
     live.value = { ...connection, id };
     if (notice) toast(notice);
@@ -60,11 +60,11 @@ async function begin(): Promise<void> {
       error instanceof TypeError
         ? "The server does not answer. The page tries again by itself."
         : (error as Error).message;
-    setTimeout(() => void begin(), RETRY_MS);
+    setTimeout(() => void connectLab(), RETRY_MS);
   }
 }
 
-let unfollow: () => void = () => undefined;
+let stopAddress: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
 
 function ProfileBox({ store }: { readonly store: Store }) {
@@ -114,7 +114,7 @@ function Sensor({ store }: { readonly store: Store }) {
 function Lab() {
   const session = live.value;
   const store = session?.store ?? null;
-  // What lies below the pictures takes longer to be made than they do, and waits until there is something in them.
+  // The parts below the pictures take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
     if (isSeen.peek() || (live.value?.store.mapVersion.value ?? 0) <= EMPTY_MAP) return;
@@ -128,11 +128,11 @@ function Lab() {
   useSignalEffect(() => {
     if (live.value?.status.value !== "gone") return;
     live.value.stop();
-    void begin();
+    void connectLab();
   });
   useSignalEffect(() => {
     const notice = live.value?.store.notice.value;
-    // While the hand drags the robot along a wall it sees what happens; words would only pile up.
+    // While the robot is dragged along a wall, a notice for each move would only repeat what is visible.
     if (notice && !(notice.code === "teleport.moved" && live.value?.store.carried.peek())) {
       toast(notice.message, notice.kind);
     }
@@ -157,7 +157,7 @@ function Lab() {
       {replay.value ? (
         <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />
       ) : (
-        <Working what="Making the map" work={store?.working.value ?? null} />
+        <Working what="Computing the map" work={store?.working.value ?? null} />
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}
@@ -190,7 +190,7 @@ function Lab() {
   );
 }
 
-void begin();
+void connectLab();
 render(
   <>
     <SiteHeader current="lab" />

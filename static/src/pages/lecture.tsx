@@ -47,7 +47,7 @@ const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIE
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, textarea, button, a, summary") !== null;
 
-/** The keys of the lecturer's mode. What has the focus keeps the keys that it uses itself. */
+/** The keys of the presentation mode. A focused control keeps the keys that it uses itself. */
 function usePresenterKeys(): void {
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
@@ -68,7 +68,7 @@ function usePresenterKeys(): void {
   }, []);
 }
 
-/** What the address says at the start and when it is changed by hand. */
+/** Scroll to the section in the address, at the start and when the address changes. */
 function useAddress(): void {
   useEffect(() => {
     const follow = (behavior: ScrollBehavior): void => {
@@ -78,13 +78,13 @@ function useAddress(): void {
         document.getElementById(location.hash.slice(1))?.scrollIntoView({ behavior });
     };
     const onHash = (): void => follow("auto");
-    follow("instant"); // the page did not have its sections yet when the browser looked for the anchor
+    follow("instant"); // the sections were not yet rendered when the browser looked for the anchor
     addEventListener("hashchange", onHash);
     return () => removeEventListener("hashchange", onHash);
   }, []);
 }
 
-/** Who leaves the lecturer's mode goes on reading where the last slide was, once the page has its own form again. */
+/** At the end of the presentation mode, scroll to the section of the last slide. */
 function useReturn(): void {
   const was = useRef(presenting.peek());
   const now = presenting.value;
@@ -110,7 +110,7 @@ function Presenter() {
         disabled={slide.value === PARTS.length - 1}
         onClick={() => show(PARTS, slide.value + 1)}
       />
-      <Button icon="close" label="Leave (Esc)" onClick={() => setPresenting(PARTS, false)} />
+      <Button icon="close" label="Exit (Esc)" onClick={() => setPresenting(PARTS, false)} />
     </header>
   );
 }
@@ -131,14 +131,14 @@ function Page() {
           <div class="lecture-head">
             <h1>Occupancy grid mapping</h1>
             <p class="prose">
-              How a robot makes a map out of distances, from one cell to a file that it can navigate by. Every figure is
-              alive: take hold of what is coloured, and of the numbers that are{" "}
-              <span class="scrub-sample">underlined</span>. What a figure computes is what the mapper of this site
-              computes; where one shows more, it says so.
+              How a robot makes a map from measured distances: from a single cell to the map file that it navigates
+              with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
+              <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper of
+              this site; where a figure shows something else, the text says so.
             </p>
             <div class="actions no-print">
               <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
-                Present, one figure at a time
+                Presentation mode
               </Button>
               <Button href="/lab.html">Open the lab</Button>
             </div>

@@ -13,7 +13,9 @@ import { linkOf } from "./logs/links";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
 
-/** What the address says: `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the usual one. */
+/**
+ * The query of the address, `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the default.
+ */
 interface Place {
   readonly log: string | null;
   readonly topic: string | null;
@@ -25,20 +27,20 @@ function placeOf(search: string): Place {
   return { log: query.get("log"), topic: query.get("topic"), session: query.get("session") };
 }
 
-/** The link by which this page is opened, in the place of the logs. */
+/** The token of the shared link that this page was opened with, or null. */
 const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
-/** How long after a server that did not answer it is asked again, milliseconds. */
-const AGAIN_MS = 3000;
+/** Time until the next request to a server that did not answer. */
+const RETRY_MS = 3000;
 
 function go({ log, topic, session }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
-  // In place the rest of the address stays: it may tell of a comparison.
+  // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
@@ -46,7 +48,7 @@ function go({ log, topic, session }: Place, replace = false): void {
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
-/** Begin a session on a log; an address that names only the log gets its session in place. */
+/** Open a session on a log; with `replace` the session is added to the current address. */
 async function open(log: string, topic: string | null, replace: boolean): Promise<void> {
   go({ log, topic, session: null }, replace);
   try {
@@ -56,7 +58,7 @@ async function open(log: string, topic: string | null, replace: boolean): Promis
   } catch (error) {
     const isAway = error instanceof TypeError;
     failure.value = isAway ? "The server does not answer. The page tries again by itself." : (error as Error).message;
-    if (isAway) setTimeout(resume, AGAIN_MS);
+    if (isAway) setTimeout(resume, RETRY_MS);
   }
 }
 
@@ -83,7 +85,7 @@ function Page() {
         session={session}
         onClose={close}
         onGone={() => (log ? void open(log, topic, true) : close())}
-        returns={log !== null}
+        reopens={log !== null}
       />
     );
   }
@@ -91,7 +93,7 @@ function Page() {
   if (failure.value !== null) {
     return (
       <div class="viewer-message" role="alert">
-        <h1>This log does not open</h1>
+        <h1>This log cannot be opened</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
           <Button kind="primary" icon="restart" onClick={() => void open(log, topic, true)}>

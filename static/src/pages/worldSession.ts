@@ -3,35 +3,34 @@ import { reducedMotion } from "../ui/reducedMotion";
 import type { Work } from "../ui/Working";
 
 const KEY = "gridbloom.world";
-/** A replay that takes longer shows how far it is. */
+/** A replay that takes longer shows its progress. */
 const SHOWN_AFTER_MS = 300;
-const ASK_EVERY_MS = 250;
+const POLL_MS = 250;
 
-/** A world that the server replays from its story, and how to end that. */
+/** The progress of a world that the server replays from its story, and how to cancel it. */
 export interface Replay {
   readonly work: Work;
   cancel(): void;
 }
 
-/** The replay that this page waits for; null while there is none. */
+/** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
-/** The person ended the replay. */
+/** The visitor cancelled the replay. */
 export class CancelledError extends Error {}
 
 /**
- * Ask the server for a new live world, or for one in which a story has happened; the id of its session. Who wants less
- * motion gets one that stands still, and lets it go on by steps. Throws {@link CancelledError} where a person did not
- * want to wait for the story.
+ * Request a new live world from the server, or one replayed from a story; returns the id of its session. With reduced
+ * motion the world is paused. Throws {@link CancelledError} if the visitor cancels the replay.
  */
 export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
-  const begin = { kind: "world", playing: !reducedMotion.peek() };
-  if (!story) return await asked(begin);
+  const begin = { kind: "simulation", playing: !reducedMotion.peek() };
+  if (!story) return await post(begin);
   const name = Array.from(crypto.getRandomValues(new Uint32Array(3)), (n) => n.toString(36)).join("");
   const ending = new AbortController();
-  const stop = followed(name, () => ending.abort());
+  const stop = showProgress(name, () => ending.abort());
   try {
-    return await asked({ ...begin, world: story.world, seed: story.seed, story, name }, ending.signal);
+    return await post({ ...begin, world: story.world, seed: story.seed, story, name }, ending.signal);
   } catch (error) {
     if (ending.signal.aborted) throw new CancelledError("The replay was cancelled.");
     throw error;
@@ -40,7 +39,7 @@ export async function createWorld(story?: { readonly world: string; readonly see
   }
 }
 
-async function asked(wanted: object, ending?: AbortSignal): Promise<string> {
+async function post(wanted: object, ending?: AbortSignal): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
@@ -52,20 +51,20 @@ async function asked(wanted: object, ending?: AbortSignal): Promise<string> {
   return body.id;
 }
 
-/** Show how far a replay is until the result is called. */
-function followed(name: string, cancel: () => void): () => void {
+/** Show the progress of a replay until the returned function is called. */
+function showProgress(name: string, cancel: () => void): () => void {
   let isOver = false;
-  const look = async (): Promise<void> => {
+  const poll = async (): Promise<void> => {
     try {
       const answer = await fetch(`/api/sessions/making/${name}`);
       if (answer.ok && !isOver) replay.value = { work: (await answer.json()) as Work, cancel };
     } catch {
-      // The request for the world itself says that the server is away.
+      // The request for the world itself reports that the server does not answer.
     }
     if (isOver) replay.value = null;
-    else timer = setTimeout(() => void look(), ASK_EVERY_MS);
+    else timer = setTimeout(() => void poll(), POLL_MS);
   };
-  let timer = setTimeout(() => void look(), SHOWN_AFTER_MS);
+  let timer = setTimeout(() => void poll(), SHOWN_AFTER_MS);
   return () => {
     isOver = true;
     clearTimeout(timer);
@@ -73,7 +72,7 @@ function followed(name: string, cancel: () => void): () => void {
   };
 }
 
-/** The tab's memory; null where the person forbids it. */
+/** The session storage; null if the browser forbids it. */
 function storage(): Storage | null {
   try {
     return sessionStorage;
@@ -82,7 +81,7 @@ function storage(): Storage | null {
   }
 }
 
-/** The id of this tab's live world: the one it had before, where the server still has it, or a new one. */
+/** The session id of this tab's live world: the previous one if the server still has it, else a new one. */
 export async function worldSession(): Promise<string> {
   const before = storage()?.getItem(KEY);
   if (before && (await fetch(`/api/sessions/${encodeURIComponent(before)}`)).ok) return before;

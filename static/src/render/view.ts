@@ -1,17 +1,17 @@
 /**
- * What of the world a picture shows. Both pictures of the lab share one view, so that the same place lies at the same
- * pixel of each. World coordinates are metres, x right and y up; screen coordinates are CSS pixels from the upper left
- * corner of the picture.
+ * The part of the world that a picture shows. The pictures of the lab share one view, so that a point of the world is
+ * at the same pixel in each. World coordinates are metres, x right and y up; screen coordinates are CSS pixels from
+ * the upper left corner of the picture.
  */
 
 import type { Bounds } from "../grid/bounds";
 import type { Point } from "../wire/protocol";
 
 export interface View {
-  /** The world point at the middle of the picture. */
+  /** The world point at the centre of the picture. */
   readonly x: number;
   readonly y: number;
-  /** Metres that one CSS pixel shows. */
+  /** Metres per CSS pixel. */
   readonly scale: number;
 }
 
@@ -57,10 +57,10 @@ export function fitted(bounds: Bounds, size: Size, margin = 16): View {
   };
 }
 
-/** The part of the world that a picture of some size shows: enough for a picture of another size to show it too. */
+/** A view with the size of its picture, so that a picture of another size can show the same part of the world. */
 export interface Look extends View, Size {}
 
-/** The view that shows all of what somebody saw, and the same where the pictures are of one size. */
+/** The view that contains all of a shared view; the same view if the pictures have the same size. */
 export function framed(look: Look, size: Size): View {
   const smaller = Math.max(look.width / size.width, look.height / size.height);
   return { x: look.x, y: look.y, scale: limited(look.scale * smaller) };

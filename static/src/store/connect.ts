@@ -2,7 +2,7 @@
 
 import type { ReadonlySignal } from "@preact/signals";
 import { Store } from "./store";
-import { type Receiver, type Status, Stream } from "./stream";
+import { type Status, Stream } from "./stream";
 
 export interface Connection {
   readonly store: Store;
@@ -25,15 +25,11 @@ async function isGone(session: string): Promise<boolean> {
   }
 }
 
-/** A stream of a session into a receiver; `query` says of which map, the first where it says nothing. */
-export const streamOf = (session: string, receiver: Receiver, query = ""): Stream =>
-  new Stream(address(session) + query, receiver, () => isGone(session));
-
 /** Watch a session. Nothing happens before `start`. */
 export function connect(session: string): Connection {
   let stream: Stream;
   const store = new Store((command) => stream.send(command));
-  stream = streamOf(session, store);
+  stream = new Stream(address(session), store, () => isGone(session));
   const { status, trouble } = stream;
   return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

@@ -5,9 +5,8 @@ import { decompress } from "fzstd";
 import { byteAt } from "../grid/cellValues";
 import { Cells } from "../render/map/cells";
 import type { MapPicture } from "../render/map/mapPicture";
-import type { TilesFrame } from "../wire/decodeTiles";
+import type { TilesFrame } from "../wire/decodeFrame";
 import { type Geometry, ProtocolError } from "../wire/protocol";
-import type { Progress } from "./stream";
 
 /** Told of a cell that is observed for the first time or changes its mind, and of the instant (performance.now). */
 export type OnBloom = (row: number, col: number, now: number) => void;
@@ -29,10 +28,16 @@ export class DisplayedMap {
   #newest = 0;
   #complete: { readonly epoch: number; readonly revision: number } | null = null;
 
-  begin(geometry: Geometry): void {
+  /** What has been received in full, for a later connection to go on from; null for nothing. */
+  get complete(): { readonly epoch: number; readonly revision: number } | null {
+    return this.#complete;
+  }
+
+  /** A grid of this geometry is to come, painted in the palette of this style. */
+  begin(geometry: Geometry, style: string): void {
     const newest = this.#coming ?? this.#map.peek();
     if (newest?.geometry.epoch === geometry.epoch) return;
-    this.#coming = { geometry, cells: new Cells(), since: this.#coming?.since ?? performance.now() };
+    this.#coming = { geometry, style, cells: new Cells(), since: this.#coming?.since ?? performance.now() };
     this.#complete = null;
     if (!this.#map.peek()) this.#show();
   }
@@ -73,13 +78,8 @@ export class DisplayedMap {
     const coming = this.#coming;
     if (!coming) return;
     this.#coming = null;
-    this.#map.value = { geometry: coming.geometry, cells: coming.cells };
+    this.#map.value = { geometry: coming.geometry, style: coming.style, cells: coming.cells };
     this.#version.value++;
-  }
-
-  /** What has been received in full from the server's session of this name; null for nothing. */
-  progress(epochId: string | undefined): Progress | null {
-    return epochId !== undefined && this.#complete ? { epoch_id: epochId, ...this.#complete } : null;
   }
 
   forget(): void {
@@ -88,6 +88,13 @@ export class DisplayedMap {
     this.#coming = null;
     const map = this.#map.peek();
     // Keep showing what there was, under an epoch that no server will name, until something newer is complete.
-    if (map) this.#map.value = { geometry: { ...map.geometry, epoch: -1 }, cells: map.cells };
+    if (map) this.#map.value = { ...map, geometry: { ...map.geometry, epoch: -1 } };
+  }
+
+  /** Show nothing. */
+  clear(): void {
+    this.forget();
+    if (this.#map.peek()) this.#version.value++;
+    this.#map.value = null;
   }
 }

@@ -1,7 +1,7 @@
 /** The selected editing tool and what it is about to change. */
 
 import { signal } from "@preact/signals";
-import type { Drawn, Edits, Point } from "../wire/protocol";
+import type { DrawnSolid, Edits, Point } from "../wire/protocol";
 
 export type Tool = "robot" | "wall" | "box" | "erase";
 
@@ -11,7 +11,7 @@ export const NO_EDITS: Edits = { added: [], erased: [] };
 export class Editing {
   readonly tool = signal<Tool>("robot");
   /** What the stroke of the moment would draw. */
-  readonly sketch = signal<Drawn | null>(null);
+  readonly sketch = signal<DrawnSolid | null>(null);
   /** The first corner of a stroke that the keyboard draws. */
   readonly corner = signal<Point | null>(null);
 

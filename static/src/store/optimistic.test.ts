@@ -121,9 +121,9 @@ function slowServer(judge: (value: number) => number | null) {
   const store: Store = new Store(send, new Outbox(send, (task) => void setTimeout(task, 16)));
   const hello: Hello = {
     type: "hello",
-    protocol: "gridbloom.v1",
+    protocol: "gridbloom.v2",
     session: "s",
-    kind: "world",
+    kind: "simulation",
     title: "t",
     epoch_id: "a",
     speeds: [1, 1],

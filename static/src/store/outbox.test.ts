@@ -11,11 +11,11 @@ test("of questions about two maps the newest of each leaves", () => {
   );
   for (const row of [1, 2]) {
     outbox.put({ type: "inspect", row, col: 0, epoch: 1 });
-    outbox.put({ type: "inspect", row: 10 * row, col: 0, epoch: 4, map: "second" });
+    outbox.put({ type: "inspect", row: 10 * row, col: 0, epoch: 4, layer: "second_map" });
   }
   for (const task of tasks) task();
   expect(sent).toEqual([
     { type: "inspect", row: 2, col: 0, epoch: 1 },
-    { type: "inspect", row: 20, col: 0, epoch: 4, map: "second" },
+    { type: "inspect", row: 20, col: 0, epoch: 4, layer: "second_map" },
   ]);
 });

@@ -20,7 +20,7 @@ export class Outbox {
   put(command: Command): void {
     const isFirst = this.#waiting.size === 0;
     // Of questions about two maps the newest of each counts.
-    const about = "map" in command && command.map === "second" ? " second" : "";
+    const about = "layer" in command ? ` ${command.layer}` : "";
     this.#waiting.set(command.type + about, command);
     if (isFirst) this.#schedule(() => this.flush());
   }

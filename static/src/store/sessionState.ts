@@ -7,12 +7,14 @@ import { type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
 import type { MapPicture } from "../render/map/mapPicture";
 import { fitted, type Size, type View } from "../render/view";
 import type { Work } from "../ui/Working";
-import type { TilesFrame } from "../wire/decodeTiles";
+import type { BinaryFrame } from "../wire/decodeFrame";
+import { KINDS } from "../wire/kinds";
 import type {
   CellMessage,
   Command,
   Compared,
   ComparisonMessage,
+  Contribution,
   Forgetting,
   Frame,
   FrameMessage,
@@ -20,18 +22,17 @@ import type {
   Point,
   Pose,
   ServerMessage,
-  Touch,
   Trajectory,
   Values,
-  Which,
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
-import { DisplayedMap, type OnBloom } from "./displayedMap";
+import type { DisplayedMap, OnBloom } from "./displayedMap";
 import { Editing } from "./editing";
+import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
-import type { Progress, Receiver } from "./stream";
+import type { Receiver } from "./stream";
 import type { Walk } from "./walk";
 
 interface Notice {
@@ -63,6 +64,8 @@ export class SessionState implements Receiver {
   readonly playing = computed(() => this.frame.value?.playing ?? true);
   readonly speed = computed(() => this.frame.value?.speed ?? 1);
   readonly auto = computed(() => this.frame.value?.auto ?? true);
+  /** Whether the robot goes where a person sends or drives it. */
+  readonly isDriven = computed(() => KINDS[this.hello.value?.kind ?? ""]?.isDriven ?? false);
 
   /** The map on show. */
   readonly map: ReadonlySignal<MapPicture | null>;
@@ -95,8 +98,8 @@ export class SessionState implements Receiver {
 
   /** The place whose cell is explained; null while nobody asks why. */
   readonly asked = signal<Point | null>(null);
-  /** In which map it is explained. */
-  readonly askedMap = signal<Which>("first");
+  /** The layer of the map in which it is explained. */
+  readonly askedMap = signal<string>(MAP);
   /** The answer about that cell, the newest there is. */
   readonly why = signal<WhyMessage | null>(null);
   /** Number of the touch that is looked at; null for the newest. */
@@ -111,7 +114,7 @@ export class SessionState implements Receiver {
   /** The map in which it is. */
   readonly askedPicture: ReadonlySignal<MapPicture | null>;
   /** The touch that is looked at; null where the answer does not tell of it. */
-  readonly touch: ReadonlySignal<Touch | null>;
+  readonly touch: ReadonlySignal<Contribution | null>;
   /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
   readonly beliefPose: ReadonlySignal<Pose | null>;
   /** The newest scan as the map takes it: mirrored where the mount is said to be upside down. */
@@ -129,8 +132,8 @@ export class SessionState implements Receiver {
   readonly second = signal<DisplayedMap | null>(null);
   /** How the two maps of a log differ. */
   readonly comparison = signal<ComparisonMessage | null>(null);
-  /** Which map a person sees at a place, where the page shows two in one picture. */
-  whichAt: ((point: Point) => Which) | null = null;
+  /** The layer of the map that a person sees at a place, where the page shows two in one picture. */
+  mapAt: ((point: Point) => string) | null = null;
   /** How far the maps have forgotten what was taken away; null while nobody watches that. */
   readonly forgetting = signal<Forgetting | null>(null);
 
@@ -139,7 +142,9 @@ export class SessionState implements Receiver {
   /** What is in the hand. */
   readonly editing = new Editing();
 
-  readonly #shown = new DisplayedMap();
+  /** What the session shows. */
+  readonly layers: Layers;
+  readonly #shown: DisplayedMap;
   readonly #transmit: (command: Command) => boolean;
   protected readonly outbox: Outbox;
 
@@ -147,6 +152,8 @@ export class SessionState implements Receiver {
   constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
     this.#transmit = transmit;
     this.outbox = outbox ?? new Outbox((command) => void transmit(command));
+    this.layers = new Layers((command) => void transmit(command));
+    this.#shown = this.layers.grid(MAP);
     this.map = this.#shown.map;
     this.mapVersion = this.#shown.version;
     this.mapping = new Optimistic();
@@ -175,7 +182,7 @@ export class SessionState implements Receiver {
       return probe && this.cellOf(probe);
     });
     this.askedPicture = computed(() =>
-      this.askedMap.value === "second" ? (this.second.value?.map.value ?? null) : this.map.value,
+      this.askedMap.value === SECOND_MAP ? (this.second.value?.map.value ?? null) : this.map.value,
     );
     this.askedCell = computed(() => {
       const asked = this.asked.value;
@@ -183,10 +190,10 @@ export class SessionState implements Receiver {
     });
     this.touch = computed(() => {
       const why = this.why.value;
-      const first = why?.touches[0];
+      const first = why?.contributions[0];
       if (!why || !first) return null;
       const wanted = Math.min(this.touched.value ?? why.total, why.total);
-      return why.touches[wanted - first.n] ?? null;
+      return why.contributions[wanted - first.n] ?? null;
     });
     this.inspectedBeam = computed(() => {
       const frame = this.beliefFrame.value;
@@ -242,21 +249,20 @@ export class SessionState implements Receiver {
     this.outbox.put(command);
   }
 
-  inspect({ row, col }: Cell, which: Which = "first"): void {
-    const map = which === "second" ? this.second.peek()?.map.peek() : this.map.peek();
-    const about = which === "second" ? { map: which } : {};
-    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch, ...about });
+  inspect({ row, col }: Cell, layer: string = MAP): void {
+    const map = this.layers.grid(layer).map.peek();
+    if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch, layer });
   }
 
   /** Ask why the cell at a place is what it is, in the map that is seen there; null for no more questions. */
-  ask(place: Point | null, which: Which = (place && this.whichAt?.(place)) ?? "first"): void {
+  ask(place: Point | null, layer: string = (place && this.mapAt?.(place)) ?? MAP): void {
     batch(() => {
       const before = this.askedCell.peek();
       const map = this.askedMap.peek();
       this.asked.value = place;
-      this.askedMap.value = which;
+      this.askedMap.value = layer;
       const now = this.askedCell.peek();
-      if (map === which && now && before && now.row === before.row && now.col === before.col) return;
+      if (map === layer && now && before && now.row === before.row && now.col === before.col) return;
       this.why.value = null;
       this.touched.value = null;
     });
@@ -278,8 +284,11 @@ export class SessionState implements Receiver {
       case "hello":
         this.#greet(message);
         return;
+      case "layers":
+        this.layers.setLayers(message.layers);
+        return;
       case "geometry":
-        this.#shown.begin(message);
+        this.layers.begin(message);
         return;
       case "frame":
         this.#look(message);
@@ -303,12 +312,12 @@ export class SessionState implements Receiver {
         this.forgetting.value = message.cells > 0 ? message : null;
         return;
       case "cell":
-        if (message.map === "second") this.inspectedSecond.value = message;
+        if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
         return;
       case "why": {
         const cell = this.askedCell.peek();
-        const isAsked = (message.map ?? "first") === this.askedMap.peek();
+        const isAsked = message.layer === this.askedMap.peek();
         if (isAsked && cell?.row === message.row && cell.col === message.col) this.why.value = message;
         return;
       }
@@ -371,15 +380,15 @@ export class SessionState implements Receiver {
       for (const [name, value] of Object.entries(from[kind].pending())) this[kind].set(name, value);
   }
 
-  takeTiles(frame: TilesFrame): void {
-    this.#shown.takeTiles(frame);
+  take(frame: BinaryFrame): void {
+    this.layers.take(frame);
   }
 
-  progress(): Progress | null {
-    return this.#shown.progress(this.hello.peek()?.epoch_id);
+  opening(): readonly Command[] {
+    return this.layers.opening(this.hello.peek()?.epoch_id);
   }
 
   forget(): void {
-    this.#shown.forget();
+    this.layers.forget();
   }
 }

@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, test, vi } from "vitest";
 import { beamAt, beamToward } from "../grid/beams";
-import { decodeTiles, type TilesFrame } from "../wire/decodeTiles";
-import type { Command, Frame, Geometry, Hello } from "../wire/protocol";
+import { decodeFrame, type TilesFrame } from "../wire/decodeFrame";
+import type { Command, Frame, Geometry, Hello, ServerMessage } from "../wire/protocol";
 import vectors from "../wire/protocol.vectors.json";
 import { Outbox } from "./outbox";
 import { Store } from "./store";
@@ -31,9 +31,9 @@ test("the outbox sends the newest of each kind, once per frame, with all values 
 
 const hello = (epoch_id: string): Hello => ({
   type: "hello",
-  protocol: "gridbloom.v1",
+  protocol: "gridbloom.v2",
   session: "s",
-  kind: "world",
+  kind: "simulation",
   title: "t",
   epoch_id,
   speeds: [1, 1],
@@ -41,23 +41,30 @@ const hello = (epoch_id: string): Hello => ({
   sensor: null,
   log: null,
 });
+const LAYERS: ServerMessage = {
+  type: "layers",
+  layers: [{ id: 1, name: "map", kind: "grid", title: "Map", style: "belief", columns: [] }],
+};
 const geometry = (epoch: number): Geometry => ({
   type: "geometry",
+  layer: 1,
   epoch,
   resolution: 0.05,
   rows: 128,
   cols: 128,
   origin: [0, 0, 0],
-  log_odds_min: -2,
-  log_odds_max: 3.5,
+  low: -2,
+  high: 3.5,
   tile: 64,
 });
 const zstd = (() => {
   const { hex } = vectors.frames[1] as { hex: string };
   const bytes = Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16));
-  return (decodeTiles(bytes.buffer).tiles[0] as { data: Uint8Array }).data;
+  return ((decodeFrame(bytes.buffer) as TilesFrame).tiles[0] as { data: Uint8Array }).data;
 })();
 const tiles = (epoch: number, revision: number, complete: boolean): TilesFrame => ({
+  kind: "tiles",
+  layer: 1,
   epoch,
   seq: 1,
   complete,
@@ -105,27 +112,29 @@ describe("the store", () => {
 
   test("only a complete picture is something to resume from", () => {
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 7, false));
-    expect(store.progress()).toBeNull();
-    store.takeTiles(tiles(1, 5, true));
-    expect(store.progress()).toEqual({ epoch_id: "a", epoch: 1, revision: 7 });
+    store.take(tiles(1, 7, false));
+    expect(store.opening()).toEqual([]);
+    store.take(tiles(1, 5, true));
+    expect(store.opening()).toEqual([{ type: "resume", epoch_id: "a", layer: "map", epoch: 1, revision: 7 }]);
     store.receive(geometry(1)); // said again after a reconnect: the same epoch
-    expect(store.progress()).not.toBeNull();
+    expect(store.opening()).toHaveLength(1);
     store.receive(geometry(2));
-    expect(store.progress()).toBeNull();
+    expect(store.opening()).toEqual([]);
   });
 
   test("the old picture stays on show until the new epoch is complete", () => {
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 1, true));
+    store.take(tiles(1, 1, true));
     store.receive(geometry(2));
     expect(store.map.value?.geometry.epoch).toBe(1);
-    store.takeTiles(tiles(1, 2, true)); // of the older epoch: void
-    store.takeTiles(tiles(2, 3, false));
+    store.take(tiles(1, 2, true)); // of the older epoch: void
+    store.take(tiles(2, 3, false));
     expect(store.map.value?.geometry.epoch).toBe(1);
-    store.takeTiles(tiles(2, 3, true));
+    store.take(tiles(2, 3, true));
     expect(store.map.value?.geometry.epoch).toBe(2);
     expect(store.map.value?.cells.at(0, 1)).toBe(1);
   });
@@ -133,26 +142,28 @@ describe("the store", () => {
   test("but not for ever: a slow new epoch shows what it has", () => {
     const clock = vi.spyOn(performance, "now").mockReturnValue(1000);
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 1, true));
+    store.take(tiles(1, 1, true));
     store.receive(geometry(2));
     clock.mockReturnValue(1200);
     store.receive(geometry(3)); // the slider moves on
     clock.mockReturnValue(1300);
-    store.takeTiles(tiles(3, 3, false));
+    store.take(tiles(3, 3, false));
     expect(store.map.value?.geometry.epoch).toBe(3);
     clock.mockRestore();
   });
 
   test("a session made anew voids what there is, though its epochs count alike", () => {
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 9, true));
+    store.take(tiles(1, 9, true));
     store.receive(hello("b"));
-    expect(store.progress()).toBeNull();
+    expect(store.opening()).toEqual([]);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 2, true));
-    expect(store.progress()).toEqual({ epoch_id: "b", epoch: 1, revision: 2 });
+    store.take(tiles(1, 2, true));
+    expect(store.opening()).toEqual([{ type: "resume", epoch_id: "b", layer: "map", epoch: 1, revision: 2 }]);
   });
 
   test("a question that came too late refuses nothing and is no news", () => {
@@ -168,9 +179,10 @@ describe("the store", () => {
 
   test("a tile that cannot be read is an error of the protocol", () => {
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
     const broken = { ...tiles(1, 1, true), tiles: [{ tx: 0, ty: 0, revision: 1, data: new Uint8Array([1, 2, 3]) }] };
-    expect(() => store.takeTiles(broken)).toThrow(expect.objectContaining({ code: "tile.data" }));
+    expect(() => store.take(broken)).toThrow(expect.objectContaining({ code: "tile.data" }));
   });
 
   test("what the hand set while the server was away is sent when it is back", () => {
@@ -185,10 +197,11 @@ describe("the store", () => {
     let bloomed = 0;
     store.onBloom = () => void bloomed++;
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 1, true));
+    store.take(tiles(1, 1, true));
     expect(bloomed).toBe(0);
-    store.takeTiles({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: zstd }] });
+    store.take({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: zstd }] });
     expect(bloomed).toBeGreaterThan(0);
   });
 
@@ -197,15 +210,16 @@ describe("the store", () => {
     const more = (tx: number) => ({ ...tiles(1, 2 + tx, true), tiles: [{ tx, ty: 0, revision: 2 + tx, data: zstd }] });
     store.onBloom = () => void bloomed.push(1);
     store.receive(hello("a"));
+    store.receive(LAYERS);
     store.receive(geometry(1));
-    store.takeTiles(tiles(1, 1, true));
+    store.take(tiles(1, 1, true));
     const retuned = { type: "parameters", values: { log_odds_hit: 1.5 }, sensor: null } as const;
     store.receive(retuned);
-    store.takeTiles({ ...more(1), complete: false });
-    store.takeTiles(more(2));
+    store.take({ ...more(1), complete: false });
+    store.take(more(2));
     expect(bloomed).toHaveLength(0);
     store.receive(retuned); // says nothing new: no map follows
-    store.takeTiles(more(3));
+    store.take(more(3));
     expect(bloomed.length).toBeGreaterThan(0);
   });
 

@@ -1,8 +1,8 @@
 import { beforeEach, expect, test } from "vitest";
-import type { TilesFrame } from "../wire/decodeTiles";
-import type { ServerMessage } from "../wire/protocol";
+import type { BinaryFrame } from "../wire/decodeFrame";
+import type { Command, ServerMessage } from "../wire/protocol";
 import vectors from "../wire/protocol.vectors.json";
-import { type Progress, type Receiver, type Socket, Stream, type Surroundings } from "./stream";
+import { type Receiver, type Socket, Stream, type Surroundings } from "./stream";
 
 class FakeSocket implements Socket {
   binaryType = "";
@@ -80,29 +80,29 @@ class FakeBrowser implements Surroundings {
 
 class Heard implements Receiver {
   messages: ServerMessage[] = [];
-  frames: TilesFrame[] = [];
+  frames: BinaryFrame[] = [];
   forgotten = 0;
-  complete: Progress | null = null;
+  kept: readonly Command[] = [];
   receive(message: ServerMessage): void {
     this.messages.push(message);
   }
-  takeTiles(frame: TilesFrame): void {
+  take(frame: BinaryFrame): void {
     this.frames.push(frame);
   }
-  progress(): Progress | null {
-    return this.complete;
+  opening(): readonly Command[] {
+    return this.kept;
   }
   forget(): void {
     this.forgotten++;
-    this.complete = null;
+    this.kept = [];
   }
 }
 
 const hello = {
   type: "hello",
-  protocol: "gridbloom.v1",
+  protocol: "gridbloom.v2",
   session: "s",
-  kind: "world",
+  kind: "simulation",
   title: "t",
   epoch_id: "e",
   speeds: [1, 1],
@@ -148,7 +148,10 @@ test("a frame is acknowledged after it could be painted, not before", () => {
 test("after a cut it comes back with what it has, waiting longer each time", async () => {
   browser.socket.open();
   browser.socket.say(hello);
-  heard.complete = { epoch_id: "e", epoch: 4, revision: 99 };
+  heard.kept = [
+    { type: "resume", epoch_id: "e", layer: "map", epoch: 4, revision: 99 },
+    { type: "subscribe", layers: ["map", "costs"] },
+  ];
   browser.socket.breakOff();
   expect(stream.status.value).toBe("reconnecting");
   const waits = [await browser.wait()];
@@ -159,7 +162,10 @@ test("after a cut it comes back with what it has, waiting longer each time", asy
   expect(waits[1]).toBeGreaterThan(waits[0] ?? 0);
   expect(waits[2]).toBeGreaterThan(waits[1] ?? 0);
   browser.socket.open();
-  expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", epoch: 4, revision: 99 }]);
+  expect(browser.socket.sent).toEqual([
+    { type: "resume", epoch_id: "e", layer: "map", epoch: 4, revision: 99 },
+    { type: "subscribe", layers: ["map", "costs"] },
+  ]);
   browser.socket.say(hello);
   expect(stream.status.value).toBe("live");
   browser.socket.breakOff();
@@ -208,17 +214,17 @@ test("a hidden page has no socket; a page that is seen again has one at once", (
   expect(first.closed).toBe(true);
   expect(stream.status.value).toBe("away");
   expect(browser.waits).toEqual([]);
-  heard.complete = { epoch_id: "e", epoch: 1, revision: 5 };
+  heard.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
   browser.setHidden(false);
   expect(browser.sockets.length).toBe(2);
   browser.socket.open();
-  expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", epoch: 1, revision: 5 }]);
+  expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }]);
 });
 
 test("a frame that cannot be read starts everything anew", async () => {
   browser.socket.open();
   browser.socket.say(hello);
-  heard.complete = { epoch_id: "e", epoch: 1, revision: 5 };
+  heard.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
   const first = browser.socket;
   browser.socket.onmessage?.({ data: new ArrayBuffer(3) });
   expect(first.closed).toBe(true);

@@ -4,8 +4,8 @@
  */
 
 import { batch, signal } from "@preact/signals";
+import { type BinaryFrame, decodeFrame } from "../wire/decodeFrame";
 import { decodeText, OutdatedPageError } from "../wire/decodeText";
-import { decodeTiles, type TilesFrame } from "../wire/decodeTiles";
 import {
   CLOSE_SENTENCES,
   type Command,
@@ -19,18 +19,11 @@ import {
 /** Of these, "gone" and "outdated" are final: the session has ended, or the page is older than the server. */
 export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone" | "outdated";
 
-/** The newest complete picture that a receiver has. */
-export interface Progress {
-  readonly epoch_id: string;
-  readonly epoch: number;
-  readonly revision: number;
-}
-
 export interface Receiver {
   receive(message: ServerMessage): void;
-  takeTiles(frame: TilesFrame): void;
-  /** What has been received in full, null for nothing. */
-  progress(): Progress | null;
+  take(frame: BinaryFrame): void;
+  /** The commands with which a new connection begins: what is still there, and what is wanted. */
+  opening(): readonly Command[];
   /** Everything received is void: the next connection starts anew. */
   forget(): void;
 }
@@ -157,8 +150,7 @@ export class Stream {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.traffic.connections++;
-      const progress = this.#receiver.progress();
-      if (progress) this.send({ type: "resume", ...progress });
+      for (const command of this.#receiver.opening()) this.send(command);
     };
     socket.onmessage = ({ data }) => {
       try {
@@ -194,11 +186,11 @@ export class Stream {
       return;
     }
     if (!(data instanceof ArrayBuffer)) throw new ProtocolError("frame.type", "A frame is text or an ArrayBuffer.");
-    const frame = decodeTiles(data);
+    const frame = decodeFrame(data);
     this.traffic.bytes += data.byteLength;
     this.traffic.frames++;
-    this.traffic.tiles += frame.tiles.length;
-    this.#receiver.takeTiles(frame);
+    if (frame.kind === "tiles") this.traffic.tiles += frame.tiles.length;
+    this.#receiver.take(frame);
     this.#around.painted(() => {
       if (this.#socket === socket) this.send({ type: "ack", seq: frame.seq });
     });

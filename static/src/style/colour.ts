@@ -1,10 +1,10 @@
-/** Token colours as numbers, for what is painted rather than styled (WebGL, canvas). */
+/** Token colours as numbers, for WebGL and canvas. */
 
 export type Rgb = readonly [red: number, green: number, blue: number];
 
 let probe: HTMLElement | undefined;
 
-/** Resolve a colour token (`--hit`) to bytes 0…255 in the theme of the moment. An unknown token reads as black. */
+/** Resolve a colour token (`--hit`) to bytes 0…255 in the current theme. An unknown token is read as black. */
 export function tokenRgb(token: `--${string}`): Rgb {
   if (!probe) {
     probe = document.createElement("span");

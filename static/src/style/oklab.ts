@@ -1,4 +1,4 @@
-/** Colours in OKLab, where equal distances look equal. */
+/** Colours in OKLab, in which equal distances are perceived as equal differences. */
 
 import type { Rgb } from "./colour";
 
@@ -28,7 +28,7 @@ export function toLab([red, green, blue]: Rgb): Lab {
   ];
 }
 
-/** OKLab to sRGB bytes; colours that a screen lacks are cut. */
+/** OKLab to sRGB bytes; colours outside the gamut are clipped. */
 export function fromLab([L, A, B]: Lab): Rgb {
   const l = (L + 0.3963377774 * A + 0.2158037573 * B) ** 3;
   const m = (L - 0.1055613458 * A - 0.0638541728 * B) ** 3;

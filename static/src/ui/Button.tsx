@@ -4,7 +4,7 @@ import { Icon, type IconName } from "./Icon";
 interface ButtonProps {
   readonly onClick?: (event: MouseEvent) => void;
   readonly icon?: IconName;
-  /** What it does, for a button that shows only an icon. */
+  /** Accessible name and title of a button that shows only an icon. */
   readonly label?: string;
   readonly kind?: "primary" | "quiet" | "danger" | undefined;
   readonly size?: "large";

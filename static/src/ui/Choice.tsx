@@ -12,12 +12,12 @@ interface ChoiceProps {
   readonly value: string;
   readonly sentence?: string;
   readonly disabled?: boolean;
-  /** Hide the label from sight where the place already says it. */
+  /** Hide the label visually, where the context already states it. */
   readonly bare?: boolean;
   readonly onChange: (value: string) => void;
 }
 
-/** One of a few: side by side while they are few and short, a select otherwise. */
+/** A choice of one option: radio buttons in a row if the options are few and short, otherwise a select. */
 export function Choice({ label, options, value, sentence, disabled = false, bare = false, onChange }: ChoiceProps) {
   const id = useId();
   const described = sentence ? { "aria-describedby": `${id}-says` } : {};

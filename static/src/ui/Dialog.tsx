@@ -11,14 +11,14 @@ interface Question {
 
 const question = signal<Question | null>(null);
 
-/** Ask before something that cannot be undone; resolves to whether the person said yes. */
+/** Ask for confirmation; resolves to true if it was given. */
 export function confirm(title: string, text: string, yes: string): Promise<boolean> {
   return new Promise((answer) => {
     question.value = { title, text, yes, answer };
   });
 }
 
-/** The place where {@link confirm} asks: once on each page that uses it. */
+/** The dialog of {@link confirm}: once on each page that uses it. */
 export function ConfirmDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
   const asked = question.value;

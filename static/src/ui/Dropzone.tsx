@@ -10,7 +10,7 @@ interface DropzoneProps {
   readonly children: ComponentChildren;
 }
 
-/** Takes files by drop, those of dropped folders too, or by picker. */
+/** A drop zone for files and folders, with a file picker. */
 export function Dropzone({ onFolders, button, children }: DropzoneProps) {
   const depth = useSignal(0);
   const input = useRef<HTMLInputElement>(null);

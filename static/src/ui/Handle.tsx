@@ -11,7 +11,7 @@ interface HandleProps {
   readonly text: string;
   readonly axis: "x" | "y";
   readonly tone: string;
-  /** Where it can be grabbed: at least 40 × 40 px. */
+  /** The area where it can be grabbed: at least 40 × 40 px. */
   readonly grab: { readonly x: number; readonly y: number; readonly width: number; readonly height: number };
   readonly onStart: () => void;
   /** Pixels from where it was grabbed; `fine` while Shift is held. */
@@ -21,7 +21,7 @@ interface HandleProps {
   readonly children: ComponentChildren;
 }
 
-/** A thing in an SVG figure that a mouse, a finger or a key can move. */
+/** A handle in an SVG figure that moves along one axis, by mouse, touch or keys. */
 export function Handle(props: HandleProps) {
   const id = useId();
   const start = useRef<{ x: number; y: number } | null>(null);

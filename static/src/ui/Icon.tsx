@@ -27,12 +27,12 @@ const PATHS = {
   redo: "M16 5l4 4-4 4M20 9h-9a5.5 5.5 0 0 0 0 11h3",
   file: "M6 3h8l4 4v14H6zM14 3v4h4",
   map: "M4 6l5-2 6 2 5-2v14l-5 2-6-2-5 2zM9 4v14M15 6v14",
-  bloom: "M4 4h4v4H4zM10 4h4v4h-4zM4 10h4v4H4zM10 10h4v4h-4zM16 10h4v4h-4zM10 16h4v4h-4z",
+  logo: "M4 4h4v4H4zM10 4h4v4h-4zM4 10h4v4H4zM10 10h4v4h-4zM16 10h4v4h-4zM10 16h4v4h-4z",
 } as const;
 
 export type IconName = keyof typeof PATHS;
 
-/** One of our own line icons, 24 × 24, in the colour of the text around it. */
+/** A line icon, 24 × 24, in the colour of the surrounding text. */
 export function Icon({ name }: { name: IconName }) {
   return (
     <svg class="icon" viewBox="0 0 24 24" aria-hidden="true" focusable="false">

@@ -1,10 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-/** The least time between two things said, milliseconds: a sentence wants as long to be heard. */
+/** Least time between two announcements, so that one can be heard before the next. */
 const PAUSE_MS = 800;
 
-/** Words for who cannot see: a polite live region that says the newest of what comes, with pauses. */
+/** A polite live region for screen readers that announces the newest text, with pauses. */
 export function LiveRegion({ text }: { readonly text: string }) {
   const said = useSignal("");
   const last = useRef({ text, at: Number.NEGATIVE_INFINITY });

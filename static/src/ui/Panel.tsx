@@ -3,13 +3,13 @@ import type { ComponentChildren } from "preact";
 
 interface PanelProps {
   readonly title: string;
-  /** A few quiet words beside the title. */
+  /** A short note beside the title. */
   readonly note?: ComponentChildren;
   readonly open?: boolean;
   readonly children: ComponentChildren;
 }
 
-/** A titled box that folds. What is in it is made when it is first unfolded. */
+/** A titled box that folds. Its content is rendered when it is first unfolded. */
 export function Disclosure({ title, note, open = false, children }: PanelProps) {
   const seen = useSignal(open);
   return (

@@ -7,12 +7,12 @@ const PAGES = [
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
-/** The head of every page. */
+/** The header of every page. */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
   return (
     <header class="site-header">
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>
-        <Icon name="bloom" />
+        <Icon name="logo" />
         Gridbloom
       </a>
       <nav aria-label="Pages">

@@ -8,7 +8,7 @@ export type Tone = "accent" | "hit" | "miss" | "beam" | "prior";
 interface SliderProps extends Range {
   readonly label: string;
   readonly value: number;
-  /** Where a double-click goes back to; a value away from it is marked. */
+  /** The value that a double-click restores; other values are marked as changed. */
   readonly initial: number;
   readonly unit?: string;
   /** One sentence on what it does. */
@@ -21,15 +21,15 @@ interface SliderProps extends Range {
 const POSITIONS = 1000;
 
 /**
- * A native range with a number field beside it. While it is held it shows the hand's value and not what comes back
- * from the server, so that it never jumps under the finger.
+ * A native range input with a number field beside it. While it is dragged it shows the dragged value and not the one
+ * from the server, so that it does not jump under the pointer.
  */
 export function Slider(props: SliderProps) {
   const { label, initial, unit = "", sentence, tone = "accent", disabled = false, onInput } = props;
   const id = useId();
   const field = useRef<HTMLInputElement>(null);
   const held = useSignal<number | null>(null);
-  const before = useRef(0); // the value when it was taken hold of
+  const before = useRef(0); // the value at the start of the drag
   const value = held.value ?? props.value;
   const places = shownDecimals(props.step);
   const fraction = toFraction(value, props);
@@ -75,7 +75,7 @@ export function Slider(props: SliderProps) {
         disabled={disabled}
         aria-valuetext={text}
         aria-describedby={`${id}-says`}
-        title={`${text} (double-click: back to ${written(initial, places)})`}
+        title={`${text} (double-click: reset to ${written(initial, places)})`}
         style={{ "--filled": `${fraction * 100}%` }}
         onPointerDown={() => {
           before.current = value;
@@ -85,7 +85,7 @@ export function Slider(props: SliderProps) {
           held.value = null;
         }}
         onPointerCancel={() => {
-          // The finger scrolls the page: it meant nothing by coming down here.
+          // The touch became a scroll of the page: restore the value.
           change(before.current);
           held.value = null;
         }}

@@ -1,7 +1,7 @@
 import { Button } from "./Button";
 import { isDark, theme } from "./theme";
 
-/** Light or dark; a choice that agrees with the device goes back to following it. */
+/** Switch between light and dark; a choice equal to the device's scheme is stored as "system". */
 export function ThemeToggle() {
   const dark = isDark.value;
   return (

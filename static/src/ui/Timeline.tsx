@@ -10,15 +10,15 @@ interface TimelineProps {
   readonly onSeek: (index: number) => void;
 }
 
-/** How far a finger goes sideways before it drags: until then it may be about to scroll the page. */
+/** Horizontal distance of a touch before it drags, px: until then it may become a scroll of the page. */
 const SLOP_TOUCH = 6;
 
-/** A seek bar over scans. While it is dragged the thumb stays under the finger, whatever the server has reached. */
+/** A seek bar over scans. While it is dragged the thumb follows the pointer, not the position of the server. */
 export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
   const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
-  const touched = useRef<number | null>(null); // where a finger came down that does not drag yet
+  const touched = useRef<number | null>(null); // start of a touch that does not drag yet
   const hovered = useSignal<number | null>(null);
   const shown = dragged.value ?? index;
   const place = placeOf(shown, count);
@@ -82,7 +82,7 @@ export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
       }}
     >
       <span id={id} hidden>
-        How much of the log is in the map: what comes later is left out.
+        Number of scans of the log that are in the map; later scans are left out.
       </span>
       <div class="timeline-track">
         <div class="timeline-done" style={{ transform: `scaleX(${place})` }} />

@@ -14,7 +14,7 @@ const drop = (id: number): void => {
   shown.value = shown.value.filter((one) => one.id !== id);
 };
 
-/** Say something in passing, in a live region. The same words are not shown twice at once. */
+/** Show a short message in a live region. A message that is already shown is not repeated. */
 export function toast(text: string, kind: "note" | "error" = "note"): void {
   if (shown.value.some((one) => one.text === text)) return;
   const id = next++;
@@ -22,7 +22,7 @@ export function toast(text: string, kind: "note" | "error" = "note"): void {
   setTimeout(() => drop(id), kind === "error" ? 9000 : 5000);
 }
 
-/** The place where toasts appear: once on each page. */
+/** The container of the toasts: once on each page. */
 export function Toasts() {
   return (
     <div class="toasts" role="status" aria-live="polite">

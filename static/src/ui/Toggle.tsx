@@ -9,7 +9,7 @@ interface ToggleProps {
   readonly onChange: (checked: boolean) => void;
 }
 
-/** A switch: on or off, at once. */
+/** A switch with immediate effect. */
 export function Toggle({ label, checked, sentence, disabled = false, onChange }: ToggleProps) {
   const id = useId();
   return (

@@ -8,7 +8,7 @@ interface TooltipProps {
   readonly id: string;
 }
 
-/** A small "i" that says one sentence: on hover, on focus and on tap. */
+/** An info icon that shows a sentence on hover, focus and tap. */
 export function Tooltip({ text, about, id }: TooltipProps) {
   const tip = useRef<HTMLSpanElement>(null);
   const button = useRef<HTMLButtonElement>(null);

@@ -1,6 +1,6 @@
 import { Button } from "./Button";
 
-/** How far a computation is on the server. */
+/** Progress of a computation on the server. */
 export interface Work {
   readonly elapsed_s: number;
   /** 0 to 1; null where it is not known. */
@@ -8,21 +8,21 @@ export interface Work {
 }
 
 interface WorkingProps {
-  /** What is being computed, as a person would say it. */
+  /** Label of the computation. */
   readonly what: string;
-  /** Null while nothing is. */
+  /** Null while there is no computation. */
   readonly work: Work | null;
   readonly onCancel?: (() => void) | undefined;
 }
 
-/** A note over the page that the server computes, how far that is, and where it can be ended a button for that. */
+/** A note on a computation of the server with its progress, and a cancel button if it can be cancelled. */
 export function Working({ what, work, onCancel }: WorkingProps) {
   return (
     <div class="working-place" role="status" aria-live="polite">
       {work && (
         <div class="working">
           <span>{what} …</span>
-          {/* Said once, not four times a second. */}
+          {/* Hidden from screen readers, which would announce it four times a second. */}
           <span class="working-share" aria-hidden="true">
             {work.fraction === null ? `${Math.floor(work.elapsed_s)} s` : `${Math.floor(100 * work.fraction)} %`}
           </span>

@@ -1,15 +1,15 @@
-/** What was dropped on a page: its files, and those in its folders. */
+/** Files and folders that were dropped on a page. */
 
-/** Files of a folder that are looked at: more is a mistake, and would stop the page. */
+/** Greatest number of files that are read from dropped folders: more would block the page. */
 const MOST = 500;
 
-/** Files that lie together: in a folder that was dropped, or, without a name, chosen by themselves. */
+/** The files of a dropped folder, or, with an empty name, files that were dropped or chosen without a folder. */
 export interface Folder {
   readonly name: string;
   readonly files: readonly File[];
 }
 
-/** All files of a drop, folder by folder. To be called while the drop is handled: later the browser takes them away. */
+/** All files of a drop, by folder. Must be called in the drop event's handler: later the items are not available. */
 export function droppedFiles(transfer: DataTransfer): Promise<readonly Folder[]> {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
   const plain = [...transfer.files];
@@ -36,13 +36,13 @@ export async function filesIn(entries: readonly FileSystemEntry[]): Promise<read
         found++;
       }
     } catch {
-      // gone meanwhile, or not to be read
+      // deleted in the meantime, or not readable
     }
   }
   return folders.filter((folder) => folder.files.length > 0);
 }
 
-/** What is in a folder, by name. The browser gives it in parts, the last of which is empty. */
+/** The entries of a folder, sorted by name. The browser returns them in parts, the last of which is empty. */
 async function children(folder: FileSystemDirectoryEntry): Promise<FileSystemEntry[]> {
   const reader = folder.createReader();
   const found: FileSystemEntry[] = [];

@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 
 const RETRY_MS = 3000;
 
-/** A part of a page whose code is fetched when it is first shown; while the server is away it is asked for again. */
+/** A component whose code is fetched when it is first shown, with retries while the server does not answer. */
 export function lazy<Props extends object>(load: () => Promise<ComponentType<Props>>): FunctionComponent<Props> {
   const found = signal<{ readonly part: ComponentType<Props> } | null>(null);
   let isAsked = false;

@@ -1,4 +1,4 @@
-/** The arithmetic of sliders: where a value sits on its track, what a key does to it, how it is written. */
+/** Arithmetic and formatting of numbers: slider positions, key steps, text. */
 
 export interface Range {
   readonly low: number;
@@ -16,13 +16,16 @@ export function decimals(step: number): number {
   return 6;
 }
 
-/** How many of them are shown: a step that is a part of a turn has no last one. */
+/** How many decimals are shown: a step with more than four (a fraction of π) is shown with three. */
 export const shownDecimals = (step: number): number => {
   const places = decimals(step);
   return places > 4 ? 3 : places;
 };
 
-/** Bring a value into its range and onto its steps (counted from zero, so that 0 and round values stay reachable). */
+/**
+ * Round a value to its steps (multiples of the step, so that 0 and round values are reachable) and limit it to its
+ * range.
+ */
 export function snap(value: number, range: Range): number {
   const stepped = range.step > 0 ? Math.round(value / range.step) * range.step : value;
   const clean = Number(stepped.toFixed(decimals(range.step)));
@@ -34,7 +37,7 @@ function isLogarithmic(range: Range): boolean {
   return range.low > 0 && range.high / range.low >= 50;
 }
 
-/** Where a value sits on its track, 0 … 1. */
+/** Position of a value on its track, 0 … 1. */
 export function toFraction(value: number, range: Range): number {
   const inside = Math.min(range.high, Math.max(range.low, value));
   if (range.high <= range.low) return 0;
@@ -42,7 +45,7 @@ export function toFraction(value: number, range: Range): number {
   return (inside - range.low) / (range.high - range.low);
 }
 
-/** The value, on its steps, at a place 0 … 1 of the track. */
+/** The value, rounded to its steps, at a position 0 … 1 on the track. */
 export function fromFraction(fraction: number, range: Range): number {
   const f = Math.min(1, Math.max(0, fraction));
   if (isLogarithmic(range)) return snap(range.low * (range.high / range.low) ** f, range);
@@ -50,8 +53,8 @@ export function fromFraction(fraction: number, range: Range): number {
 }
 
 /**
- * What a key press makes of a value: arrows one step, with Shift a finer one where `fine` is given (else one step),
- * Page keys ten, Home and End the ends; null for a key that is not ours.
+ * The value after a key press: arrow keys change it by one step, with Shift by `fine`, Page keys by ten steps, Home and
+ * End go to the ends; null for other keys.
  */
 export function keyed(key: string, shift: boolean, value: number, range: Range, fine = range.step): number | null {
   const step = shift ? fine : range.step;
@@ -76,7 +79,7 @@ export function keyed(key: string, shift: boolean, value: number, range: Range, 
   }
 }
 
-/** A value as people read it: fixed decimals, a true minus sign. */
+/** A number as text: fixed decimals, a true minus sign. */
 export function written(value: number, places: number): string {
   return (Object.is(value, -0) ? 0 : value)
     .toFixed(places)
@@ -90,7 +93,7 @@ export function signed(value: number, places = 2): string {
   return value > 0 && Number(value.toFixed(places)) !== 0 ? `+${text}` : text;
 }
 
-/** Seconds as a clock: 4:05, 1:02:30. */
+/** Seconds as minutes and seconds, or hours: 4:05, 1:02:30. */
 export function clock(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds));
   const s = String(whole % 60).padStart(2, "0");
@@ -99,7 +102,7 @@ export function clock(seconds: number): string {
   return h > 0 ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
 }
 
-/** Bytes as people read them. */
+/** A number of bytes as text with a unit: 1.5 MB. */
 export function bytes(count: number): string {
   if (count < 1000) return `${count} B`;
   const units = ["kB", "MB", "GB"];

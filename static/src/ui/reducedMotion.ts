@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 
-/** Whether the person asked for less motion: nothing then glows, fades or ripples. */
+/** Whether reduced motion is preferred: the page then plays no animations. */
 const query = matchMedia("(prefers-reduced-motion: reduce)");
 export const reducedMotion = signal(query.matches);
 query.addEventListener("change", () => {

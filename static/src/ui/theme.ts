@@ -13,7 +13,7 @@ function stored(): Theme {
   }
 }
 
-/** The person's choice; "system" follows the device. */
+/** The visitor's choice; "system" follows the device. */
 export const theme = signal<Theme>(stored());
 
 const deviceDark = matchMedia("(prefers-color-scheme: dark)");
@@ -22,7 +22,7 @@ deviceDark.addEventListener("change", () => {
   device.value = deviceDark.matches;
 });
 
-/** Whether the page is being printed: paper is light, whatever the person chose. */
+/** Whether the page is being printed: always in light colours. */
 export const printing = signal(false);
 addEventListener("beforeprint", () => {
   printing.value = true;
@@ -31,7 +31,7 @@ addEventListener("afterprint", () => {
   printing.value = false;
 });
 
-/** Whether the page is dark right now: what paints with token colours repaints when it changes. */
+/** Whether the page is dark now. Canvases are painted again when it changes. */
 export const isDark = signal(false);
 
 effect(() => {

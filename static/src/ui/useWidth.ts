@@ -2,7 +2,7 @@ import { type ReadonlySignal, useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useLayoutEffect } from "preact/hooks";
 
-/** The width of an element without padding, in whole pixels, from its first paint on; `first` until it has one. */
+/** The content width of an element in whole pixels, known before its first paint; `first` until it has one. */
 export function useWidth(element: RefObject<Element | null>, first: number): ReadonlySignal<number> {
   const width = useSignal(first);
   useLayoutEffect(() => {

@@ -1,15 +1,15 @@
 /**
- * Hear of how an element comes into sight and goes out of it; the result stops it. A browser that is busy tells of several
- * changes at once, the oldest first: only the newest says how it is now.
+ * Observe the visibility of an element; the returned function stops it. A busy browser reports several changes at once,
+ * the oldest first: only the newest is passed on.
  */
 export function watchVisibility(
   target: Element,
-  told: (now: IntersectionObserverEntry) => void,
+  onChange: (now: IntersectionObserverEntry) => void,
   options?: IntersectionObserverInit,
 ): () => void {
   const observer = new IntersectionObserver((entries) => {
     const newest = entries.at(-1);
-    if (newest) told(newest);
+    if (newest) onChange(newest);
   }, options);
   observer.observe(target);
   return () => observer.disconnect();

@@ -1,11 +1,11 @@
-/** Moments in which nobody is at work on the page. */
+/** Calls a task when the page is idle. */
 
 const ACTIVITY_EVENTS = ["pointerdown", "pointermove", "wheel", "keydown"] as const;
 
 /**
- * Call `task` once when the page is seen and has been left alone for `ms`; the result calls it off.
+ * Call `task` once when the page is visible and had no input for `ms` milliseconds; the returned function cancels it.
  *
- * A pointer that moves without a button pressed is nobody at work.
+ * Movements of a pointer without a pressed button do not count as input.
  */
 export function whenIdle(ms: number, task: () => void): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -13,17 +13,17 @@ export function whenIdle(ms: number, task: () => void): () => void {
   const wait = (): void => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      if (document.hidden) return; // visibilitychange begins the wait again
+      if (document.hidden) return; // visibilitychange restarts the timer
       stop.abort();
       task();
     }, ms);
   };
-  const disturbed = (event: Event): void => {
+  const onInput = (event: Event): void => {
     if (event.type === "pointermove" && (event as PointerEvent).buttons === 0) return;
     wait();
   };
-  for (const sign of ACTIVITY_EVENTS)
-    addEventListener(sign, disturbed, { capture: true, passive: true, signal: stop.signal });
+  for (const type of ACTIVITY_EVENTS)
+    addEventListener(type, onInput, { capture: true, passive: true, signal: stop.signal });
   document.addEventListener("visibilitychange", wait, { signal: stop.signal });
   wait();
   return () => {

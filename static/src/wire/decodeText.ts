@@ -1,5 +1,6 @@
 /** The text frames of the stream: JSON, of which every field is checked. */
 
+import { KINDS } from "./kinds";
 import { FIELDS } from "./messages";
 import { ProtocolError, type ServerMessage, SUBPROTOCOL } from "./protocol";
 
@@ -31,7 +32,7 @@ export function decodeText(text: string): ServerMessage {
   }
   const fields = FIELDS[type as ServerMessage["type"]];
   if (type === "hello") {
-    if (typeof kind === "string" && !fields.kind?.(kind)) {
+    if (typeof kind === "string" && !Object.hasOwn(KINDS, kind)) {
       throw new OutdatedPageError("hello.kind", `This page knows no session kind "${kind.slice(0, 80)}".`);
     }
     if (typeof protocol === "string" && protocol !== SUBPROTOCOL) {

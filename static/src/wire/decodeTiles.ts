@@ -1,10 +1,7 @@
-/** The binary frames of the stream: compressed tiles of the map. */
+/** The body of a frame of tiles. */
 
 import { ProtocolError } from "./protocol";
 
-const KIND_TILES = 1;
-const FLAG_COMPLETE = 1;
-const HEADER_BYTES = 16;
 const TILE_HEADER_BYTES = 12;
 
 /** One compressed tile; `data` is a view into the frame. */
@@ -15,28 +12,15 @@ export interface TilePayload {
   readonly data: Uint8Array;
 }
 
-export interface TilesFrame {
-  readonly epoch: number;
-  readonly seq: number;
-  /** The last frame of a complete picture: every tile up to the newest revision has been sent. */
-  readonly complete: boolean;
+export interface TilesBody {
+  readonly kind: "tiles";
   readonly tiles: readonly TilePayload[];
 }
 
-/** Read a binary frame. Throws {@link ProtocolError} for one that is cut or of another kind. */
-export function decodeTiles(buffer: ArrayBuffer): TilesFrame {
-  const size = buffer.byteLength;
-  if (size < HEADER_BYTES) {
-    throw new ProtocolError("frame.cut", `A binary frame has at least ${HEADER_BYTES} bytes, this one ${size}.`);
-  }
-  const view = new DataView(buffer);
-  const kind = view.getUint8(0);
-  if (kind !== KIND_TILES) {
-    throw new ProtocolError("frame.kind", `Binary frames are of kind ${KIND_TILES}, this one is ${kind}.`);
-  }
-  const count = view.getUint32(12, true);
+/** Read `count` tiles from the byte `at` on. Throws {@link ProtocolError} for a body that is cut or too long. */
+export function decodeTiles(view: DataView<ArrayBuffer>, at: number, count: number): TilesBody {
+  const size = view.byteLength;
   const tiles: TilePayload[] = [];
-  let at = HEADER_BYTES;
   for (let i = 0; i < count; i++) {
     if (at + TILE_HEADER_BYTES > size) {
       throw new ProtocolError("frame.cut", `The frame promises ${count} tiles and ends after ${i}.`);
@@ -49,14 +33,9 @@ export function decodeTiles(buffer: ArrayBuffer): TilesFrame {
     if (at + nbytes > size) {
       throw new ProtocolError("frame.cut", `Tile (${tx}, ${ty}) promises ${nbytes} bytes; ${size - at} are left.`);
     }
-    tiles.push({ tx, ty, revision, data: new Uint8Array(buffer, at, nbytes) });
+    tiles.push({ tx, ty, revision, data: new Uint8Array(view.buffer, at, nbytes) });
     at += nbytes;
   }
   if (at !== size) throw new ProtocolError("frame.rest", `${size - at} bytes follow the last tile.`);
-  return {
-    epoch: view.getUint32(4, true),
-    seq: view.getUint32(8, true),
-    complete: (view.getUint8(1) & FLAG_COMPLETE) !== 0,
-    tiles,
-  };
+  return { kind: "tiles", tiles };
 }

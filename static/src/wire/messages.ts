@@ -18,10 +18,7 @@ import {
 } from "./checks";
 
 /** Version of the protocol, as the WebSocket's subprotocol. */
-export const SUBPROTOCOL = "gridbloom.v1";
-
-/** what a session maps */
-export type SessionKind = "log" | "world";
+export const SUBPROTOCOL = "gridbloom.v2";
 
 /** value of a parameter */
 export type Value = number | string | boolean;
@@ -93,6 +90,25 @@ export interface LogInfo {
   readonly notes: readonly string[];
 }
 
+/** what a layer is made of */
+export type LayerKind = "graph" | "grid" | "path" | "points";
+
+/** One of the layers of a session. */
+export interface LayerInfo {
+  /** `layer` of its binary frames, from 1 */
+  readonly id: number;
+  /** name, as the commands take it */
+  readonly name: string;
+  /** what it is made of */
+  readonly kind: LayerKind;
+  /** name for the person */
+  readonly title: string;
+  /** how the page paints it: a palette of grids, or an overlay */
+  readonly style: string;
+  /** names of the columns of its table: `x`, `y` and more; empty for a grid */
+  readonly columns: readonly string[];
+}
+
 /** [x, y, yaw] in m, m, rad */
 export type Pose = readonly [x: number, y: number, yaw: number];
 
@@ -146,12 +162,12 @@ export interface Numbers {
 }
 
 /** wall from corner to corner, or axis-aligned box between two corners; cm in the map frame */
-export type Drawn = readonly [kind: "box" | "wall", x0: number, y0: number, x1: number, y1: number];
+export type DrawnSolid = readonly [kind: "box" | "wall", x0: number, y0: number, x1: number, y1: number];
 
 /** Changes to a world as it was built. */
 export interface Edits {
   /** solids that were drawn */
-  readonly added: readonly Drawn[];
+  readonly added: readonly DrawnSolid[];
   /** indices of the built solids that were erased */
   readonly erased: readonly number[];
 }
@@ -162,12 +178,9 @@ export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
-/** one of the maps of a session */
-export type Which = "first" | "second";
-
-/** One beam that changed a cell. */
-export interface Touch {
-  /** number of the touch, from 1 */
+/** What one beam added to a cell. */
+export interface Contribution {
+  /** number of the contribution, from 1 */
   readonly n: number;
   /** index of the scan, from 0 */
   readonly scan: number;
@@ -192,12 +205,12 @@ export interface Touch {
 /** First message of a connection: what the session is. */
 export interface Hello {
   readonly type: "hello";
-  /** name of the protocol, `gridbloom.v1` */
+  /** name of the protocol, `gridbloom.v2` */
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `world`: a simulated robot; `log`: a recording */
-  readonly kind: SessionKind;
+  /** `simulation`: a simulated robot; `log`: a recording */
+  readonly kind: string;
   /** title of the world or log */
   readonly title: string;
   /** changes when the server restarts or the session is made anew */
@@ -206,19 +219,31 @@ export interface Hello {
   readonly speeds: readonly [least: number, greatest: number];
   /** mapping parameters */
   readonly parameters: Table;
-  /** parameters of the simulated sensor; null in a log session */
+  /** parameters of the simulated sensor; null where there is none */
   readonly sensor: Table | null;
-  /** the log; null in a world session */
+  /** the log; null where there is none */
   readonly log: LogInfo | null;
-  /** world sessions: name of the world */
+  /** simulations: name of the world */
   readonly world?: string;
-  /** world sessions: seed; the same seed and commands give the same scans */
+  /** simulations: seed; the same seed and commands give the same scans */
   readonly seed?: number;
 }
 
-/** The grid to which the tiles of an epoch belong. Tiles of another epoch are void. */
+/** What the session shows. Sent at the start and after a change. */
+export interface LayersMessage {
+  readonly type: "layers";
+  /** the layers; the first is sent to who subscribes to none */
+  readonly layers: readonly LayerInfo[];
+}
+
+/**
+ * The grid to which the tiles of an epoch belong. Tiles of another epoch are void. Sent before the first tiles of an
+ * epoch, of each grid that the page has subscribed to.
+ */
 export interface Geometry {
   readonly type: "geometry";
+  /** id of the layer */
+  readonly layer: number;
   /** number of the epoch; grows with each new geometry */
   readonly epoch: number;
   /** side of a cell, m */
@@ -229,10 +254,10 @@ export interface Geometry {
   readonly cols: number;
   /** pose of the outer corner of cell (0, 0) in the map frame */
   readonly origin: Pose;
-  /** log-odds of the tile value -127 */
-  readonly log_odds_min: number;
-  /** log-odds of the tile value +127 */
-  readonly log_odds_max: number;
+  /** what the tile value -127 stands for */
+  readonly low: number;
+  /** what the tile value +127 stands for */
+  readonly high: number;
   /** cells along the side of a tile */
   readonly tile: 64;
 }
@@ -302,9 +327,9 @@ export interface ParametersMessage {
   readonly type: "parameters";
   /** mapping parameters */
   readonly values: Values;
-  /** simulated sensor; null in a log session */
+  /** simulated sensor; null where there is none */
   readonly sensor: Values | null;
-  /** world sessions: faults that enter the map */
+  /** simulations: faults that enter the map */
   readonly faults?: Values;
   /** the second map; null where there is none */
   readonly compare?: Compared | null;
@@ -321,7 +346,7 @@ export interface ComparisonMessage {
   readonly numbers: Numbers | null;
 }
 
-/** World sessions: the true walls and boxes. Sent at the start and after a change. */
+/** Simulations: the true walls and boxes. Sent at the start and after a change. */
 export interface WorldMessage {
   readonly type: "world";
   /** name of the world */
@@ -342,7 +367,7 @@ export interface WorldMessage {
   readonly polished: readonly Segment[];
 }
 
-/** World sessions: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
+/** Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
 export interface Forgetting {
   readonly type: "forgetting";
   /** cells that held what was erased; 0: nothing is watched */
@@ -409,8 +434,8 @@ export interface CellMessage {
   readonly p_occ: number;
   /** state by the thresholds of the map */
   readonly state: CellState;
-  /** which map; missing: the first */
-  readonly map?: Which;
+  /** name of the layer of that map */
+  readonly layer: string;
 }
 
 /** Answer to `why`: the beams that touched a cell, from the map of `index` scans. */
@@ -440,12 +465,12 @@ export interface WhyMessage {
   readonly hits: number;
   /** index of the first scan that touched it */
   readonly first_scan: number | null;
-  /** [n, log-odds] over all touches, at most 600 points; extremes are kept */
+  /** [n, log-odds] over all contributions, at most 600 points; extremes are kept */
   readonly curve: readonly (readonly [number, number])[];
-  /** at most 300 touches, up to the one asked for */
-  readonly touches: readonly Touch[];
-  /** which map; missing: the first */
-  readonly map?: Which;
+  /** at most 300 contributions, up to the one asked for */
+  readonly contributions: readonly Contribution[];
+  /** name of the layer of that map */
+  readonly layer: string;
 }
 
 /** Answer to `ping`. */
@@ -464,15 +489,24 @@ export interface AckCommand {
   readonly seq: number;
 }
 
-/** First message after a reconnect: which tiles are still there. The server then sends only newer ones. */
+/** After a reconnect, before `subscribe`: which tiles of a grid are still there. Only newer ones are then sent. */
 export interface ResumeCommand {
   readonly type: "resume";
   /** of the `hello` of the earlier connection */
   readonly epoch_id: string;
+  /** name of the grid */
+  readonly layer: string;
   /** epoch of the tiles */
   readonly epoch: number;
   /** all tiles up to this revision were received */
   readonly revision: number;
+}
+
+/** Which layers to send from now on. Without it, the first. */
+export interface SubscribeCommand {
+  readonly type: "subscribe";
+  /** names of all layers that are wanted */
+  readonly layers: readonly string[];
 }
 
 /** Let time pass. */
@@ -518,28 +552,28 @@ export interface ParametersCommand {
   readonly values: Values;
 }
 
-/** World sessions: change the simulated sensor. */
+/** Simulations: change the simulated sensor. */
 export interface SensorCommand {
   readonly type: "sensor";
   /** new values; the others stay */
   readonly values: Values;
 }
 
-/** World sessions: which faults of the robot enter the map. The whole map is recomputed. */
+/** Simulations: which faults of the robot enter the map. The whole map is recomputed. */
 export interface FaultsCommand {
   readonly type: "faults";
   /** `drift`, `specular`: true or false */
   readonly values: Values;
 }
 
-/** World sessions: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`. */
+/** Simulations: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`. */
 export interface CompareCommand {
   readonly type: "compare";
   /** parameters in which it differs; null: no second map */
   readonly values?: Values | null;
 }
 
-/** World sessions: put the robot somewhere; it moves to the nearest free place. */
+/** Simulations: put the robot somewhere; it moves to the nearest free place. */
 export interface TeleportCommand {
   readonly type: "teleport";
   /** x in the map frame, m */
@@ -550,7 +584,7 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** World sessions: drive by hand. The speed is held for 0.5 s. */
+/** Simulations: drive by hand. The speed is held for 0.5 s. */
 export interface DriveCommand {
   readonly type: "drive";
   /** forward speed, m/s */
@@ -559,31 +593,31 @@ export interface DriveCommand {
   readonly angular: number;
 }
 
-/** World sessions: let the robot explore by itself, or not. */
+/** Simulations: let the robot explore by itself, or not. */
 export interface AutoCommand {
   readonly type: "auto";
   /** whether it explores */
   readonly value?: boolean;
 }
 
-/** World sessions: all changes to the world as it was built; they replace the earlier ones. */
+/** Simulations: all changes to the world as it was built; they replace the earlier ones. */
 export interface EditCommand {
   readonly type: "edit";
   /** walls and boxes to draw */
-  readonly added?: readonly Drawn[];
+  readonly added?: readonly DrawnSolid[];
   /** indices of the built solids to erase */
   readonly erased?: readonly number[];
   /** send `forgetting` about what this erases */
   readonly watch?: boolean;
 }
 
-/** World sessions: begin in another world. */
+/** Simulations: begin in another world. */
 export interface WorldCommand {
   readonly type: "world";
   /** one of `names` of the message `world` */
   readonly name: string;
   /** walls and boxes to draw */
-  readonly added?: readonly Drawn[];
+  readonly added?: readonly DrawnSolid[];
   /** indices of the built solids to erase */
   readonly erased?: readonly number[];
 }
@@ -604,11 +638,11 @@ export interface InspectCommand {
   readonly col: number;
   /** epoch of that map's geometry */
   readonly epoch: number;
-  /** which map */
-  readonly map?: Which;
+  /** name of the layer of that map */
+  readonly layer?: string;
 }
 
-/** Ask which beams touched a cell; answered with `why`. Of several that wait only the newest is answered. */
+/** Ask what each beam added to a cell; answered with `why`. Of several that wait only the newest is answered. */
 export interface WhyCommand {
   readonly type: "why";
   /** row of the cell */
@@ -617,10 +651,10 @@ export interface WhyCommand {
   readonly col: number;
   /** epoch of that map's geometry */
   readonly epoch: number;
-  /** last touch to describe, from 1; null: the newest */
+  /** last contribution to describe, from 1; null: the newest */
   readonly until?: number | null;
-  /** which map */
-  readonly map?: Which;
+  /** name of the layer of that map */
+  readonly layer?: string;
 }
 
 /** Ask for a `pong`. */
@@ -632,6 +666,7 @@ export interface PingCommand {
 
 export type ServerMessage =
   | Hello
+  | LayersMessage
   | Geometry
   | FrameMessage
   | Trajectory
@@ -649,6 +684,7 @@ export type ServerMessage =
 export type Command =
   | AckCommand
   | ResumeCommand
+  | SubscribeCommand
   | PlayCommand
   | PauseCommand
   | RestartCommand
@@ -669,7 +705,6 @@ export type Command =
   | WhyCommand
   | PingCommand;
 
-const isSessionKind: Check = isLiteral("log", "world");
 const isValue: Check = oneOf(isNumber, isText, isFlag);
 const isParameter: Check = isObject({
   name: isText,
@@ -704,6 +739,15 @@ const isLogInfo: Check = isObject({
   format: isText,
   notes: isListOf(isText),
 });
+const isLayerKind: Check = isLiteral("graph", "grid", "path", "points");
+const isLayerInfo: Check = isObject({
+  id: isInteger,
+  name: isText,
+  kind: isLayerKind,
+  title: isText,
+  style: isText,
+  columns: isListOf(isText),
+});
 const isPose: Check = isTuple(isNumber, isNumber, isNumber);
 const isPoint: Check = isTuple(isNumber, isNumber);
 const isCompared: Check = isObject({
@@ -728,15 +772,14 @@ const isNumbers: Check = isObject({
   max_difference: isNumber,
   max_at: oneOf(isPoint, isNull),
 });
-const isDrawn: Check = isTuple(isLiteral("box", "wall"), isInteger, isInteger, isInteger, isInteger);
+const isDrawnSolid: Check = isTuple(isLiteral("box", "wall"), isInteger, isInteger, isInteger, isInteger);
 const isEdits: Check = isObject({
-  added: isListOf(isDrawn),
+  added: isListOf(isDrawnSolid),
   erased: isListOf(isInteger),
 });
 const isSegment: Check = isTuple(isNumber, isNumber, isNumber, isNumber);
 const isCellState: Check = isLiteral("free", "occupied", "unknown");
-const isWhich: Check = isLiteral("first", "second");
-const isTouch: Check = isObject({
+const isContribution: Check = isObject({
   n: isInteger,
   scan: isInteger,
   stamp: isNumber,
@@ -754,7 +797,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   hello: {
     protocol: isText,
     session: isText,
-    kind: isSessionKind,
+    kind: isText,
     title: isText,
     epoch_id: isText,
     speeds: isTuple(isNumber, isNumber),
@@ -764,14 +807,18 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     world: optional(isText),
     seed: optional(isInteger),
   },
+  layers: {
+    layers: isListOf(isLayerInfo),
+  },
   geometry: {
+    layer: isInteger,
     epoch: isInteger,
     resolution: isPositive,
     rows: isInteger,
     cols: isInteger,
     origin: isPose,
-    log_odds_min: isNumber,
-    log_odds_max: isNumber,
+    low: isNumber,
+    high: isNumber,
     tile: isLiteral(64),
   },
   frame: {
@@ -853,7 +900,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     log_odds: isNumber,
     p_occ: isNumber,
     state: isCellState,
-    map: optional(isWhich),
+    layer: isText,
   },
   why: {
     row: isInteger,
@@ -869,8 +916,8 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     hits: isInteger,
     first_scan: oneOf(isInteger, isNull),
     curve: isListOf(isTuple(isInteger, isNumber)),
-    touches: isListOf(isTouch),
-    map: optional(isWhich),
+    contributions: isListOf(isContribution),
+    layer: isText,
   },
   pong: {
     id: isInteger,

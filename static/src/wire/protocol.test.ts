@@ -1,7 +1,7 @@
 import { decompress } from "fzstd";
 import { describe, expect, test } from "vitest";
+import { decodeFrame } from "./decodeFrame";
 import { decodeText, OutdatedPageError } from "./decodeText";
-import { decodeTiles } from "./decodeTiles";
 import { FIELDS } from "./messages";
 import { type Command, encodeCommand, ProtocolError } from "./protocol";
 import vectors from "./protocol.vectors.json";
@@ -11,8 +11,14 @@ const bytes = (hex: string): Uint8Array<ArrayBuffer> =>
 
 describe("what the server writes is read", () => {
   test.each(vectors.frames.map((frame, i) => [i, frame] as const))("binary frame %i", (_, frame) => {
-    const read = decodeTiles(bytes(frame.hex).buffer);
-    expect([read.epoch, read.seq, read.complete]).toEqual([frame.epoch, frame.seq, frame.complete]);
+    const read = decodeFrame(bytes(frame.hex).buffer);
+    if (read.kind !== "tiles") throw new Error(read.kind);
+    expect([read.layer, read.epoch, read.seq, read.complete]).toEqual([
+      frame.layer,
+      frame.epoch,
+      frame.seq,
+      frame.complete,
+    ]);
     expect(read.tiles.map(({ tx, ty, revision }) => ({ tx, ty, revision }))).toEqual(
       frame.tiles.map(({ tx, ty, revision }) => ({ tx, ty, revision })),
     );
@@ -22,12 +28,33 @@ describe("what the server writes is read", () => {
     }
   });
 
+  /** Columns as JSON has them: null for NaN. */
+  const plain = (columns: readonly Float32Array[]) =>
+    columns.map((column) => [...column].map((value) => (Number.isNaN(value) ? null : value)));
+
+  test.each(vectors.tables.map((frame, i) => [i, frame] as const))("table %i", (_, { hex, columns, ...header }) => {
+    const read = decodeFrame(bytes(hex).buffer);
+    if (read.kind !== "table") throw new Error(read.kind);
+    expect(read).toMatchObject({ ...header, complete: true });
+    expect(plain(read.columns)).toEqual(columns);
+  });
+
+  test.each(vectors.graphs.map((frame, i) => [i, frame] as const))("graph %i", (_, vector) => {
+    const { hex, columns, edges, values, ...header } = vector;
+    const read = decodeFrame(bytes(hex).buffer);
+    if (read.kind !== "graph") throw new Error(read.kind);
+    expect(read).toMatchObject({ ...header, complete: true });
+    expect(plain(read.columns)).toEqual(columns);
+    expect([...read.edges]).toEqual(edges.flat());
+    expect([...read.values]).toEqual(values);
+  });
+
   test.each(vectors.broken.map(({ hex, code }) => [hex.slice(0, 40), hex, code] as const))(
     "refused: %s…",
     (_, hex, code) => {
       let said = "";
       try {
-        decodeTiles(bytes(hex).buffer);
+        decodeFrame(bytes(hex).buffer);
       } catch (error) {
         said = error instanceof ProtocolError ? error.code : String(error);
       }
@@ -91,7 +118,7 @@ describe("text frames", () => {
     ["a message", '{"type":"weather","rain":true}', "message.unknown"],
     ["a message named as a method", '{"type":"toString"}', "message.unknown"],
     ["a session kind", JSON.stringify({ ...hello, kind: "slam" }), "hello.kind"],
-    ["a protocol", JSON.stringify({ ...hello, protocol: "gridbloom.v2" }), "hello.protocol"],
+    ["a protocol", JSON.stringify({ ...hello, protocol: "gridbloom.v3" }), "hello.protocol"],
   ])("%s of a newer server means that the page is outdated", (_, text, code) => {
     let thrown: unknown;
     try {
@@ -113,7 +140,7 @@ describe("text frames", () => {
     ["a number that is none", JSON.stringify({ ...frame, range_max: "10" }), "frame.range_max"],
     [
       "a tile of another size",
-      '{"type":"geometry","epoch":1,"resolution":1,"rows":1,"cols":1,"origin":[0,0,0],"log_odds_min":0,"log_odds_max":1,"tile":32}',
+      '{"type":"geometry","layer":1,"epoch":1,"resolution":1,"rows":1,"cols":1,"origin":[0,0,0],"low":0,"high":1,"tile":32}',
       "geometry.tile",
     ],
   ])("%s is refused by name", (_, text, code) => {

@@ -1,6 +1,6 @@
 /**
  * What the pages know of the wire. The messages and commands are generated from the server's (`messages.ts`), the text
- * frames are read by `decodeText.ts` and the binary ones by `decodeTiles.ts`. `protocol.vectors.json` is written by the
+ * frames are read by `decodeText.ts` and the binary ones by `decodeFrame.ts`. `protocol.vectors.json` is written by the
  * server's side and read by the tests of this one.
  */
 
@@ -12,12 +12,15 @@ export type {
   Command,
   Compared,
   ComparisonMessage,
-  Drawn,
+  Contribution,
+  DrawnSolid,
   Edits,
   Forgetting,
   FrameMessage,
   Geometry,
   Hello,
+  LayerInfo,
+  LayerKind,
   LogInfo,
   Numbers,
   Parameter,
@@ -26,11 +29,9 @@ export type {
   Pose,
   ServerMessage,
   Table,
-  Touch,
   Trajectory,
   Value,
   Values,
-  Which,
   WhyMessage,
   WorkingMessage,
   WorldMessage,

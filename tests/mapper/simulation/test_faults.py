@@ -1,4 +1,4 @@
-"""Faults: wheels that drift, polished walls that swallow beams, both recorded beside what is true."""
+"""Faults: odometry drift and specular reflection, both recorded together with the true values."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS, Faults, Recording, SensorConfig, World
-from mapper.simulation.faults import SPECULAR_ANGLE, lengthened, polished_faces, swallowed, with_lengthened
+from mapper.simulation.faults import SPECULAR_ANGLE, lengthened, polished_faces, reflected_away, with_lengthened
 from mapper.simulation.lidar import measure, true_ranges
 from mapper.simulation.odometry import Odometer
 from mapper.simulation.shapes import outer_walls, rect
@@ -27,7 +27,7 @@ HALL = World(
 def test_a_beam_is_lost_where_it_meets_a_long_wall_at_a_slant(yaw: float) -> None:
     x, y = 2.0, 2.0
     ranges = true_ranges(HALL, SENSOR, (x, y, yaw))
-    lost = swallowed(HALL, ranges, ANGLES, (x, y, yaw))
+    lost = reflected_away(HALL, ranges, ANGLES, (x, y, yaw))
     for angle, reading, gone in zip(ANGLES + yaw, ranges, lost, strict=True):
         # By hand: which of the four inner faces the beam ends on, and how far off its normal.
         ex, ey = x + reading * math.cos(angle), y + reading * math.sin(angle)
@@ -41,11 +41,11 @@ def test_a_beam_is_lost_where_it_meets_a_long_wall_at_a_slant(yaw: float) -> Non
     assert 100 < lost.sum() < 200  # by the closed form each wall keeps the 60° before it
 
 
-def test_what_returns_from_nothing_is_not_swallowed() -> None:
+def test_what_returns_from_nothing_is_not_reflected_away() -> None:
     short = SensorConfig(range_max=1.0)
     ranges = true_ranges(HALL, short, (4.0, 3.0, 0.0))
     assert np.isinf(ranges).sum() > 100
-    assert not swallowed(HALL, ranges, ANGLES, (4.0, 3.0, 0.0))[np.isinf(ranges)].any()
+    assert not reflected_away(HALL, ranges, ANGLES, (4.0, 3.0, 0.0))[np.isinf(ranges)].any()
 
 
 def test_every_world_has_polished_walls_and_some_that_are_not() -> None:
@@ -98,7 +98,7 @@ def test_readings_that_get_too_long_do_not_return() -> None:
 def test_a_lidars_beams_return_as_they_are_or_not_at_all() -> None:
     pose = (2.0, 2.0, 0.3)
     longer = lengthened(HALL, SENSOR, pose)
-    lost = swallowed(HALL, true_ranges(HALL, SENSOR, pose), ANGLES, pose)
+    lost = reflected_away(HALL, true_ranges(HALL, SENSOR, pose), ANGLES, pose)
     assert 100 < lost.sum() < 200
     np.testing.assert_array_equal(longer, np.where(lost, np.inf, 0.0))
 

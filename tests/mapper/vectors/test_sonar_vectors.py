@@ -35,7 +35,7 @@ SETTINGS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def mapped(model: str, settings: dict[str, Any]) -> tuple[list[list[float]], list[list[float]]]:
-    """Return [index, log-odds] of every observed cell, and its two tallies where the model keeps some."""
+    """Return [index, log-odds] of every observed cell, and its two statistics where the model keeps some."""
     changes = {"cone_profile" if name == "profile" else name: value for name, value in settings.items()}
     config = MappingConfig(model=model, resolution=GEOMETRY["resolution"], **changes)
     grid = OccupancyGrid(GridGeometry(**GEOMETRY))
@@ -54,7 +54,7 @@ def vectors() -> dict[str, Any]:
     maps = []
     for model, settings in SETTINGS:
         cells, cell_statistics = mapped(model, settings)
-        maps.append({"model": model, "settings": settings, "cells": cells, "tallies": cell_statistics})
+        maps.append({"model": model, "settings": settings, "cells": cells, "statistics": cell_statistics})
     scans = [[value if np.isfinite(value) else str(value) for value in ranges] for ranges in RANGES]
     return {"geometry": GEOMETRY, "poses": POSES, "bearings": BEARINGS, "scans": scans, "maps": maps}
 
@@ -72,7 +72,7 @@ def test_the_vectors_of_the_sonar_maps_are_those_of_the_textbook():
     for old, new in zip(stored["maps"], fresh["maps"], strict=True):
         assert (old["model"], old["settings"]) == (new["model"], new["settings"]), hint
         np.testing.assert_allclose(old["cells"], new["cells"], atol=1e-5, err_msg=hint)
-        np.testing.assert_allclose(old["tallies"], new["tallies"], atol=1e-6, err_msg=hint)
+        np.testing.assert_allclose(old["statistics"], new["statistics"], atol=1e-6, err_msg=hint)
 
 
 if __name__ == "__main__" and "--write" in sys.argv:

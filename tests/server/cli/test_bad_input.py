@@ -11,7 +11,7 @@ BAD_OPTIONS = {
     "resolution of nan": (["--resolution", "nan"], "Resolution (resolution) must be a finite number"),
     "unknown model": (["--model", "neural"], "must be one of " + ", ".join(MODELS) + ", not 'neural'"),
     "hit below 0": (["--hit", "-1"], "Hit increment (log_odds_hit) must be between 0 and 3"),
-    "clamp upside down": (["--log-odds-min", "0", "--log-odds-max", "0"], "The lower clamp must lie below"),
+    "clamp upside down": (["--log-odds-min", "0", "--log-odds-max", "0"], "The lower clamp must be below"),
     "unknown trajectory": (["--trajectory", "slam"], "The log has no trajectory 'slam'; it has 'scan', 'wheel'."),
     "prior of a word": (["--prior", "much"], "There is no file 'much'"),
     "prior out of range": (["--prior", "9"], "Prior ℓ₀ (log_odds_prior) must be between -2 and 2"),

@@ -8,6 +8,7 @@ import re
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -33,8 +34,8 @@ def saved(folder: Path, answer: httpx.Response) -> Path:
 
 
 async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Service, tmp_path: Path) -> None:
-    session_id = service.begin(kind="world", world="office", seed=5)
-    session = service.state.sessions.get(session_id)
+    session_id = service.begin(kind="simulation", world="office", seed=5)
+    session: Any = service.state.sessions.get(session_id)
     pairs = []
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
@@ -44,13 +45,13 @@ async def test_the_files_of_an_instant_are_of_one_map_while_it_grows(service: Se
                 address = f"/api/sessions/{session_id}/map.{kind}?at=take-{number}"
                 paths[kind] = saved(tmp_path, await asyncio.to_thread(service.http.get, address))
                 if kind == kinds[0]:
-                    shape, cells = session.grid.geometry.shape, int(session.grid.observed.sum())
+                    shape, cells = session.model.grid.geometry.shape, int(session.model.grid.observed.sum())
                     # The sensor reaches farther: the map grows and moves its corner.
                     await watcher.send("parameters", values={"resolution": 0.05 - 0.01 * (number + 1)})
-                    await watcher.until(lambda: session.grid.geometry.shape != shape)  # noqa: B023
+                    await watcher.until(lambda: session.model.grid.geometry.shape != shape)  # noqa: B023
                     frames = watcher.frames
                     await watcher.until(lambda: watcher.frames > frames + 3)  # noqa: B023
-                    assert int(session.grid.observed.sum()) != cells
+                    assert int(session.model.grid.observed.sum()) != cells
             assert (paths["pgm"].name, paths["yaml"].name) == (
                 f"office_take-{number}.pgm",
                 f"office_take-{number}.yaml",
@@ -80,7 +81,7 @@ def test_names_are_those_of_the_log(service: Service) -> None:
 
 
 def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
-    session = service.begin(kind="world", world="room", seed=6)
+    session = service.begin(kind="simulation", world="room", seed=6)
     address = f"/api/sessions/{session}/map"
     for number in range(5):
         assert service.http.get(f"{address}.pgm?at=n{number}").status_code == 200
@@ -92,7 +93,7 @@ def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
 
 
 def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    session = service.begin(kind="world", world="room", seed=7)
+    session = service.begin(kind="simulation", world="room", seed=7)
     asked, bands = threading.Event(), []
 
     def endless(_: object) -> Bands:
@@ -119,7 +120,7 @@ def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, m
 def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = service.begin(kind="world", world="room", seed=8)
+    session = service.begin(kind="simulation", world="room", seed=8)
     places = service.state.downloads.places
     release = threading.Event()
 
@@ -155,7 +156,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
 
 
 def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    session = service.begin(kind="world", world="room", seed=9)
+    session = service.begin(kind="simulation", world="room", seed=9)
     noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
     monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)

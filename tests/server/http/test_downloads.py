@@ -12,19 +12,16 @@ from mapper.io.export import tum_text
 from mapper.io.export.growing_map import MOST_MAPS
 from mapper.io.logs import open_log
 from mapper.io.maps import occupancy_values
-from server.sessions import LogSession
 from tests.server.service import Service, until
 
 
 @pytest.fixture
-def session(service: Service) -> LogSession:
-    found = service.state.sessions.get(service.begin(kind="log", log="sample-office"))
-    assert isinstance(found, LogSession)
-    return found
+def session(service: Service) -> Any:
+    return service.state.sessions.get(service.begin(kind="log", log="sample-office"))
 
 
-def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -> None:
-    session.replay.advance_to(70)  # nobody watches, so nothing plays
+def test_the_run_with_its_map(service: Service, session: Any, tmp_path) -> None:
+    session.model.recording.replay.advance_to(70)  # nobody watches, so nothing plays
     answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
     assert answer.status_code == 200
     assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.mcap"'
@@ -32,8 +29,8 @@ def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -
     path = tmp_path / "run.mcap"
     path.write_bytes(answer.content)
     again = open_log(path)
-    np.testing.assert_array_equal(again.stamps_ns, session.log.stamps_ns)
-    poses = session.log.trajectory(session.trajectory).poses
+    np.testing.assert_array_equal(again.stamps_ns, session.model.recording.log.stamps_ns)
+    poses = session.model.recording.log.trajectory(session.model.recording.trajectory).poses
     np.testing.assert_allclose(again.trajectory("tf/map").poses[:, :2], poses[:, :2], atol=1e-9)
     with AnyReader([path]) as reader:
         maps: list[Any] = [
@@ -42,29 +39,29 @@ def test_the_run_with_its_map(service: Service, session: LogSession, tmp_path) -
             if connection.topic == "/map"
         ]
     # As it grew: to what the session shows.
-    index, _ = session.progress
+    index, _ = session.model.progress
     assert len(maps) == min(MOST_MAPS, max(1, index))
-    shown = session.replay.grid
+    shown = session.model.recording.replay.grid
     np.testing.assert_array_equal(maps[-1].data.reshape(shown.geometry.shape), occupancy_values(shown))
     until(lambda: service.state.downloads.places.taken == 0)
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
 
 
-def test_the_trajectory(service: Service, session: LogSession) -> None:
+def test_the_trajectory(service: Service, session: Any) -> None:
     answer = service.http.get(f"/api/sessions/{session.id}/trajectory.tum")
-    assert answer.text == tum_text(session.log, session.trajectory)
+    assert answer.text == tum_text(session.model.recording.log, session.model.recording.trajectory)
     assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.tum"'
 
 
 def test_a_world_has_no_run_to_take_away(service: Service) -> None:
-    world = service.begin(kind="world", world="room", seed=5)
+    world = service.begin(kind="simulation", world="room", seed=5)
     for name in ("run.mcap", "trajectory.tum"):
         answer = service.http.get(f"/api/sessions/{world}/{name}")
         assert (answer.status_code, answer.json()["code"]) == (409, "session.no_log")
     assert service.http.get("/api/sessions/none/run.mcap").status_code == 404
 
 
-def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: LogSession) -> None:
+def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: Any) -> None:
     for _ in range(9):
         with service.http.stream("GET", f"/api/sessions/{session.id}/run.mcap") as answer:
             assert answer.status_code == 200

@@ -22,7 +22,7 @@ from tests.server.service import PATIENCE_S, Service
 
 def test_a_session_can_begin_standing_still(service: Service) -> None:
     sample = service.http.get("/api/logs").json()["logs"][0]["id"]
-    for wanted in ({"kind": "world", "world": "room"}, {"kind": "log", "log": sample}):
+    for wanted in ({"kind": "simulation", "world": "room"}, {"kind": "log", "log": sample}):
         for playing in (True, False):
             answer = service.http.post("/api/sessions", json=wanted | {"playing": playing})
             assert answer.status_code == 201, answer.text
@@ -30,7 +30,7 @@ def test_a_session_can_begin_standing_still(service: Service) -> None:
 
 
 def test_a_session_from_beginning_to_end(service: Service) -> None:
-    answer = service.http.post("/api/sessions", json={"kind": "world", "world": "room", "seed": 5})
+    answer = service.http.post("/api/sessions", json={"kind": "simulation", "world": "room", "seed": 5})
     assert answer.status_code == 201
     session = answer.json()
     address = f"/api/sessions/{session['id']}"
@@ -43,12 +43,13 @@ def test_a_session_from_beginning_to_end(service: Service) -> None:
 
 
 def test_the_map_can_be_taken_away(service: Service, tmp_path: Path) -> None:
-    session_id = service.begin(kind="world", world="room", seed=5)
+    session_id = service.begin(kind="simulation", world="room", seed=5)
     for ending in ("yaml", "pgm"):
         answer = service.http.get(f"/api/sessions/{session_id}/map.{ending}")
         assert answer.headers["content-disposition"] == f'attachment; filename="room.{ending}"'
         (tmp_path / f"room.{ending}").write_bytes(answer.content)
-    grid = service.state.sessions.get(session_id).grid
+    grid = service.state.sessions.get(session_id).model.grid
+    assert grid is not None
     loaded = load_map(tmp_path / "room.yaml").grid
     assert loaded.geometry == grid.geometry
     np.testing.assert_array_equal(loaded.classify(), grid.classify())
@@ -82,10 +83,10 @@ def test_the_tables(service: Service) -> None:
         ("POST", "/api/sessions", b"[" * 50_000, 400, "http.bad_request"),
         ("POST", "/api/sessions", b"{}", 422, "request.invalid"),
         ("POST", "/api/sessions", b'{"kind":"dream"}', 422, "request.invalid"),
-        ("POST", "/api/sessions", b'{"kind":"world","seed":-1}', 422, "request.invalid"),
-        ("POST", "/api/sessions", b'{"kind":"world","seed":1e400}', 422, "request.invalid"),
-        ("POST", "/api/sessions", b'{"kind":"world","world":"mars"}', 422, "world.name"),
-        ("POST", "/api/sessions", b'{"kind":"world","more":1}', 422, "request.invalid"),
+        ("POST", "/api/sessions", b'{"kind":"simulation","seed":-1}', 422, "request.invalid"),
+        ("POST", "/api/sessions", b'{"kind":"simulation","seed":1e400}', 422, "request.invalid"),
+        ("POST", "/api/sessions", b'{"kind":"simulation","world":"mars"}', 422, "world.name"),
+        ("POST", "/api/sessions", b'{"kind":"simulation","more":1}', 422, "request.invalid"),
         ("POST", "/api/sessions", b'{"kind":"log"}', 422, "request.invalid"),
         ("POST", "/api/sessions", b'{"kind":"log","log":"unknown"}', 404, "log.not_found"),
         ("POST", "/api/sessions", b'{"kind":"log","log":"sample-office","trajectory":"dreams"}', 422, "log.trajectory"),
@@ -122,9 +123,9 @@ def test_who_has_too_many_sessions_is_told_so(service: Service) -> None:
     state._settings = original.model_copy(update={"max_sessions_per_visitor": 1})
     try:
         with httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S) as visitor:
-            first = visitor.post("/api/sessions", json={"kind": "world"}).json()["id"]
+            first = visitor.post("/api/sessions", json={"kind": "simulation"}).json()["id"]
             client = state.get(first).hub.join()
-            answer = visitor.post("/api/sessions", json={"kind": "world"})
+            answer = visitor.post("/api/sessions", json={"kind": "simulation"})
             assert (answer.status_code, answer.json()["code"]) == (429, "session.too_many")
             assert "retry-after" in answer.headers
             state.get(first).hub.leave(client)
@@ -149,7 +150,7 @@ def test_metrics_count(service: Service) -> None:
     before = figures()
     session_id = service.begin()
     after = figures()
-    assert after['gridbloom_sessions{"kind": "world"}'] == before['gridbloom_sessions{"kind": "world"}'] + 1
+    assert after['gridbloom_sessions{"kind": "simulation"}'] == before['gridbloom_sessions{"kind": "simulation"}'] + 1
     assert after["gridbloom_cells{}"] == before["gridbloom_cells{}"] + service.state.sessions.get(session_id).cells
     assert {"gridbloom_clients{}", "gridbloom_frames_total{}", "gridbloom_stream_bytes_total{}"} <= set(after)
     assert {"gridbloom_dirty_tiles{}", "gridbloom_remake_seconds_count{}"} <= set(after)

@@ -137,7 +137,7 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         assert (await asyncio.to_thread(guest.get, f"{compare}.png")).status_code == 200
         assert (await asyncio.to_thread(guest.delete, compare)).status_code == 204
     # The owner's session is as it was.
-    assert service.state.sessions.get(session).progress == (25, 40)
+    assert service.state.sessions.get(session).model.progress == (25, 40)
     asked: list[tuple[str, str]] = [
         ("GET", "/api/logs"),
         ("GET", f"/api/logs/{log_id}"),
@@ -237,7 +237,7 @@ def test_guests_take_no_place_of_others(
 
 
 def test_odd_requests(ann: httpx.Client) -> None:
-    world = ann.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+    world = ann.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
     assert refusal(ann.post("/api/links", json={"session": world})) == (409, "session.not_a_log")
     assert refusal(ann.post("/api/links", json={"session": "none"})) == (404, "session.unknown")
     session = opened(ann, "sample-office")

@@ -66,14 +66,16 @@ async def test_other_sites_pages_can_neither_change_nor_watch(service: Service, 
         answer = service.http.request(method, path, headers={"origin": origin})
         assert is_error(answer, 403, "security.origin")
     with pytest.raises(InvalidStatus) as refused:
-        await connect(service.address(session_id), origin=origin, subprotocols=["gridbloom.v1"])  # type: ignore[arg-type,list-item]
+        await connect(service.address(session_id), origin=origin, subprotocols=["gridbloom.v2"])  # type: ignore[arg-type,list-item]
     assert refused.value.response.status_code == 403
     assert service.http.get(f"/api/sessions/{session_id}").status_code == 200
 
 
 async def test_our_own_pages_can(service: Service) -> None:
     origin = f"http://127.0.0.1:{service.port}"
-    answer = service.http.post("/api/sessions", json={"kind": "world", "world": "room"}, headers={"origin": origin})
+    answer = service.http.post(
+        "/api/sessions", json={"kind": "simulation", "world": "room"}, headers={"origin": origin}
+    )
     assert answer.status_code == 201
     async with service.connect(answer.json()["id"], origin=origin) as socket:
         assert json.loads(await socket.recv())["type"] == "hello"
@@ -125,7 +127,7 @@ async def test_a_socket_needs_the_token_too(guarded: Service) -> None:
     guarded.http.headers["authorization"] = f"Bearer {TOKEN}"
     session_id = guarded.begin()
     with pytest.raises(InvalidStatus):
-        await connect(guarded.address(session_id), subprotocols=["gridbloom.v1"])  # type: ignore[list-item]
+        await connect(guarded.address(session_id), subprotocols=["gridbloom.v2"])  # type: ignore[list-item]
     async with guarded.connect(session_id, additional_headers={"authorization": f"Bearer {TOKEN}"}) as socket:
         assert json.loads(await socket.recv())["type"] == "hello"
 
@@ -136,7 +138,7 @@ def test_each_browser_is_a_visitor_of_its_own(service: Service) -> None:
         assert "HttpOnly" in cookie
         assert "SameSite=Lax" in cookie
         assert "set-cookie" not in one.get("/livez").headers
-        session_id = one.post("/api/sessions", json={"kind": "world", "world": "room"}).json()["id"]
+        session_id = one.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
         assert [s["id"] for s in one.get("/api/sessions").json()["sessions"]] == [session_id]
         assert two.get("/api/sessions").json() == {"sessions": []}
         assert two.get(f"/api/sessions/{session_id}").status_code == 200  # a link shares it

@@ -14,18 +14,17 @@ from websockets.asyncio.client import connect
 from mapper.io.maps import pgm_bytes
 from mapper.simulation import WORLDS
 from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
-from server.sessions import Session
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
+from tests.server.view import view_of
 
 
-def session_of(service: Service, session_id: str) -> Session:
-    session: Session = service.state.sessions.get(session_id)
-    return session
+def session_of(service: Service, session_id: str) -> Any:
+    return service.state.sessions.get(session_id)
 
 
 def expected_log_odds(service: Service, session_id: str) -> Any:
     """The session's own grid as a client should see it, to half a step of the int8 picture."""
-    view = session_of(service, session_id).view()
+    view = view_of(session_of(service, session_id))
     low, high = view.config.clamp_limits
     return np.where(view.observed, np.clip(view.log_odds, low, high), np.nan)
 
@@ -37,20 +36,20 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         await watcher.until(lambda: watcher.frames > 10)
         await watcher.settle()
         assert watcher.messages[0]["type"] == "hello"
-        assert {"hello", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
+        assert {"hello", "layers", "geometry", "world", "parameters"} <= {m["type"] for m in watcher.messages}
         np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
         frame = watcher.newest["frame"]
         assert len(frame["ranges"]) == 360
         assert watcher.frames > watcher.scans >= 1  # a scan is sent once, however many frames show it
         assert WORLDS["room"].is_free(frame["pose"][:2])
         hello = watcher.newest["hello"]
-        assert hello["kind"] == "world"
+        assert hello["kind"] == "simulation"
         # A session that nobody has touched differs in nothing from what its table calls initial.
         assert {row["name"]: row["initial"] for row in hello["parameters"]["table"]} == hello["parameters"]["values"]
 
 
 async def test_every_kind_of_change_reaches_the_picture(service: Service) -> None:
-    session_id = service.begin(kind="world", world="room", seed=8)
+    session_id = service.begin(kind="simulation", world="room", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         for values in (
@@ -67,7 +66,7 @@ async def test_every_kind_of_change_reaches_the_picture(service: Service) -> Non
                 answer = await watcher.answer("parameters")
             await watcher.settle()
             geometry = watcher.newest["geometry"]
-            step = (geometry["log_odds_max"] - geometry["log_odds_min"]) / 254
+            step = (geometry["high"] - geometry["low"]) / 254
             expected = expected_log_odds(service, session_id)
             np.testing.assert_allclose(watcher.log_odds(), expected, atol=step + 1e-6)
             assert watcher.newest["frame"]["remade_ms"] > 0
@@ -78,7 +77,7 @@ async def test_every_kind_of_change_reaches_the_picture(service: Service) -> Non
 
 
 async def test_a_teleport_brings_new_cells_around_the_new_place(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=8)
+    session_id = service.begin(kind="simulation", world="office", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         await watcher.settle()
@@ -121,11 +120,12 @@ async def test_inspect_reads_one_cell(service: Service) -> None:
 
 
 async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
-    session_id = service.begin(kind="world", world="office", seed=1)
+    session_id = service.begin(kind="simulation", world="office", seed=1)
     async with service.connect(session_id) as socket:
         first = Watcher(socket)
         await first.settle()
         told = {"epoch_id": first.newest["hello"]["epoch_id"], "epoch": first.epoch, "revision": first.revision}
+        told["layer"] = "map"
         kept = first.picture.copy()
     async with service.connect(session_id) as socket:
         again = Watcher(socket)
@@ -138,6 +138,27 @@ async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
         await again.settle()
         expected = expected_log_odds(service, session_id)
         np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 + 1e-6)
+
+
+async def test_a_second_map_comes_and_goes_on_the_same_socket(service: Service) -> None:
+    session_id = service.begin(kind="simulation", world="room", seed=8)
+    async with service.connect(session_id) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("subscribe", layers=["map", "second_map"])  # of which there is only one yet
+        await watcher.until(lambda: watcher.complete)
+        assert [one["name"] for one in watcher.newest["layers"]["layers"]] == ["map"]
+        await watcher.send("compare", values={"log_odds_hit": 0.2})
+        await watcher.until(lambda: len(watcher.newest["layers"]["layers"]) == 2)
+        number = watcher.newest["layers"]["layers"][1]["id"]
+        await watcher.until(lambda: watcher.of_other_layers.get(number, 0) > 0)
+        second = watcher.newest["geometry"]
+        assert second["layer"] == number
+        await watcher.send("inspect", row=60, col=60, epoch=second["epoch"], layer="third_map")
+        assert (await watcher.answer("error"))["code"] == "command.layer"
+        await watcher.send("compare", values=None)
+        await watcher.until(lambda: len(watcher.newest["layers"]["layers"]) == 1)
+        await watcher.settle()
+        np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
 
 
 async def test_two_browsers_share_one_session(service: Service) -> None:
@@ -169,6 +190,10 @@ MALFORMED: list[tuple[Any, str]] = [
     ('{"type":"ack","seq":1000000}', "command.seq"),
     ('{"type":"ack","seq":"1"}', "command.seq"),
     ('{"type":"resume","epoch_id":5}', "command.epoch_id"),
+    ('{"type":"resume","epoch_id":"x","epoch":1,"revision":1}', "command.layer"),
+    ('{"type":"subscribe"}', "command.layers"),
+    ('{"type":"subscribe","layers":[1]}', "command.layers"),
+    ('{"type":"subscribe","layers":["' + '","'.join("x" * 65) + '"]}', "command.layers"),
     ('{"type":"speed"}', "command.value"),
     ('{"type":"parameters","values":{"window":"wide"}}', "parameter.window"),
     ('{"type":"parameters","values":{"__class__":1}}', "parameter.unknown"),
@@ -222,7 +247,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
     async with service.connect(session_id, close_timeout=0.5) as socket, service.connect(other_id) as other_socket:
         other = Watcher(other_socket)
         session, began = session_of(service, session_id), time.monotonic()
-        before = session.progress[0]
+        before = session.model.progress[0]
         flood = [json.dumps({"type": "teleport", "x": 1.0 + i % 5, "y": 2.0}) for i in range(2000)]
 
         async def pour() -> None:
@@ -232,7 +257,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
         pouring = asyncio.create_task(pour())
         await other.until(lambda: other.frames > 30)
         # Each teleport is a scan, and as it walks there are ten in a second.
-        scans, seconds = session.progress[0] - before, time.monotonic() - began
+        scans, seconds = session.model.progress[0] - before, time.monotonic() - began
         assert scans <= COMMAND_BURST + (COMMANDS_PER_S + 10.0) * seconds + 10
         pouring.cancel()
         await asyncio.gather(pouring, return_exceptions=True)
@@ -271,8 +296,8 @@ async def test_a_session_that_is_ended_says_so(service: Service) -> None:
 
 
 async def test_the_stream_is_not_compressed_twice(service: Service) -> None:
-    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v1"]) as socket:  # type: ignore[list-item]
-        assert socket.subprotocol == "gridbloom.v1"
+    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v2"]) as socket:  # type: ignore[list-item]
+        assert socket.subprotocol == "gridbloom.v2"
         assert "Sec-WebSocket-Extensions" not in socket.response.headers  # type: ignore[union-attr]
 
 
@@ -288,7 +313,7 @@ async def test_a_log_plays_and_its_end_is_its_map_file(service: Service) -> None
         await watcher.until(lambda: watcher.newest["frame"]["index"] == hello["log"]["n_scans"])
         await watcher.settle()
         image = (await asyncio.to_thread(service.http.get, f"/api/sessions/{session_id}/map.pgm")).content
-        assert image == pgm_bytes(await asyncio.to_thread(lambda: session_of(service, session_id).grid))
+        assert image == pgm_bytes(await asyncio.to_thread(lambda: session_of(service, session_id).model.grid))
         rows, cols = watcher.picture.shape
         shades = np.frombuffer(image[-rows * cols :], dtype=np.uint8).reshape(rows, cols)[::-1]
         assert (shades[watcher.picture == -128] == 205).all()

@@ -12,7 +12,7 @@ from tests.server.service import Service, Watcher
 
 
 async def messages_of_a_world(service: Service) -> set[str]:
-    session_id = service.begin(kind="world", world="room", seed=8)
+    session_id = service.begin(kind="simulation", world="room", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
         await watcher.settle()
@@ -34,8 +34,8 @@ async def messages_of_a_world(service: Service) -> set[str]:
         await watcher.send("play")
         of_a_drifting_sonar = {"believed_pose", "believed_scan_pose", "beam_width"}
         await watcher.until(lambda: of_a_drifting_sonar <= set(watcher.newest["frame"]))
-        async with service.connect(session_id, query="?map=second") as second_socket:
-            second = Watcher(second_socket)
+        async with service.connect(session_id) as second_socket:
+            second = Watcher(second_socket, layer="second_map")
             await second.until(lambda: second.frames > 0)
         return set(watcher.newest) | set(second.newest)
 
@@ -59,6 +59,6 @@ async def messages_of_a_log(service: Service) -> set[str]:
 
 
 async def test_every_message_is_as_it_is_stated(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.sessions.session.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
+    monkeypatch.setattr("server.sessions.host.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
     seen = await messages_of_a_world(service) | await messages_of_a_log(service)
     assert seen == {cls.__struct_config__.tag for cls in get_args(ServerMessage)}

@@ -14,8 +14,10 @@ from typing import Any
 
 import httpx
 import msgspec
+import numpy as np
 import pytest
 import viser
+from viser._messages import Message
 from websockets.asyncio.client import connect, unix_connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
@@ -23,22 +25,24 @@ from websockets.typing import Subprotocol
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
-from server.scenes.proxy import SUBPROTOCOL, passes
-from server.sessions import Session, SessionRegistry
-from server.sessions.view import SessionView
+from server.scenes.browser_messages import passes
+from server.scenes.proxy import SUBPROTOCOL
+from server.sessions import SessionHost, SessionRegistry
+from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, viser_client
 from tests.server.service import eventually
+from tests.server.view import SessionView, view_of
 
 
-async def changed(session: Session, wanted: Callable[[SessionView], bool]) -> None:
+async def changed(session: SessionHost, wanted: Callable[[SessionView], bool]) -> None:
     """Wait until ``wanted`` is true of the session's view."""
-    await eventually(lambda: wanted(session.view()))
+    await eventually(lambda: wanted(view_of(session)))
 
 
 async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         for name in ("/world/solids", "/map/floor", "/robot/body/base", "/robot/beams"):
             await client.until(lambda m, name=name: m.get("name") == name)
@@ -56,7 +60,7 @@ def test_the_proxy_speaks_the_installed_visers_protocol() -> None:
 
 
 async def test_every_parameter_has_a_control(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         for row in (*PARAMETERS, *SENSOR_PARAMETERS):
             made = await client.until(lambda m, row=row: m.get("props", {}).get("hint") == row.sentence)
@@ -68,7 +72,7 @@ async def test_every_parameter_has_a_control(service: Service) -> None:
 
 
 async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 1.5})
@@ -78,22 +82,22 @@ async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service
         session.post({"type": "parameters", "values": {"log_odds_hit": 2.0}})
         moved = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert moved["updates"] == {"value": 2.0}
-        assert session.view().config.log_odds_hit == 2.0
+        assert view_of(session).config.log_odds_hit == 2.0
 
 
 async def test_a_refused_value_snaps_back(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
-        before = asdict(session.view().config)
+        before = asdict(view_of(session).config)
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": 99.0})
         back = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert back["updates"] == {"value": before["log_odds_hit"]}
-        assert asdict(session.view().config) == before
+        assert asdict(view_of(session).config) == before
 
 
 async def test_a_click_on_the_floor_teleports(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m["type"] == "ScenePointerEnableMessage")
         session.post({"type": "auto", "value": False})
@@ -113,7 +117,7 @@ async def test_a_click_on_the_floor_teleports(service: Service) -> None:
 
 
 async def test_play_and_pause(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Pause"))["uuid"]
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": True})
@@ -123,7 +127,7 @@ async def test_play_and_pause(service: Service) -> None:
 
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:
     log = sample_log(n_scans=40)
-    session = await service.sessions.create_log("ann", log)
+    session = await new_log(service.sessions, "ann", log)
     session.post({"type": "pause"})
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m.get("name") == "/trajectory")
@@ -144,14 +148,35 @@ async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) 
         await changed(session, lambda view: view.index == 10)
         choice = await client.control("Trajectory")
         await client.send(type="GuiUpdateMessage", uuid=choice["uuid"], updates={"value": "odometry"})
-        await eventually(lambda: session.trajectory == "odometry")
+        await eventually(lambda: session.model.recording.trajectory == "odometry")
+        poses = log.trajectory("odometry").poses
+        path = await client.until(
+            lambda m: (
+                m.get("name") == "/trajectory/line"
+                and m["type"] == "LineSegmentsMessage"
+                and np.allclose(m["props"]["points"].reshape(-1, 2, 3)[:, 0, :2], poses[:-1, :2], atol=1e-4)
+            )
+        )
+        assert len(path["props"]["points"]) == 6 * (len(poses) - 1)
+
+
+async def test_another_world_has_other_walls(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    async with viser_client(service.port, session.id) as client:
+        first = await client.until(lambda m: m["type"] == "MeshMessage" and m["name"] == "/world/solids")
+        choice = await client.control("World")
+        await client.send(type="GuiUpdateMessage", uuid=choice["uuid"], updates={"value": "office"})
+        await client.until(lambda m: m["type"] == "MeshMessage" and m["name"] == "/world/solids" and m is not first)
+        x0, _, x1, _ = WORLDS["office"].bounds
+        look_at = ((x0 + x1) / 2, (WORLDS["office"].bounds[1] + WORLDS["office"].bounds[3]) / 2, 0.0)
+        await client.until(lambda m: m["type"] == "SetCameraLookAtMessage" and m["look_at"] == pytest.approx(look_at))
 
 
 # -- the proxy -----------------------------------------------------------------------------------------------------
 
 
 async def test_the_page(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     base = f"http://127.0.0.1:{service.port}"
     async with httpx.AsyncClient(base_url=base) as http:
         page = await http.get(f"/scenes/{session.id}/")
@@ -178,16 +203,16 @@ async def test_the_page(service: Service) -> None:
 
 
 async def test_a_client_of_another_version_is_refused(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     url = f"ws://127.0.0.1:{service.port}/scenes/{session.id}"
-    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v1")]):
+    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v2")]):
         with pytest.raises((InvalidStatus, ConnectionClosed)):
             async with connect(url, subprotocols=protocols) as socket:
                 await socket.recv()
 
 
 async def test_the_viser_server_listens_on_a_private_unix_socket_only(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     before = listening_ports(os.getpid())
     scene = await service.scenes.get(session)
     assert listening_ports(os.getpid()) == before
@@ -202,7 +227,7 @@ async def test_the_viser_server_listens_on_a_private_unix_socket_only(service: S
 async def test_no_tunnel_is_opened_even_past_the_proxy(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     opened = []
     monkeypatch.setattr("viser._viser.ViserTunnel", lambda *arguments: opened.append(arguments))
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     scene = await service.scenes.get(session)
     asked = threading.Event()
     ask = scene._server.request_share_url
@@ -219,7 +244,7 @@ async def test_no_tunnel_is_opened_even_past_the_proxy(service: Service, monkeyp
 
 
 async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.control("Hit increment")
         await service.sessions.close(session.id)
@@ -229,7 +254,7 @@ async def test_a_closed_session_closes_the_browsers_socket(service: Service) -> 
 
 
 async def test_messages_that_a_scene_does_not_need_stay_outside(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     scene = await service.scenes.get(session)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]
@@ -258,6 +283,16 @@ CLICK = {
 }
 
 
+MOVE = {
+    "type": "TransformControlsUpdateMessage",
+    "name": "/goal/handles",
+    "wxyz": (0.6, 0.0, 0.0, 0.8),
+    "position": (1.0, 2.0, 0),
+    "owner": "",
+}
+GRIP = {"type": "TransformControlsDragStartMessage", "name": "/goal/handles", "owner": ""}
+
+
 @pytest.mark.parametrize(
     ("message", "passed"),
     [
@@ -284,20 +319,49 @@ CLICK = {
         ({"type": "GuiUpdateMessage", "uuid": "x"}, False),
         ({"type": "RunJavascriptMessage", "source": "alert(1)"}, False),
         ({"type": "GetRenderResponseMessage"}, False),
+        (MOVE, True),
+        (MOVE | {"wxyz": (0, 0, 0, -1)}, True),
+        (MOVE | {"wxyz": (0.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (2.0, 0.0, 0.0, 0.0)}, False),
+        (MOVE | {"wxyz": (float("nan"), 0.0, 0.0, 1.0)}, False),
+        (MOVE | {"wxyz": (1.0, 0.0, 0.0)}, False),
+        (MOVE | {"position": (0.0, float("inf"), 0.0)}, False),
+        (MOVE | {"position": (0.0, 1e10, 0.0)}, False),
+        (MOVE | {"position": "abc"}, False),
+        (MOVE | {"position": None}, False),
+        (MOVE | {"name": "goal"}, False),
+        (MOVE | {"name": "/"}, False),
+        (MOVE | {"name": "/goal\n"}, False),
+        (MOVE | {"name": "/" + 1000 * "x"}, False),
+        (MOVE | {"name": 7}, False),
+        (MOVE | {"owner": "1"}, False),
+        (MOVE | {"props": {}}, False),
+        ({key: value for key, value in MOVE.items() if key != "position"}, False),
+        (GRIP, True),
+        (GRIP | {"type": "TransformControlsDragEndMessage"}, True),
+        (GRIP | {"owner": "1"}, False),
+        (GRIP | {"name": ["/goal/handles"]}, False),
+        (GRIP | {"wxyz": (1.0, 0.0, 0.0, 0.0)}, False),
+        ({"type": "TransformControlsDragEndMessage"}, False),
+        ({"type": "TransformControlsMessage", "name": "/goal/handles"}, False),
+        ({"type": "SceneNodeDragMessage", "name": "/goal/handles"}, False),
         (["ViewerCameraMessage"], False),
         ({"type": ["ViewerCameraMessage"]}, False),
         (17, False),
     ],
 )
 def test_what_passes(message: Any, passed: bool) -> None:
-    assert passes(msgspec.msgpack.encode(message)) is passed
+    encoded = msgspec.msgpack.encode(message)
+    assert passes(encoded) is passed
+    if passed:  # viser, which would close the connection otherwise, can read it
+        assert type(Message.deserialize(encoded)).__name__ == message["type"]
 
 
 # -- the life of scenes --------------------------------------------------------------------------------------------
 
 
 async def test_no_work_while_nobody_looks(service: Service) -> None:
-    session = await service.sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.control("Hit increment")
         assert session.watched
@@ -307,7 +371,7 @@ async def test_no_work_while_nobody_looks(service: Service) -> None:
 
 async def test_scenes_that_nobody_looks_at_are_closed(sessions: SessionRegistry) -> None:
     scenes = Scenes(check_s=0.05)
-    session = await sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(sessions, "ann", "room", seed=1)
     one, two = await asyncio.gather(scenes.get(session), scenes.get(session))
     assert one is two
     one.enter()
@@ -329,7 +393,7 @@ async def test_ten_scenes_leave_nothing_behind(sessions: SessionRegistry) -> Non
         return len(threads), len(list(Path("/proc/self/fd").iterdir()))
 
     scenes = Scenes()
-    session = await sessions.create_world("ann", "room", seed=1)
+    session = await new_simulation(sessions, "ann", "room", seed=1)
     await scenes.get(session)
     await scenes.close()
     before = counts()

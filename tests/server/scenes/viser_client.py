@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import msgspec
+import numpy as np
 import viser
 import zstandard
 from websockets.asyncio.client import ClientConnection, connect
@@ -30,16 +31,31 @@ CAMERA = {
 
 
 def unpack(frame: bytes) -> list[dict[str, Any]]:
-    """The messages of one frame; arrays stay what viser calls placeholders."""
+    """The messages of one frame, each array in its place, flat, as viser's client has it."""
     size = int.from_bytes(frame[8:16], "little")
     inner = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size], int.from_bytes(frame[:8], "little"))
-    return list(msgspec.msgpack.decode(inner)["messages"])
+    content = msgspec.msgpack.decode(inner)
+    buffers, at = [], 16 + size
+    for length in content["binaryBufferLengths"]:
+        at += -at % 8
+        buffers.append(memoryview(frame)[at : at + length])
+        at += length
+
+    def filled(value: Any) -> Any:
+        if isinstance(value, dict) and "__binary_index" in value:
+            return np.frombuffer(buffers[value["__binary_index"]], value["dtype"])
+        if isinstance(value, dict):
+            return {key: filled(one) for key, one in value.items()}
+        return value
+
+    return [filled(message) for message in content["messages"]]
 
 
 class Client:
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
         self.seen: list[dict[str, Any]] = []
+        self.received = 0  #: bytes
 
     async def send(self, **message: Any) -> None:
         await self.socket.send(msgspec.msgpack.encode(message))
@@ -53,11 +69,20 @@ class Client:
             while True:
                 frame = await self.socket.recv()
                 assert isinstance(frame, bytes)
+                self.received += len(frame)
                 messages = unpack(frame)
                 self.seen += messages
                 for message in messages:
                     if wanted(message):
                         return message
+
+    def forget(self) -> None:
+        """Begin to count anew."""
+        self.seen, self.received = [], 0
+
+    def of_type(self, kind: str) -> list[dict[str, Any]]:
+        """What was seen of this type of message."""
+        return [message for message in self.seen if message["type"] == kind]
 
     async def control(self, label: str) -> dict[str, Any]:
         """The message that made the control with this label."""
@@ -68,7 +93,7 @@ class Client:
 async def viser_client(port: int, session_id: str) -> AsyncIterator[Client]:
     protocol = Subprotocol(f"viser-v{viser.__version__}")
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}"
-    async with connect(url, subprotocols=[protocol], max_size=64 << 20, compression=None) as socket:
+    async with connect(url, subprotocols=[protocol], max_size=None, compression=None) as socket:
         client = Client(socket)
         await client.send(**CAMERA)
         yield client

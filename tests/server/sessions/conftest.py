@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from server.sessions import Session, SessionRegistry
+from server.sessions import SessionHost, SessionRegistry
+from tests.server.begin import between_ticks
 from tests.server.service import eventually, settings_for
 
 
@@ -37,14 +38,14 @@ def registry(make_registry: Callable[..., SessionRegistry]) -> SessionRegistry:
 @pytest.fixture
 def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is asked of a session at once is carried out in one tick, however slow the machine is."""
-    monkeypatch.setattr("server.sessions.model.ORDERS_S", float("inf"))
+    monkeypatch.setattr("server.sessions.computation.COMMANDS_S", float("inf"))
 
 
-async def obeyed(session: Session, **command: Any) -> None:
+async def obeyed(session: SessionHost, **command: Any) -> None:
     """Give a command and wait until it was carried out."""
     session.enqueue(command)
     await eventually(lambda: not session.has_queued_commands)
-    await session.snapshot()  # the tick that took it is over
+    await between_ticks(session)  # the tick that took it is over
 
 
 @pytest.fixture

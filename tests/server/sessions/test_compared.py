@@ -18,13 +18,14 @@ from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.sessions import LogView, SessionRegistry
-from server.sessions.second_map_view import Wanted
+from server.sessions.view import Wanted
+from tests.server.begin import new_log
 from tests.server.service import Service, Watcher, eventually, running, settings_for
-from tests.server.sessions.test_log_session import whole_map
+from tests.server.sessions.test_log import whole_map
 
 
 async def at_its_end(registry: SessionRegistry, obey: Callable[..., Any], log: ScanLog) -> Any:
-    session = await registry.create_log("me", log)
+    session = await new_log(registry, "me", log)
     await obey(session, type="pause")
     await obey(session, type="seek", index=log.n_scans)
     return session
@@ -34,20 +35,20 @@ async def test_a_keeps_its_parameters_while_b_follows_the_hand(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
-    kept = session.config
-    await session.compare(Wanted(asdict(kept), session.trajectory))
-    _, found = await session.compared()
+    kept = session.model.config
+    await session.model.comparison.compare(Wanted(asdict(kept), session.model.recording.trajectory))
+    _, found = await session.model.comparison.compared()
     assert found.max_difference == 0.0
     await obey(session, type="parameters", values={"log_odds_hit": 0.4, "window": 0.2})
-    other = session.side(second=True)
+    other = session.model.comparison.explained()[0]
     np.testing.assert_array_equal(other.grid.log_odds, whole_map(office_log, kept).log_odds)
-    np.testing.assert_array_equal(session.grid.log_odds, whole_map(office_log, session.config).log_odds)
-    _, found = await session.compared()
+    np.testing.assert_array_equal(session.model.grid.log_odds, whole_map(office_log, session.model.config).log_odds)
+    _, found = await session.model.comparison.compared()
     assert found.max_difference > 0.5
     # Both stand at the same scan, forwards and backwards.
     for index in (30, 55):
         await obey(session, type="seek", index=index)
-        other = session.side(second=True)
+        other = session.model.comparison.explained()[0]
         assert other.index == index
         np.testing.assert_array_equal(other.grid.log_odds, whole_map(office_log, kept, stop=index).log_odds)
 
@@ -56,18 +57,18 @@ async def test_another_trajectory_follows_all_parameters(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
-    wheel = next(name for name in office_log.trajectories if name != session.trajectory)
-    await session.compare(Wanted({}, wheel))
+    wheel = next(name for name in office_log.trajectories if name != session.model.recording.trajectory)
+    await session.model.comparison.compare(Wanted({}, wheel))
     for values in ({"update": "per_scan"}, {"resolution": 0.1}):
         await obey(session, type="parameters", values=values)
-        other = session.side(second=True)
-        assert other.config == session.config
+        other = session.model.comparison.explained()[0]
+        assert other.config == session.model.config
         from mapper.mapping.integrate import grid_for, integrate_log
 
-        expected = grid_for(office_log, session.config, wheel)
-        integrate_log(expected, office_log, session.config, wheel)
+        expected = grid_for(office_log, session.model.config, wheel)
+        integrate_log(expected, office_log, session.model.config, wheel)
         np.testing.assert_array_equal(other.grid.log_odds, expected.log_odds)
-    told, _ = await session.compared()
+    told, _ = await session.model.comparison.compared()
     assert (told["trajectory"], told["values"], told["log"]) == (wheel, {}, None)
 
 
@@ -76,13 +77,13 @@ async def test_what_has_no_lattice_in_common_is_told_and_seen_all_the_same(
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
     client = session.join()
-    await session.compare(Wanted(asdict(session.config), session.trajectory))
+    await session.model.comparison.compare(Wanted(asdict(session.model.config), session.model.recording.trajectory))
     await obey(session, type="parameters", values={"resolution": 0.1})
     with pytest.raises(MapperError, match=r"A has cells of 0\.05 m and B of 0\.1 m") as error:
-        await session.compared()
+        await session.model.comparison.compared()
     assert error.value.code == "compare.lattice"
     await eventually(lambda: '"refused":"A has cells' in session.hub.slots.get("comparison", ""))
-    assert session.side(second=True).grid.geometry.resolution == 0.05
+    assert session.model.comparison.explained()[0].grid.geometry.resolution == 0.05
     session.leave(client)
 
 
@@ -91,24 +92,24 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
     with pytest.raises(MapperError, match="no other one"):
-        await session.compared()
-    await session.compare(Wanted({"window": 0.2}))
+        await session.model.comparison.compared()
+    await session.model.comparison.compare(Wanted({"window": 0.2}))
     for wanted in (Wanted({"window": 9.0}), Wanted({}, "no such poses"), Wanted({"no such": 1})):
         with pytest.raises(ConfigError):
-            await session.compare(wanted)
-        told, _ = await session.compared()
+            await session.model.comparison.compare(wanted)
+        told, _ = await session.model.comparison.compared()
         assert told["values"] == {"window": 0.2}
     done = await asyncio.gather(
-        *(session.compare(Wanted({"window": w})) for w in (0.3, 0.4, 0.5)), return_exceptions=True
+        *(session.model.comparison.compare(Wanted({"window": w})) for w in (0.3, 0.4, 0.5)), return_exceptions=True
     )
     assert done[2] is None
     assert [getattr(one, "code", None) for one in done[:2]] == ["compare.superseded"] * 2
-    assert (await session.compared())[0]["values"] == {"window": 0.5}
+    assert (await session.model.comparison.compared())[0]["values"] == {"window": 0.5}
     with pytest.raises(MapperError):
-        await registry.create_log("me", replace(office_log, name="x"), view=LogView(trajectory="no such"))
-    await session.compare(None)
+        await new_log(registry, "me", replace(office_log, name="x"), view=LogView(trajectory="no such"))
+    await session.model.comparison.compare(None)
     with pytest.raises(MapperError, match="no other one"):
-        await session.compared()
+        await session.model.comparison.compared()
 
 
 async def test_a_map_that_grows_too_large_for_either_changes_neither(
@@ -117,13 +118,13 @@ async def test_a_map_that_grows_too_large_for_either_changes_neither(
     cells = int(whole_map(office_log, MappingConfig()).log_odds.size)
     registry = make_registry(max_cells=3 * cells, max_total_cells=3 * cells)
     session = await at_its_end(registry, obey, office_log)
-    await session.compare(Wanted())
-    before = session.config
+    await session.model.comparison.compare(Wanted())
+    before = session.model.config
     await obey(session, type="parameters", values={"resolution": 0.03})
-    assert session.config == before
-    assert session.side(second=True).config == before
+    assert session.model.config == before
+    assert session.model.comparison.explained()[0].config == before
     assert isinstance(session.limits(), Limits)
-    assert session.cells == 2 * session.grid.log_odds.size
+    assert session.cells == 2 * session.model.grid.log_odds.size
 
 
 @pytest.fixture(scope="module")
@@ -177,20 +178,20 @@ async def test_the_numbers_are_those_of_the_two_downloaded_maps(service: Service
         assert {key: told[key] for key in numbers} == numbers
         # The reach is shorter, so the second map is the smaller one: lay both onto one sheet, by their origins.
         geometry_b = watcher.newest["geometry"]
-        async with service.connect(session, "?map=second") as beside:
-            second = Watcher(beside)
+        async with service.connect(session) as beside:
+            second = Watcher(beside, layer="second_map")
             await second.until(lambda: second.complete)
             geometry_a = second.newest["geometry"]
             np.testing.assert_array_equal(second.log_odds(), log_odds_a)
             row, col = np.argwhere(~np.isnan(log_odds_a))[0].tolist()
-            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("inspect", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             cell = await watcher.answer("cell")
-            assert cell["map"] == "second"
+            assert cell["layer"] == "second_map"
             assert cell["log_odds"] == pytest.approx(log_odds_a[row, col], abs=5.5 / 254)
-            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], map="second")
+            await watcher.send("why", row=row, col=col, epoch=geometry_a["epoch"], layer="second_map")
             why = await watcher.answer("why")
-            assert (why["map"], why["log_odds"]) == ("second", cell["log_odds"])
-            for touch in why["touches"]:
+            assert (why["layer"], why["log_odds"]) == ("second_map", cell["log_odds"])
+            for touch in why["contributions"]:
                 assert touch["increment"] == pytest.approx(kept["log_odds_hit" if touch["hit"] else "log_odds_miss"])
         offset = np.rint(
             (np.array(geometry_b["origin"][:2]) - np.array(geometry_a["origin"][:2])) / geometry_a["resolution"]

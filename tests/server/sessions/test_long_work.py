@@ -16,25 +16,28 @@ from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions import SessionRegistry, SimulationSession
-from server.sessions import session as session_module
+from server.sessions import SessionRegistry
+from server.sessions import host as host_module
+from server.sessions.models.simulation import SimulationModel
+from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
+from tests.server.view import view_of
 
 
 async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(session_module, "SHOWN_AFTER_S", 0.01)
-    monkeypatch.setattr(session_module, "SHOWN_EVERY_S", 0.01)
-    released, remake = threading.Event(), SimulationSession.remake
+    monkeypatch.setattr(host_module, "SHOWN_AFTER_S", 0.01)
+    monkeypatch.setattr(host_module, "SHOWN_EVERY_S", 0.01)
+    released, remake = threading.Event(), SimulationModel._remake
 
-    def slow(self: SimulationSession, *arguments: Any) -> None:
+    def slow(self: SimulationModel, *arguments: Any) -> None:
         self._mapper.fraction = 0.5
         assert released.wait(PATIENCE_S)
         remake(self, *arguments)
 
-    monkeypatch.setattr(SimulationSession, "remake", slow)
-    session = await registry.create_world("me", "room", seed=1, playing=False)
+    monkeypatch.setattr(SimulationModel, "_remake", slow)
+    session = await new_simulation(registry, "me", "room", seed=1, playing=False)
     client = session.join()
     session.enqueue({"type": "parameters", "values": {"window": 0.5}})
 
@@ -47,7 +50,7 @@ async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
     assert [m["elapsed_s"] > 0.0 for m in shown if m["type"] == "working"] == [True]
     released.set()
     await eventually(lambda: working()["elapsed_s"] is None)
-    assert session.config.window == 0.5
+    assert session.model.config.window == 0.5
 
 
 class Parts:
@@ -69,7 +72,7 @@ class Parts:
 async def test_a_map_is_given_up_for_newer_parameters(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
@@ -77,13 +80,13 @@ async def test_a_map_is_given_up_for_newer_parameters(
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
     session.enqueue({"type": "parameters", "values": {"window": 0.42}}, client)
     parts.released.set()
-    await eventually(lambda: session.config.window == 0.42)
-    await session.snapshot()
+    await eventually(lambda: session.model.config.window == 0.42)
+    await between_ticks(session)
     assert parts.windows.count(0.41) == 1
-    assert session.config.log_odds_hit == 1.5  # what the map given up was for is not lost
-    whole = OccupancyGrid(geometry_for(office_log, session.config), session.config.log_odds_prior)
-    integrate_log(whole, office_log, session.config)
-    np.testing.assert_array_equal(session.view().log_odds, whole.log_odds)
+    assert session.model.config.log_odds_hit == 1.5  # what the map given up was for is not lost
+    whole = OccupancyGrid(geometry_for(office_log, session.model.config), session.model.config.log_odds_prior)
+    integrate_log(whole, office_log, session.model.config)
+    np.testing.assert_array_equal(view_of(session).log_odds, whole.log_odds)
     texts = [json.loads(message) for message in client.take() if isinstance(message, str)]
     assert "error" not in {message["type"] for message in texts}
 
@@ -91,22 +94,22 @@ async def test_a_map_is_given_up_for_newer_parameters(
 async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(session_module, "GIVE_UP_S", 0.0)  # they have come for long
-    session = await registry.create_log("me", office_log, playing=False)
+    monkeypatch.setattr(host_module, "GIVE_UP_S", 0.0)  # they have come for long
+    session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
     session.enqueue({"type": "parameters", "values": {"window": 0.41}})
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
     session.enqueue({"type": "parameters", "values": {"window": 0.42}})
     parts.released.set()
-    await eventually(lambda: session.config.window == 0.42)
+    await eventually(lambda: session.model.config.window == 0.42)
     assert parts.windows.count(0.41) == parts.windows.count(0.42) > 1
 
 
 async def test_a_seek_is_given_up_for_another(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     parts = Parts(monkeypatch)
     session.enqueue({"type": "seek", "index": office_log.n_scans})
@@ -114,10 +117,10 @@ async def test_a_seek_is_given_up_for_another(
     session.enqueue({"type": "seek", "index": 2})
     parts.released.set()
     await obey(session, type="pause")
-    await eventually(lambda: session.progress[0] == 2)
+    await eventually(lambda: session.model.progress[0] == 2)
     assert len(parts.windows) < 10
-    shown = session.hub.picture.cells != -128
-    np.testing.assert_array_equal(shown, session.view().observed)
+    shown = session.model.layers[0].picture.cells != -128
+    np.testing.assert_array_equal(shown, view_of(session).observed)
 
 
 def test_the_parts_of_a_map_take_a_few_hundredths_of_a_second(

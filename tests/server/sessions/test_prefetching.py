@@ -17,9 +17,10 @@ from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions import prefetching as preparing
-from server.sessions.log_session import LogSession
 from server.sessions.prefetching import CheckpointPrefetching
+from tests.server.begin import new_log
 from tests.server.service import eventually
+from tests.server.view import view_of
 
 
 @pytest.fixture(autouse=True)
@@ -30,8 +31,8 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checkpoints, "WORTH_KEEPING", 0)
 
 
-def reached(session: LogSession) -> int:
-    return session.replay._replay.checkpoints.reached
+def reached(session: Any) -> int:
+    return int(session.model.recording.replay._replay.checkpoints.reached)
 
 
 async def test_a_log_that_stands_still_is_prepared_to_its_end(
@@ -39,19 +40,19 @@ async def test_a_log_that_stands_still_is_prepared_to_its_end(
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
     await registry.start()
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=5)
     await eventually(lambda: reached(session) > 100)
-    assert session.progress[0] == 5
+    assert session.model.progress[0] == 5
     # With other parameters nothing of it holds, and it begins again.
     await obey(session, type="parameters", values={"log_odds_hit": 1.0})
     await eventually(lambda: reached(session) > 100)
     for index in (120, 30):
         await obey(session, type="seek", index=index)
-        grid = OccupancyGrid(geometry_for(office_log, session.config))
-        integrate_log(grid, office_log, session.config, stop=index)
-        np.testing.assert_array_equal(session.view().log_odds, grid.log_odds)
+        grid = OccupancyGrid(geometry_for(office_log, session.model.config))
+        integrate_log(grid, office_log, session.model.config, stop=index)
+        np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
     session.leave(client)
 
 
@@ -60,14 +61,14 @@ async def test_nothing_is_prepared_that_nobody_watches(
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
     await registry.start()
-    session = await registry.create_log("me", office_log, playing=False)
+    session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=5)
     await asyncio.sleep(0.05)
     assert reached(session) == 5
 
 
 class Steps(CheckpointPrefetcher):
-    """A scout who never comes to an end, or falls over."""
+    """A prefetcher that never ends, or fails."""
 
     def __init__(self, fault: Exception | None = None) -> None:
         self.fault, self.taken = fault, 0
@@ -89,10 +90,10 @@ class Watched:
     watched: bool = True
     is_busy: bool = False
     cells: int = 1
-    scouts: int = 0
+    begun: int = 0
 
     def prefetcher(self) -> CheckpointPrefetcher:
-        self.scouts += 1
+        self.begun += 1
         return self.steps
 
 
@@ -114,7 +115,7 @@ async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() 
     now += 2.0 * preparing.QUIET_S
     other.closed = True
     await eventually(lambda: one.steps.taken > taken)
-    assert one.scouts == 2  # begun anew, from what is kept
+    assert one.begun == 2  # begun anew, from what is kept
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
 

@@ -12,6 +12,7 @@ import pytest
 
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
+from tests.server.begin import between_ticks, new_log
 from tests.server.service import eventually
 
 Make = Callable[..., SessionRegistry]
@@ -19,30 +20,30 @@ Make = Callable[..., SessionRegistry]
 
 async def test_an_unwatched_session_gives_way_and_a_watched_one_never(make_registry: Make, office_log: ScanLog) -> None:
     registry = make_registry(max_sessions=3, max_sessions_per_visitor=3)
-    watched = await registry.create_log("a", office_log)
+    watched = await new_log(registry, "a", office_log)
     watched.join()
-    oldest = await registry.create_log("b", office_log)
-    newer = await registry.create_log("b", office_log)
-    newest = await registry.create_log("c", office_log)
+    oldest = await new_log(registry, "b", office_log)
+    newer = await new_log(registry, "b", office_log)
+    newest = await new_log(registry, "c", office_log)
     assert set(registry.all()) == {watched, newer, newest}
     assert oldest.closed
     newer.join()
     newest.join()
     with pytest.raises(SessionBudgetError) as refused:
-        await registry.create_log("d", office_log)
+        await new_log(registry, "d", office_log)
     assert refused.value.code == "session.full"
     assert set(registry.all()) == {watched, newer, newest}
 
 
 async def test_one_visitors_budget_does_not_touch_anothers(make_registry: Make, office_log: ScanLog) -> None:
     registry = make_registry(max_sessions=10, max_sessions_per_visitor=2)
-    theirs = await registry.create_log("other", office_log)
-    mine = [await registry.create_log("me", office_log) for _ in range(4)]
+    theirs = await new_log(registry, "other", office_log)
+    mine = [await new_log(registry, "me", office_log) for _ in range(4)]
     assert set(registry.all()) == {theirs, *mine[2:]}
     for session in mine[2:]:
         session.join()
     with pytest.raises(SessionBudgetError) as refused:
-        await registry.create_log("me", office_log)
+        await new_log(registry, "me", office_log)
     assert refused.value.code == "session.too_many"
 
 
@@ -50,7 +51,7 @@ async def test_sessions_that_begin_at_once_count_each_other(make_registry: Make,
     registry = make_registry(max_sessions=100, max_sessions_per_visitor=3)
 
     async def begin() -> Any:
-        session = await registry.create_log("me", office_log)
+        session = await new_log(registry, "me", office_log)
         session.join()
         return session
 
@@ -62,7 +63,7 @@ async def test_sessions_that_begin_at_once_count_each_other(make_registry: Make,
 async def test_idle_sessions_end_and_watched_ones_do_not(make_registry: Make, office_log: ScanLog) -> None:
     now = [0.0]
     registry = make_registry(session_idle_s=60.0, clock=lambda: now[0])
-    idle, watched = [await registry.create_log("me", office_log) for _ in range(2)]
+    idle, watched = [await new_log(registry, "me", office_log) for _ in range(2)]
     idle.unwatched_since = 0.0
     watched.join()
     now[0] = 59.0
@@ -76,22 +77,22 @@ async def test_idle_sessions_end_and_watched_ones_do_not(make_registry: Make, of
 
 
 async def test_all_grids_together_are_bounded(make_registry: Make, office_log: ScanLog) -> None:
-    size = (await make_registry().create_log("me", office_log)).cells
+    size = (await new_log(make_registry(), "me", office_log)).cells
     registry = make_registry(max_cells=2 * size, max_total_cells=int(2.5 * size))
-    idle = await registry.create_log("me", office_log)
-    first = await registry.create_log("me", office_log)
+    idle = await new_log(registry, "me", office_log)
+    first = await new_log(registry, "me", office_log)
     assert idle.closed  # nobody watched it, and a large grid might have needed its room
     first.join()
-    second = await registry.create_log("you", office_log)
+    second = await new_log(registry, "you", office_log)
     second.join()
-    third = await registry.create_log("they", office_log)
-    assert (first.config.resolution, second.config.resolution) == (0.05, 0.05)
-    assert third.config.resolution > 0.05  # what room is left is for a coarser map
+    third = await new_log(registry, "they", office_log)
+    assert (first.model.config.resolution, second.model.config.resolution) == (0.05, 0.05)
+    assert third.model.config.resolution > 0.05  # what room is left is for a coarser map
     third.join()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
     third.enqueue({"type": "parameters", "values": {"resolution": 0.05}})
     await eventually(lambda: not third.has_queued_commands)
-    await third.snapshot()
+    await between_ticks(third)
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
 
 
@@ -101,49 +102,49 @@ async def test_the_logs_of_all_sessions_together_are_bounded(make_registry: Make
 
     registry = make_registry(max_log_bytes=2 * another().ranges.nbytes)
     shared = another()
-    first = await registry.create_log("me", shared)
+    first = await new_log(registry, "me", shared)
     first.join()
-    second = await registry.create_log("you", another())
-    again = await registry.create_log("me", shared)  # its readings are in memory already
+    second = await new_log(registry, "you", another())
+    again = await new_log(registry, "me", shared)  # its readings are in memory already
     assert set(registry.all()) == {first, second, again}
-    third = await registry.create_log("they", another())
+    third = await new_log(registry, "they", another())
     assert set(registry.all()) == {first, again, third}
     third.join()
     with pytest.raises(SessionBudgetError) as refused:
-        await registry.create_log("we", another())
+        await new_log(registry, "we", another())
     assert refused.value.code == "session.memory"
     with pytest.raises(SessionBudgetError, match="more memory than the server has"):
-        await registry.create_log("me", replace(office_log, ranges=np.tile(office_log.ranges, (1, 20))))
+        await new_log(registry, "me", replace(office_log, ranges=np.tile(office_log.ranges, (1, 20))))
     assert {first, again, third} == set(registry.all())
 
 
 async def test_one_visitor_has_half_of_the_cells_and_of_the_memory_for_logs(
     make_registry: Make, office_log: ScanLog
 ) -> None:
-    size = (await make_registry().create_log("me", office_log)).cells
+    size = (await new_log(make_registry(), "me", office_log)).cells
     registry = make_registry(max_cells=size, max_total_cells=6 * size)
-    theirs = await registry.create_log("you", office_log)
+    theirs = await new_log(registry, "you", office_log)
     for _ in range(3):
-        (await registry.create_log("me", office_log)).join()
+        (await new_log(registry, "me", office_log)).join()
     with pytest.raises(SessionBudgetError, match="all the cells that there are, or that one visitor may have"):
-        await registry.create_log("me", office_log)
+        await new_log(registry, "me", office_log)
     assert not theirs.closed, "nobody watches it, but to end it would make no room"
-    assert (await registry.create_log("you", office_log)).config.resolution == 0.05
+    assert (await new_log(registry, "you", office_log)).model.config.resolution == 0.05
 
     def another() -> ScanLog:
         return replace(office_log, ranges=np.tile(office_log.ranges, (1, 5)))
 
     registry = make_registry(max_log_bytes=4 * another().ranges.nbytes)
     for _ in range(2):
-        (await registry.create_log("me", another())).join()
+        (await new_log(registry, "me", another())).join()
     with pytest.raises(SessionBudgetError, match="memory that one visitor may have") as refused:
-        await registry.create_log("me", another())
+        await new_log(registry, "me", another())
     assert refused.value.code == "session.memory"
-    await registry.create_log("you", another())
+    await new_log(registry, "you", another())
 
 
 async def test_ids_cannot_be_guessed(registry: SessionRegistry, office_log: ScanLog) -> None:
-    ids = {(await registry.create_log("me", office_log)).id for _ in range(5)}
+    ids = {(await new_log(registry, "me", office_log)).id for _ in range(5)}
     assert len(ids) == 5
     assert all(len(session_id) >= 24 for session_id in ids)
 
@@ -158,16 +159,16 @@ async def test_what_is_not_there(registry: SessionRegistry) -> None:
 async def test_guests_have_half_of_the_cells_and_end_no_session_of_others(
     make_registry: Callable[..., SessionRegistry], office_log: ScanLog
 ) -> None:
-    first = await make_registry().create_log("owner", office_log)
+    first = await new_log(make_registry(), "owner", office_log)
     registry = make_registry(max_cells=2 * first.cells, max_total_cells=4 * first.cells)
-    owner = await registry.create_log("owner", office_log)
-    guest = await registry.create_log("guest", office_log, link="a link")
+    owner = await new_log(registry, "owner", office_log)
+    guest = await new_log(registry, "guest", office_log, link="a link")
     assert registry.limits(owner).max_cells == registry.limits(guest).max_cells == 2 * first.cells
     assert registry.limits(None).max_cells == 2 * first.cells
-    other = await registry.create_log("other", office_log, link="another link")
+    other = await new_log(registry, "other", office_log, link="another link")
     # The guest who left made room, the owner, who left too, did not.
     assert registry.all() == [owner, other]
     watched = other.join()
-    third = await registry.create_log("third", office_log, link="another link")
+    third = await new_log(registry, "third", office_log, link="another link")
     assert registry.limits(third).max_cells == first.cells
     other.leave(watched)

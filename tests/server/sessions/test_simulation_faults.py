@@ -14,8 +14,12 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
-from server.sessions import LiveMap, SessionRegistry
-from server.sessions.simulation_commands import retold, story_of
+from mapper.simulation.live_map import LiveMap
+from server.sessions import SessionRegistry
+from server.sessions.models.story import replayed, story_of
+from server.stream.layers import GridLayer
+from tests.server.begin import new_simulation
+from tests.server.view import view_of
 
 
 def by_hand(mapper: LiveMap, grid: OccupancyGrid, config: MappingConfig, faults: Faults) -> OccupancyGrid:
@@ -155,24 +159,24 @@ ACTS: tuple[dict[str, Any], ...] = (
 
 
 async def test_a_story_told_again_is_the_same_map(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "room", seed=4)
+    session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
     for command in ACTS:
         await obey(session, **command)
         await obey(session, type="step", scans=13)
     await obey(session, type="parameters", values={"window": 0.35, "clamp": False})
     await obey(session, type="faults", values={"drift": True})
-    story = json.loads(json.dumps(await session.story()))
+    story = json.loads(json.dumps(await session.model.story.current()))
     assert len(story["journal"]) == len(ACTS)
-    other = await registry.create_world("somebody", story["world"], story["seed"], story)
-    here, there = session.view(), other.view()
+    other = await new_simulation(registry, "somebody", story["world"], story["seed"], story)
+    here, there = view_of(session), view_of(other)
     assert there.pose == here.pose
     assert there.config == here.config
     assert there.count == here.count
     np.testing.assert_array_equal(there.ranges, here.ranges)
     np.testing.assert_array_equal(there.log_odds, here.log_odds)
     assert [s.tobytes() for s in there.world.solids] == [s.tobytes() for s in here.world.solids]  # type: ignore[union-attr]
-    assert json.loads(json.dumps(await other.story())) == story
+    assert json.loads(json.dumps(await other.model.story.current())) == story
 
 
 def test_a_story_that_is_too_long_begins_where_it_stands() -> None:
@@ -183,7 +187,7 @@ def test_a_story_that_is_too_long_begins_where_it_stands() -> None:
     mapper.teleport(4.0, 5.0, 1.0)
     story = story_of(mapper)
     assert story["journal"] is None
-    other = retold(json.loads(json.dumps(story)))
+    other = replayed(json.loads(json.dumps(story)))
     assert other.simulation.pose == pytest.approx((4.0, 5.0, 1.0))
     assert other.edits == mapper.edits
 
@@ -207,17 +211,19 @@ async def test_a_story_that_makes_no_sense_is_refused(
     registry: SessionRegistry, story: dict[str, Any], error: type[MapperError]
 ) -> None:
     with pytest.raises(error):
-        await registry.create_world("me", "room", 1, story)
+        await new_simulation(registry, "me", "room", 1, story)
     assert len(registry) == 0
 
 
 async def test_whoever_watches_the_second_map_sees_it(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
-    session = await registry.create_world("me", "room", seed=4)
-    client = session.join(session.hub_of(second=True))
+    session = await new_simulation(registry, "me", "room", seed=4)
+    client = session.join()
+    client.subscribe(["second_map"])
     await obey(session, type="compare", values={"log_odds_hit": 0.2})
     await obey(session, type="step", scans=3)
-    first, second = (hub.picture.cells for hub in session.hubs)
+    shown = (layer.picture for layer in session.model.layers if isinstance(layer, GridLayer))
+    first, second = (picture.cells for picture in shown if picture is not None)
     assert first.shape == second.shape
     assert np.any(first != second)
     texts = [message for message in client.take() if isinstance(message, str)]
-    assert {json.loads(text)["type"] for text in texts} >= {"hello", "geometry", "frame"}
+    assert {json.loads(text)["type"] for text in texts} >= {"hello", "layers", "geometry", "frame"}

@@ -18,10 +18,12 @@ from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
-from server.sessions import simulation_commands as world_commands
-from server.sessions.simulation_commands import act, retold, story_of
-from server.sessions.story_cost import check_story, story_seconds
+from server.sessions.models import story as story_module
+from server.sessions.models.simulation_commands import act
+from server.sessions.models.story import replayed, story_of
+from server.sessions.models.story_cost import check_story, story_seconds
 from server.sessions.tick import TickResult
+from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 
 BOX = ["box", 300, 300, 340, 340]
@@ -49,7 +51,7 @@ def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.M
         done.append("step")
         return advance(self, dt)
 
-    monkeypatch.setattr(world_commands, "act", edit)
+    monkeypatch.setattr(story_module, "act", edit)
     monkeypatch.setattr(LiveMap, "advance", step)
     asked = []
 
@@ -58,7 +60,7 @@ def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.M
         done.clear()
         return True
 
-    retold(edits(30), wanted=wanted)
+    replayed(edits(30), wanted=wanted)
     assert max(len(slice_) for slice_ in asked[1:]) == 1  # the first holds the two seconds of every world's beginning
     assert sum(slice_.count("edit") for slice_ in asked) == 30
 
@@ -73,7 +75,7 @@ def test_a_story_that_is_not_wanted_any_more_ends(at: int) -> None:
         return asked <= at
 
     with pytest.raises(WorkCancelledError):
-        retold(edits(30), wanted=wanted)
+        replayed(edits(30), wanted=wanted)
     assert asked <= at + 30  # those of the world's beginning, whose time passes in any case
 
 
@@ -89,7 +91,7 @@ def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> 
     for command in acts:
         act(live, command, TickResult())
         live.advance(1.3)
-    told = retold(json.loads(json.dumps(story_of(live))))
+    told = replayed(json.loads(json.dumps(story_of(live))))
     assert told.config == live.config
     assert told.grid.geometry == live.grid.geometry
     np.testing.assert_array_equal(told.grid.log_odds, live.grid.log_odds)
@@ -121,12 +123,11 @@ def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
 
 
 async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
-    make_registry: Callable[..., SessionRegistry], monkeypatch: pytest.MonkeyPatch
+    registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    registry = make_registry(max_story_s=2.0)
-    monkeypatch.setattr("server.sessions.registry.retold", lambda *_, **__: pytest.fail("it began"))
+    monkeypatch.setattr("server.sessions.models.simulation_kind.replayed", lambda *_, **__: pytest.fail("it began"))
     with pytest.raises(LimitError, match=r"about 8 s of computing, more than the 2 s .* GRIDBLOOM_MAX_STORY_S"):
-        await registry.create_world("me", "room", 1, edits(900))
+        await new_simulation(registry, "me", "room", 1, edits(900), max_story_s=2.0)
     assert len(registry) == 0
 
 
@@ -143,7 +144,7 @@ def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> 
 
 
 async def test_a_story_whose_visitor_has_gone_ends(registry: SessionRegistry) -> None:
-    task = asyncio.ensure_future(registry.create_world("me", "room", 1, edits(900, every=30), name="mine"))
+    task = asyncio.ensure_future(new_simulation(registry, "me", "room", 1, edits(900, every=30), name="mine"))
     await eventually(lambda: not registry.under_way.is_empty)
     making = registry.under_way.get("me", "mine")
     await eventually(lambda: making.fraction > 0.0)
@@ -151,7 +152,7 @@ async def test_a_story_whose_visitor_has_gone_ends(registry: SessionRegistry) ->
     await asyncio.gather(task, return_exceptions=True)
     assert not making.is_wanted
     # The turn is free again: somebody else's world begins.
-    await asyncio.wait_for(registry.create_world("you", "room", 1), PATIENCE_S)
+    await asyncio.wait_for(new_simulation(registry, "you", "room", 1), PATIENCE_S)
     assert making.fraction < 1.0
 
 
@@ -169,13 +170,13 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
         raise WorkCancelledError("story.unwanted", "It is not wanted.")
 
     with running(settings_for(tmp_path)) as service:
-        monkeypatch.setattr("server.sessions.registry.retold", slow)
+        monkeypatch.setattr("server.sessions.models.simulation_kind.replayed", slow)
         _check_leaving(service, went_on, ended)
 
 
 def _check_leaving(service: Service, went_on: threading.Event, ended: threading.Event) -> None:
     service.http.get("/")  # the visitor's cookie
-    wanted = {"kind": "world", "name": "mine", "story": {"steps": 5}}
+    wanted = {"kind": "simulation", "name": "mine", "story": {"steps": 5}}
     base = service.http.base_url
     cookies = "; ".join(f"{name}={value}" for name, value in service.http.cookies.items())
     headers = {"Content-Type": "application/json", "Cookie": cookies}

@@ -14,7 +14,9 @@ from hypothesis import strategies as st
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import MappingConfig
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
+from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError
 from server.stream.tiles import TilePicture
 
@@ -35,27 +37,33 @@ class Source:
 
     def __init__(self, rows: int = ROWS, cols: int = COLS) -> None:
         self.clock = Clock()
-        self.epoch = 0
-        self.revision = 0
+        self.config = MappingConfig()  # whose clamp is -2 … 3.5
+        self.layer = GridLayer("map", "Map")
         self.begin(rows, cols)
-        self.hub = Hub(self.picture, self.clock)
+        self.hub = Hub([self.layer], self.clock)
 
     def begin(self, rows: int, cols: int) -> None:
-        self.epoch += 1
         self.grid = OccupancyGrid(GridGeometry(0.1, rows, cols))
-        self.picture = TilePicture(self.grid.geometry, -2.0, 3.5, self.epoch, self.revision)
+        self.layer.update(self.grid, self.config, None, whole=True)
 
     def new_epoch(self, rows: int, cols: int) -> None:
-        self.revision = self.picture.newest
         self.begin(rows, cols)
-        self.hub.set_picture(self.picture)
         self.publish()
+
+    @property
+    def epoch(self) -> int:
+        return self.layer.epoch
+
+    @property
+    def picture(self) -> TilePicture:
+        assert self.layer.picture is not None
+        return self.layer.picture
 
     def paint(self, row: int, col: int, value: float) -> None:
         row, col = row % self.grid.geometry.rows, col % self.grid.geometry.cols
         self.grid.log_odds[row, col] = value
         self.grid.observed[row, col] = True
-        self.picture.update(self.grid, CellBox(row, row + 1, col, col + 1))
+        self.layer.update(self.grid, self.config, CellBox(row, row + 1, col, col + 1), whole=False)
 
     def publish(self, *, settled: bool = False) -> None:
         self.hub.publish({"index": self.hub.frame_number}, {"scan": self.hub.frame_number}, (0.0, 0.0), settled=settled)
@@ -92,8 +100,8 @@ class Browser:
             self.times.append(message["t"])
 
     def _apply(self, frame: bytes) -> None:
-        kind, flags, _, epoch, seq, count = struct.unpack_from("<BBHIII", frame)
-        assert kind == 1
+        kind, flags, layer, epoch, seq, count = struct.unpack_from("<BBHIII", frame)
+        assert (kind, layer) == (1, 1)
         assert seq == self.seq + 1
         assert epoch == self.epoch
         at, self.seq = 16, seq
@@ -119,7 +127,7 @@ class Browser:
         self.client = self.source.hub.join()
         self.seq = 0
         if self.kept is not None and self.kept[0] == self.epoch:
-            self.client.resume(*self.kept)
+            self.client.resume("map", *self.kept)
 
 
 ACTIONS = st.lists(
@@ -250,7 +258,7 @@ def test_nothing_is_sent_where_nothing_changes() -> None:
     source.paint(3, 3, 0.85)
     source.publish(settled=True)
     browser = Browser(source)
-    assert browser.read() == 3  # geometry, frame, tiles
+    assert browser.read() == 4  # layers, geometry, frame, tiles
     browser.acknowledge()
     source.clock.now += 1.0
     assert browser.read() == 0
@@ -261,7 +269,7 @@ def test_the_tiles_around_the_robot_come_first_and_frames_are_bounded() -> None:
     rng = np.random.default_rng(0)
     source.grid.log_odds[:] = rng.normal(size=source.grid.log_odds.shape)  # does not compress: 1,600 full tiles
     source.grid.observed[:] = True
-    source.picture.update(source.grid, CellBox(0, 64 * 40, 0, 64 * 40))
+    source.layer.update(source.grid, source.config, None, whole=True)
     at = (64 * 30 + 32, 64 * 10 + 32)
     source.hub.publish({"index": 0}, {"scan": 0}, (at[1] * 0.1, at[0] * 0.1), settled=True)
     browser = Browser(source)
@@ -295,7 +303,7 @@ def test_a_client_whose_frames_are_late_because_they_are_large_gets_smaller_ones
     sizes = []
     for _ in range(60):
         source.grid.log_odds[:] = rng.normal(size=source.grid.log_odds.shape)
-        source.picture.update(source.grid, CellBox(0, 64 * 12, 0, 64 * 12))
+        source.layer.update(source.grid, source.config, None, whole=True)
         source.publish(settled=True)
         size = 0
         for message in browser.client.take():
@@ -379,7 +387,8 @@ def test_resume_of_another_epoch_changes_nothing() -> None:
     source.paint(3, 3, 0.85)
     source.publish()
     client = source.hub.join()
-    client.resume(source.epoch + 1, 2**31)
+    client.resume("map", source.epoch + 1, 2**31)
+    client.resume("no such", source.epoch, source.picture.newest)
     assert client.dirty_tiles == 1
-    client.resume(source.epoch, source.picture.newest)
+    client.resume("map", source.epoch, source.picture.newest)
     assert client.dirty_tiles == 0

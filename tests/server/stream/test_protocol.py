@@ -1,4 +1,4 @@
-"""Frames come back as they went out, and what is no frame is refused in one sentence."""
+"""What is no command is refused in one sentence."""
 
 from __future__ import annotations
 
@@ -11,47 +11,13 @@ from hypothesis import strategies as st
 
 from server.stream.protocol import (
     ProtocolError,
-    TilePayload,
     decode_command,
-    decode_tiles,
     encode_text,
-    encode_tiles,
     integer,
     number,
     text,
     values,
 )
-
-TILES = st.lists(
-    st.builds(
-        TilePayload,
-        tx=st.integers(-(2**15), 2**15 - 1),
-        ty=st.integers(-(2**15), 2**15 - 1),
-        revision=st.integers(0, 2**32 - 1),
-        data=st.binary(max_size=40),
-    ),
-    max_size=5,
-)
-
-
-@given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1), TILES, st.booleans())
-def test_tiles_come_back(epoch: int, seq: int, tiles: list[TilePayload], complete: bool) -> None:
-    frame = decode_tiles(encode_tiles(epoch, seq, tiles, complete=complete))
-    assert (frame.epoch, frame.seq, frame.complete, list(frame.tiles)) == (epoch, seq, complete, tiles)
-
-
-def test_the_bytes_are_those_of_the_protocols_text() -> None:
-    frame = encode_tiles(0x01020304, 5, [TilePayload(-2, 3, 9, b"zs")], complete=True)
-    assert frame == bytes.fromhex("01 01 0000 04030201 05000000 01000000 feff 0300 09000000 02000000") + b"zs"
-
-
-@given(TILES.filter(bool), st.data())
-def test_every_cut_frame_is_refused(tiles: list[TilePayload], data: st.DataObject) -> None:
-    frame = encode_tiles(1, 1, tiles)
-    with pytest.raises(ProtocolError):
-        decode_tiles(frame[: data.draw(st.integers(0, len(frame) - 1))])
-    with pytest.raises(ProtocolError):
-        decode_tiles(frame + b"x")
 
 
 @pytest.mark.parametrize(

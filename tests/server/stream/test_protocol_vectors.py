@@ -21,16 +21,8 @@ from mapper.grid import GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.traversal import bresenham
 from server.stream import commands, messages
-from server.stream.protocol import (
-    HEADER,
-    SUBPROTOCOL,
-    ProtocolError,
-    TilePayload,
-    decode_command,
-    decode_tiles,
-    encode_text,
-    encode_tiles,
-)
+from server.stream.codecs import GRAPH, HEADER, TABLE, TILES, Graph, TilePayload, decode_frame, encode_frame
+from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text
 from server.stream.tiles import STATE_BOUNDS
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "wire" / "protocol.vectors.json"
@@ -38,7 +30,8 @@ TILE = 64
 
 COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "ack", "seq": 4294967295},
-    {"type": "resume", "epoch_id": "0f", "epoch": 3, "revision": 17},
+    {"type": "resume", "epoch_id": "0f", "layer": "map", "epoch": 3, "revision": 17},
+    {"type": "subscribe", "layers": ["map", "partículas"]},
     {"type": "play"},
     {"type": "step", "scans": -1},
     {"type": "parameters", "values": {"log_odds_hit": 0.85, "model": "step_window", "clamp": False}},
@@ -48,7 +41,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
-    {"type": "why", "row": 3, "col": 4, "epoch": 1, "map": "second"},
+    {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
     {"type": "restart"},
     {"type": "speed", "value": 2.5},
@@ -85,7 +78,7 @@ _NUMBERS = messages.Numbers(
     max_difference=0.9,
     max_at=None,
 )
-_TOUCH = messages.Touch(
+_CONTRIBUTION = messages.Contribution(
     n=1,
     scan=0,
     stamp=0.1,
@@ -102,7 +95,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.Hello(
         protocol=SUBPROTOCOL,
         session="abc",
-        kind="world",
+        kind="simulation",
         title="Büro",
         epoch_id="0f",
         speeds=(0.25, 4.0),
@@ -125,7 +118,14 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
             "i", "true", [messages.TrajectoryInfo("true", "ground truth")], 360, 12, 0.0, "CARMEN", ["No times."]
         ),
     ),
-    messages.Geometry(1, 0.05, 320, 640, (-1.5, 2.0, 0.0), -2.0, 3.5, 64),
+    messages.LayersMessage(
+        [
+            messages.LayerInfo(1, "map", "grid", "Map", "belief", []),
+            messages.LayerInfo(3, "particles", "points", "Particles", "particles", ["x", "y", "yaw", "value"]),
+        ]
+    ),
+    messages.LayersMessage([]),
+    messages.Geometry(2, 1, 0.05, 320, 640, (-1.5, 2.0, 0.0), -2.0, 3.5, 64),
     messages.FrameMessage(
         t=12.5,
         playing=True,
@@ -179,9 +179,9 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),
     messages.ErrorMessage("command.x", "Not a number."),
-    messages.CellMessage(1, 2, 3, 0.075, 0.125, True, 0.85, 0.7, "occupied"),
-    messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second"),
-    messages.WhyMessage(1, 2, 3, 10, -0.4, 0.0, None, None, False, 1, 0, 0, [(1, -0.4)], [_TOUCH]),
+    messages.CellMessage(1, 2, 3, 0.075, 0.125, True, 0.85, 0.7, "occupied", "map"),
+    messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second_map"),
+    messages.WhyMessage(1, 2, 3, 10, -0.4, 0.0, None, None, False, 1, 0, 0, [(1, -0.4)], [_CONTRIBUTION], "map"),
     messages.Pong(1, 12.5),
 )
 
@@ -195,7 +195,7 @@ def cells(seed: int) -> np.ndarray[Any, np.dtype[np.int8]]:
 
 
 def frames() -> list[dict[str, Any]]:
-    """Binary frames, and what is in them."""
+    """Binary frames with tiles, and what is in them."""
     out = []
     for epoch, seq, complete, places in (
         (1, 1, False, ()),
@@ -209,7 +209,8 @@ def frames() -> list[dict[str, Any]]:
         ]
         out.append(
             {
-                "hex": encode_tiles(epoch, seq, tiles, complete=complete).hex(),
+                "hex": encode_frame(TILES, tiles, layer=seq % 65536, epoch=epoch, seq=seq, complete=complete).hex(),
+                "layer": seq % 65536,
                 "epoch": epoch,
                 "seq": seq,
                 "complete": complete,
@@ -222,15 +223,64 @@ def frames() -> list[dict[str, Any]]:
     return out
 
 
+def tables() -> list[dict[str, Any]]:
+    """Binary frames with a table, and its columns; null is NaN."""
+    out = []
+    for layer, epoch, seq, columns in (
+        (1, 1, 1, [[], []]),
+        (65535, 4294967295, 4294967295, [[0.5, -1.25, 3.0], [1e20, -0.125, 0.0], [0.0, None, 2.0]]),
+        (2, 7, 9, [[1.0]]),
+    ):
+        table = np.array(columns, dtype=np.float32)
+        frame = encode_frame(TABLE, table, layer=layer, epoch=epoch, seq=seq, complete=True)
+        whole = [[None if np.isnan(v) else float(v) for v in column] for column in table]
+        out.append({"hex": frame.hex(), "layer": layer, "epoch": epoch, "seq": seq, "columns": whole})
+    return out
+
+
+def graphs() -> list[dict[str, Any]]:
+    """Binary frames with a graph, and what is in it."""
+    out = []
+    for layer, epoch, seq, columns, edges, values in (
+        (1, 1, 1, [[], [], []], [], []),
+        (4, 70000, 3, [[0.0, 1.0, 1.0], [0.0, 0.0, 2.0], [0.0, 1.5, 3.0]], [[0, 1], [1, 2], [2, 0]], [0.25, 0.5, -1.0]),
+    ):
+        graph = Graph(
+            np.array(columns, dtype=np.float32),
+            np.array(edges, dtype=np.uint32).reshape(-1, 2),
+            np.array(values, dtype=np.float32),
+        )
+        frame = encode_frame(GRAPH, graph, layer=layer, epoch=epoch, seq=seq, complete=True)
+        said: dict[str, Any] = {
+            "layer": layer,
+            "epoch": epoch,
+            "seq": seq,
+            "columns": columns,
+            "edges": edges,
+            "values": values,
+        }
+        out.append({"hex": frame.hex(), **said})
+    return out
+
+
 def broken() -> list[dict[str, str]]:
     """Frames that cannot be read, and the code that says why."""
-    whole = encode_tiles(1, 1, [TilePayload(0, 0, 1, b"abcdef"), TilePayload(1, 0, 2, b"gh")])
-    bad = [whole[:cut] for cut in range(0, len(whole), 5)] + [whole + b"x", b"\x02" + whole[1:], b""]
-    bad.append(HEADER.pack(1, 0, 0, 1, 1, 0xFFFFFFFF))
+    payloads = [TilePayload(0, 0, 1, b"abcdef"), TilePayload(1, 0, 2, b"gh")]
+    nodes = np.zeros((2, 3), dtype=np.float32)
+    edge, value = np.array([[0, 2]], dtype=np.uint32), np.zeros(1, dtype=np.float32)
+    bad = []
+    for whole in (
+        encode_frame(TILES, payloads, layer=1, epoch=1, seq=1),
+        encode_frame(TABLE, nodes, layer=1, epoch=1, seq=1),
+        encode_frame(GRAPH, Graph(nodes, edge, value), layer=1, epoch=1, seq=1),
+    ):
+        bad += [whole[:cut] for cut in range(0, len(whole), 5)] + [whole + b"x", b"\x09" + whole[1:]]
+    bad += [b"", encode_frame(GRAPH, Graph(nodes, edge + 1, value), layer=1, epoch=1, seq=1)]
+    bad += [HEADER.pack(kind, 0, 0, 1, 1, 0xFFFFFFFF) + bytes([255] * 8) for kind in (1, 2, 3)]
     out = []
     for frame in bad:
         with pytest.raises(ProtocolError) as error:
-            decode_tiles(frame)
+            decode_frame(frame)
         out.append({"hex": frame.hex(), "code": error.value.code})
     return out
 
@@ -267,8 +317,8 @@ def quantised() -> dict[str, Any]:
     picture = np.full(values.shape, NEVER_OBSERVED, dtype=np.int8)
     quantise(values, observed, low, high, *STATE_BOUNDS, 0, 1, 0, 40, TILE, picture, np.zeros((1, 1), dtype=np.bool_))
     return {
-        "log_odds_min": low,
-        "log_odds_max": high,
+        "low": low,
+        "high": high,
         "log_odds": np.clip(values[0], low, high).astype(float).tolist(),
         "observed": observed[0].tolist(),
         "int8": picture[0].tolist(),
@@ -285,6 +335,8 @@ def vectors() -> dict[str, Any]:
     """Everything, as JSON has it."""
     made = {
         "frames": frames(),
+        "tables": tables(),
+        "graphs": graphs(),
         "broken": broken(),
         "messages": [encode_text(message) for message in MESSAGES],
         "commands": [encode_text(command) for command in COMMANDS],
@@ -302,9 +354,12 @@ def vectors() -> dict[str, Any]:
 
 def without_compression(frame: dict[str, Any]) -> dict[str, Any]:
     """Return a frame's vector with its tiles decompressed: how they are compressed may differ between zstd versions."""
-    decoded = decode_tiles(bytes.fromhex(frame["hex"]))
-    read = [(t.tx, t.ty, t.revision, zstandard.decompress(t.data).hex()) for t in decoded.tiles]
-    return {key: value for key, value in frame.items() if key != "hex"} | {"read": read, "header": decoded.epoch}
+    decoded = decode_frame(bytes.fromhex(frame["hex"]))
+    read = [(t.tx, t.ty, t.revision, zstandard.decompress(t.data).hex()) for t in decoded.content]
+    return {key: value for key, value in frame.items() if key != "hex"} | {
+        "read": read,
+        "header": (decoded.layer, decoded.epoch, decoded.seq),
+    }
 
 
 def test_what_the_pages_are_tested_with_is_what_the_server_does() -> None:

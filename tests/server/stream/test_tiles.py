@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import zstandard
@@ -35,7 +37,7 @@ def test_tiles_say_what_the_grid_says(rows: int, cols: int, seed: int) -> None:
     grid = OccupancyGrid(GridGeometry(0.05, rows, cols))
     grid.log_odds[:] = rng.uniform(-3.0, 5.0, grid.log_odds.shape)
     grid.observed[:] = rng.random(grid.observed.shape) < 0.5
-    picture = TilePicture(grid.geometry, -2.0, 3.5, epoch=1)
+    picture = TilePicture(grid.geometry, -2.0, 3.5)
     picture.update(grid, CellBox(0, rows, 0, cols))
     picture.publish()
     q = decoded(picture).astype(np.float64)
@@ -52,7 +54,7 @@ def test_tiles_say_what_the_grid_says(rows: int, cols: int, seed: int) -> None:
 
 def test_only_what_changed_gets_a_new_revision_and_each_revision_is_compressed_once() -> None:
     grid = OccupancyGrid(GridGeometry(0.05, 256, 256))
-    picture = TilePicture(grid.geometry, -2.0, 3.5, epoch=1, revision=7)
+    picture = TilePicture(grid.geometry, -2.0, 3.5, revision=7)
     whole = CellBox(0, 256, 0, 256)
     assert picture.publish() == 0
     assert picture.newest == 7
@@ -71,6 +73,36 @@ def test_only_what_changed_gets_a_new_revision_and_each_revision_is_compressed_o
     assert picture.publish() == 1
     assert picture.payload(1, 3).revision == 9
     assert picture.payload(1, 3).data != first.data
+
+
+@given(st.integers(1, 150), st.integers(1, 150), st.integers(0, 2**32 - 1), st.booleans())
+def test_values_of_a_linear_scale_are_told_to_half_a_step(rows: int, cols: int, seed: int, whole_numbers: bool) -> None:
+    rng = np.random.default_rng(seed)
+    low, high = (0.0, 255.0) if whole_numbers else (-1.5, 4.0)
+    values = rng.uniform(low - 1.0, high + 1.0, (rows, cols)).clip(*((0, 255) if whole_numbers else (None, None)))
+    shown: Any = values.astype(np.uint8 if whole_numbers else np.float32)
+    missing = rng.random((rows, cols)) < 0.3
+    picture = TilePicture(GridGeometry(0.05, rows, cols), low, high)
+    picture.set(shown, missing)
+    picture.publish()
+    q = decoded(picture).astype(np.float64)
+    np.testing.assert_array_equal(q == -128, missing)
+    told = low + (q + 127.0) / 254.0 * (high - low)
+    assert (np.abs(told - np.clip(shown, low, high))[~missing] <= (high - low) / 508.0 + 1e-5).all()
+
+
+def test_values_that_stay_are_not_sent_again() -> None:
+    values = np.zeros((100, 200), dtype=np.float32)
+    picture = TilePicture(GridGeometry(0.05, 100, 200), 0.0, 1.0)
+    picture.set(values)
+    assert picture.publish() == 2 * 4
+    picture.set(values)
+    assert picture.publish() == 0
+    values[70, 130] = np.nan
+    picture.set(values)
+    assert picture.publish() == 1
+    assert np.argwhere(picture.revision == picture.newest).tolist() == [[1, 2]]
+    assert decoded(picture)[70, 130] == -128
 
 
 @pytest.mark.parametrize(

@@ -17,14 +17,14 @@ const HEIGHT = 200;
 
 interface CellProps {
   readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
-  /** The readings so far, where something else shows them as well. */
+  /** The readings so far, if another part of the page shows them as well. */
   readonly events?: Signal<readonly CellEvent[]>;
 }
 
 const stateOf = (value: number): "free" | "unknown" | "occupied" =>
   value > OCCUPIED ? "occupied" : value < FREE ? "free" : "unknown";
 
-/** A cell that the reader feeds with hits and misses: its log-odds as a staircase between the clamp's limits. */
+/** One cell that the reader updates with hits and misses: a step chart of its log-odds between the clamp's limits. */
 export function Cell({ parameters, events: given }: CellProps) {
   const values = useMemo(
     () =>
@@ -44,7 +44,7 @@ export function Cell({ parameters, events: given }: CellProps) {
   const path = logOddsHistory(events.value, now);
   const value = path[path.length - 1] ?? 0;
   const state = stateOf(value);
-  const feed = (event: CellEvent): void => {
+  const update = (event: CellEvent): void => {
     events.value = [...events.value, event];
   };
 
@@ -63,13 +63,13 @@ export function Cell({ parameters, events: given }: CellProps) {
   return (
     <figure
       class="cell"
-      aria-label="One cell, fed with hits and misses"
+      aria-label="One cell, updated with hits and misses"
       aria-keyshortcuts="H M"
       onKeyDown={(event) => {
         if (event.ctrlKey || event.metaKey || event.altKey) return;
         const key = event.key.toLowerCase();
-        if (key === "h") feed("hit");
-        if (key === "m") feed("miss");
+        if (key === "h") update("hit");
+        if (key === "m") update("miss");
       }}
     >
       <div class="cell-square" data-state={state} style={{ "--p": `${probability(value) * 100}%` }}>
@@ -79,16 +79,16 @@ export function Cell({ parameters, events: given }: CellProps) {
         </output>
       </div>
       <div class="cell-buttons">
-        <Button onClick={() => feed("hit")}>
+        <Button onClick={() => update("hit")}>
           <span class="noun-hit">hit {signed(model.hit)}</span>
         </Button>
-        <Button onClick={() => feed("miss")}>
+        <Button onClick={() => update("miss")}>
           <span class="noun-miss">miss {signed(model.miss)}</span>
         </Button>
         <Button
           kind="quiet"
           icon="restart"
-          label="Begin again"
+          label="Reset the cell"
           onClick={() => {
             events.value = [];
           }}
@@ -106,7 +106,7 @@ export function Cell({ parameters, events: given }: CellProps) {
         ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
         {until !== null &&
           until > 0 &&
-          ` · ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"} and it counts as ${state === "occupied" ? "free" : "occupied"}`}
+          ` · ${state === "occupied" ? "free" : "occupied"} after ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"}`}
       </figcaption>
     </figure>
   );

@@ -5,13 +5,13 @@ import { useWidth } from "../../ui/useWidth";
 
 interface PlotProps {
   readonly height: number;
-  /** What it shows, where it is a picture; without it what stands in it speaks for itself. */
+  /** Description for screen readers; without it the elements inside have their own. */
   readonly label?: string;
-  /** Drawn in the pixels of the page, so that text stays as large on a phone as elsewhere. */
+  /** Draws in CSS pixels, so that text has the same size on a phone as elsewhere. */
   readonly children: (width: number) => ComponentChildren;
 }
 
-/** A chart as wide as its place. */
+/** A chart that is as wide as its container. */
 export function Plot({ height, label, children }: PlotProps) {
   const box = useRef<HTMLDivElement>(null);
   const width = useWidth(box, 720);

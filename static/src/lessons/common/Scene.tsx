@@ -12,10 +12,10 @@ export function Walls({ place, walls, tone = "wall" }: { place: Place; walls: re
   return <path class={tone} d={path.join("")} />;
 }
 
-/** Of many beams only some are drawn, or they would hide the map. */
+/** At most this many beams are drawn, or they would hide the map. */
 const DRAWN = 60;
 
-/** The beams of a scan, up to where each ended; a beam without return goes as far as the sensor can see. */
+/** The beams of a scan up to their endpoints; a beam without a return up to the max range. */
 export function Beams({ place, pose, scan }: { place: Place; pose: Pose; scan: LaserScan }) {
   const from = `M${place.x(pose[0])} ${place.y(pose[1])}`;
   const ends: Record<"return" | "none", string[]> = { return: [], none: [] };
@@ -45,7 +45,7 @@ interface SceneProps {
   readonly children?: (place: Place) => ComponentChildren;
 }
 
-/** A belief with the true walls drawn over it. */
+/** A map with the true walls drawn over it. */
 export function Scene({ geometry, label, grid, walls, lines = false, children }: SceneProps) {
   return (
     <Stage geometry={geometry} label={label} grid={grid} lines={lines}>

@@ -36,8 +36,8 @@ const placeOf = (geometry: GridGeometry, width: number): Place => {
   };
 };
 
-/** Where the colours of the log-odds end. */
-const RANGE = { log_odds_min: -2.5, log_odds_max: 3.5 };
+/** Log-odds at the ends of the colour scale. */
+const RANGE = { low: -2.5, high: 3.5 };
 
 function paint(canvas: HTMLCanvasElement, grid: OccupancyGrid): void {
   const { rows, cols } = grid.geometry;
@@ -67,18 +67,21 @@ function paintGreys(canvas: HTMLCanvasElement, greys: Uint8Array): void {
 
 interface StageProps {
   readonly geometry: GridGeometry;
-  /** What it shows, for who cannot see it. */
+  /** Description for screen readers. */
   readonly label: string;
-  /** The belief on the floor; without it the floor is plain. */
+  /** The map to paint; without it the background is plain. */
   readonly grid?: ReadonlySignal<OccupancyGrid>;
-  /** Instead of a belief, an image: greys, top row first. */
+  /** An image instead of a map: greys, top row first. */
   readonly greys?: ReadonlySignal<Uint8Array>;
   /** Draw the borders of the cells. */
   readonly lines?: boolean;
   readonly children?: (place: Place) => ComponentChildren;
 }
 
-/** A piece of the world: its cells as a canvas, and over them a drawing in pixels. It keeps its place while it loads. */
+/**
+ * A part of the world: its cells as a canvas, and over them an SVG drawing in CSS pixels. Its height is kept while it
+ * loads.
+ */
 export function Stage({ geometry, label, grid, greys, lines, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);

@@ -1,4 +1,4 @@
-/** What a map says, counted: the three states, and the occupied cells where no wall is. */
+/** Cells of a map by state, and the occupied cells where no wall is. */
 
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { type Cell, centreOf } from "../../grid/lattice";

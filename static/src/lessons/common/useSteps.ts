@@ -3,7 +3,7 @@ import type { RefObject } from "preact";
 import { useEffect } from "preact/hooks";
 import { watchVisibility } from "../../ui/visibility";
 
-/** Whether an element is on screen in a tab that is looked at. */
+/** Whether an element is on screen in a visible tab. */
 export function useSeen(element: RefObject<Element | null>): ReadonlySignal<boolean> {
   const seen = useSignal(false);
   useEffect(() => {
@@ -26,7 +26,7 @@ export function useSeen(element: RefObject<Element | null>): ReadonlySignal<bool
   return seen;
 }
 
-/** Call `step` every `ms` while `playing` and seen; a figure off screen waits where it is. */
+/** Call `step` every `ms` milliseconds while `playing` and seen; a figure off screen pauses. */
 export function useSteps(
   playing: Signal<boolean>,
   seen: ReadonlySignal<boolean>,

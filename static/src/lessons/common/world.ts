@@ -38,7 +38,7 @@ export interface Lidar {
   readonly noise?: { readonly sigma: number; readonly random: () => number };
 }
 
-/** A lidar that looks all round, its first beam straight ahead. */
+/** A lidar with a field of view of 360°, its first beam straight ahead. */
 export const allRound = (beams: number, range_max: number): Lidar => ({
   beams,
   angle_min: 0,
@@ -47,7 +47,7 @@ export const allRound = (beams: number, range_max: number): Lidar => ({
   range_max,
 });
 
-/** One scan from a sensor at `pose`; what lies beyond the lidar's range gives no return. */
+/** One scan from a sensor at `pose`; walls beyond the lidar's range give no return. */
 export function scanFrom(walls: readonly Wall[], [x, y, yaw]: Pose, lidar: Lidar): LaserScan {
   const ranges = new Float32Array(lidar.beams);
   for (let beam = 0; beam < lidar.beams; beam++) {
@@ -59,7 +59,7 @@ export function scanFrom(walls: readonly Wall[], [x, y, yaw]: Pose, lidar: Lidar
   return { ranges, angle_min, angle_increment, range_min, range_max };
 }
 
-/** Random numbers 0 … 1 that are the same at every visit (mulberry32). */
+/** Random numbers in [0, 1), the same for the same seed (mulberry32). */
 export function seeded(seed: number): () => number {
   let state = seed;
   return () => {

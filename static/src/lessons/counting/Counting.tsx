@@ -6,7 +6,7 @@ import { INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
-import { Knob, RobotShape } from "../common/Knob";
+import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Plot } from "../common/Plot";
 import { Scene } from "../common/Scene";
 import { beamsPerCell, distanceOf, expectedBeams, GEOMETRY, mapWith, SENSOR, WALLS } from "./model";
@@ -24,7 +24,7 @@ interface CountingProps {
   readonly scans: Signal<number>;
 }
 
-/** The same scan taken beam by beam and cell by cell, with one cell under a cross to compare. */
+/** The map of the same scans, updated per beam and per scan; a cross selects one cell to compare. */
 export function Counting({ beams, scans }: CountingProps) {
   const probe = useSignal<Point>([1.46, 1.35]);
   const counts = useMemo(() => computed(() => beamsPerCell(beams.value)), [beams]);
@@ -36,7 +36,7 @@ export function Counting({ beams, scans }: CountingProps) {
   const index = indexOf(GEOMETRY, cell);
   const touched = counts.value[index] ?? 0;
   return (
-    <figure class="counting" aria-label="One scan taken per beam and per scan">
+    <figure class="counting" aria-label="The map of the same scans, updated per beam and per scan">
       <div class="side-by-side">
         {KINDS.map(({ update, name }, i) => {
           const map = maps[i];
@@ -59,11 +59,11 @@ export function Counting({ beams, scans }: CountingProps) {
                       width={place.cell}
                       height={place.cell}
                     />
-                    <Knob
+                    <DragHandle
                       place={place}
                       at={probe.value}
-                      label={`Cell to look at, map ${name}`}
-                      sentence="Chooses the cell whose numbers stand under both maps."
+                      label={`Selected cell, map ${name}`}
+                      sentence="Selects the cell whose values are shown under both maps."
                       text={`${written(distanceOf(cell), 2)} metres from the sensor: ${seen ? `log-odds ${written(l, 2)}` : "not observed"}`}
                       tone="ink"
                       step={GEOMETRY.resolution}
@@ -72,7 +72,7 @@ export function Counting({ beams, scans }: CountingProps) {
                       }}
                     >
                       <path class="probe" d="M-13 0H-5M5 0H13M0 -13V-5M0 5V13" />
-                    </Knob>
+                    </DragHandle>
                   </>
                 )}
               </Scene>
@@ -96,7 +96,7 @@ export function Counting({ beams, scans }: CountingProps) {
       <div class="figure-controls no-print">
         <Slider
           label="Beams of a scan"
-          sentence="How many beams the lidar sends all round in one scan."
+          sentence="Number of beams in one scan, evenly spaced over 360°."
           value={beams.value}
           initial={180}
           low={36}
@@ -108,11 +108,12 @@ export function Counting({ beams, scans }: CountingProps) {
         />
       </div>
       <figcaption class="quiet number">
-        The cell under the cross, {written(distanceOf(cell), 2)} m away, was told the same thing{" "}
+        One scan updates the cell under the cross, {written(distanceOf(cell), 2)} m from the sensor,{" "}
         <b>
-          {touched} {touched === 1 ? "time" : "times"}
-        </b>{" "}
-        by one scan.
+          {" "}
+          {touched} {touched === 1 ? "time" : "times"}{" "}
+        </b>
+        .
       </figcaption>
     </figure>
   );
@@ -128,7 +129,7 @@ interface ScatterProps {
   readonly width: number;
 }
 
-/** How many beams of one scan met each cell, over its distance. */
+/** How many beams of one scan update each cell, over its distance. */
 function Scatter({ counts, beams, chosen, width }: ScatterProps) {
   const far = 2.7;
   const most = Math.max(8, expectedBeams(0.15, beams));

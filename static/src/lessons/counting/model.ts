@@ -1,4 +1,4 @@
-/** One scan, taken beam by beam or cell by cell: how often a cell is told the same thing. */
+/** How often one scan updates a cell: per beam and per scan. */
 
 import type { Cell } from "../../grid/lattice";
 import {
@@ -39,7 +39,7 @@ export function beamsPerCell(beams: number): Uint16Array {
   return counts;
 }
 
-/** How many beams a cell at distance `s` expects: those whose bearing its width covers. */
+/** Expected number of beams through a cell at distance `s` metres: those whose bearing its width covers. */
 export const expectedBeams = (s: number, beams: number): number => (beams * GEOMETRY.resolution) / (2 * Math.PI * s);
 
 export const distanceOf = (cell: Cell): number => distance(GEOMETRY, SENSOR, cell);

@@ -5,17 +5,17 @@ import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import "./digits.css";
-import { asLogOdds, type Digits as Belief, lostAt, type Readings, run } from "./model";
+import { asLogOdds, type Belief, type Readings, run, saturatedAt } from "./model";
 
 const HEIGHT = 330;
 const LEFT = 44;
 const TOP = 48;
 const BOTTOM = HEIGHT - 30;
 
-const WAYS = [
-  { way: "p", name: "probability p", label: "p" },
-  { way: "odds", name: "odds o", label: "o" },
-  { way: "logOdds", name: "log-odds ℓ", label: "ℓ" },
+const FORMS = [
+  { form: "p", name: "probability p", label: "p" },
+  { form: "odds", name: "odds o", label: "o" },
+  { form: "logOdds", name: "log-odds ℓ", label: "ℓ" },
 ] as const;
 
 const RAISED: Record<string, string> = {
@@ -32,7 +32,7 @@ const RAISED: Record<string, string> = {
   9: "⁹",
 };
 
-/** A number as the 32 bits have it: what is exactly 1, 0 or infinite says so. */
+/** A 32-bit number as text: exactly 1, 0 and infinity are told from numbers near them. */
 function plain(value: number): string {
   if (value === Infinity) return "∞";
   if (Number.isNaN(value)) return "not a number";
@@ -45,7 +45,7 @@ function plain(value: number): string {
   return String(Number(value.toPrecision(9))).replace("-", "−");
 }
 
-/** The same hits and misses kept three ways in 32 bits: which of them can come back? */
+/** The same hits and misses as probability, odds and log-odds in 32 bits, and where each form saturates. */
 export function Digits({ readings }: { readings: Signal<Readings> }) {
   const path = useMemo(() => computed(() => run(readings.value)), [readings]);
   const cursor = useSignal<number | null>(null);
@@ -54,13 +54,13 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
   const at = Math.min(cursor.value ?? total, total);
   const now = path.value[at] ?? { p: 0.5, odds: 1, logOdds: 0 };
   return (
-    <figure class="digits" aria-label="The same evidence kept as probability, as odds and as log-odds">
+    <figure class="digits" aria-label="The same evidence stored as probability, as odds and as log-odds">
       <Plot height={HEIGHT} label={summary(path.value)}>
         {(width) => <Lines path={path.value} hits={hits} misses={misses} at={at} width={width} />}
       </Plot>
       <Slider
-        label="Look at the belief after reading"
-        sentence="Chooses the reading after which the table below states the three numbers."
+        label="Show the belief after reading"
+        sentence="Selects the reading after which the table below shows the three values."
         value={at}
         initial={total}
         low={0}
@@ -79,12 +79,12 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
           </tr>
         </thead>
         <tbody>
-          {WAYS.map(({ way, name }) => {
-            const value = way === "p" ? now.p : way === "odds" ? now.odds : now.logOdds;
-            const l = asLogOdds(now, way);
+          {FORMS.map(({ form, name }) => {
+            const value = form === "p" ? now.p : form === "odds" ? now.odds : now.logOdds;
+            const l = asLogOdds(now, form);
             return (
-              <tr key={way} class={Number.isFinite(l) ? "" : "lost"}>
-                <th scope="row" class={way}>
+              <tr key={form} class={Number.isFinite(l) ? "" : "lost"}>
+                <th scope="row" class={form}>
                   {name}
                 </th>
                 <td>{plain(value)}</td>
@@ -95,7 +95,7 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
         </tbody>
       </table>
       <figcaption class="quiet">
-        One hit is worth {signed(logOdds(pHit))}, one miss as much the other way. {summary(path.value)}
+        One hit adds {signed(logOdds(pHit))}, one miss {signed(-logOdds(pHit))}. {summary(path.value)}
       </figcaption>
     </figure>
   );
@@ -117,11 +117,11 @@ function Lines({ path, hits, misses, at, width }: LinesProps) {
   const high = Math.max(20, ...sums) * 1.06;
   const x = (i: number): number => LEFT + ((right - LEFT) * i) / Math.max(1, total);
   const y = (l: number): number => BOTTOM - ((BOTTOM - TOP) * (l - low)) / (high - low);
-  const lines = WAYS.map(({ way }) =>
+  const lines = FORMS.map(({ form }) =>
     path
       .map((one, i) => {
-        const l = asLogOdds(one, way);
-        return `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${(l === Infinity ? (way === "p" ? 9 : 15) : y(Math.max(low, l))).toFixed(1)}`;
+        const l = asLogOdds(one, form);
+        return `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${(l === Infinity ? (form === "p" ? 9 : 15) : y(Math.max(low, l))).toFixed(1)}`;
       })
       .join(""),
   );
@@ -131,7 +131,7 @@ function Lines({ path, hits, misses, at, width }: LinesProps) {
     <>
       <rect class="digits-lost" x={LEFT} y={2} width={right - LEFT} height={38} rx={4} />
       <text class="tick" x={right - 8} y={34} text-anchor="end">
-        {width < 480 ? "out of digits" : "out of digits: no reading can bring it back"}
+        {width < 480 ? "saturated" : "saturated: no further reading can change it"}
       </text>
       <rect class="zone-hit" x={LEFT} y={TOP} width={x(hits) - LEFT} height={BOTTOM - TOP} />
       <rect class="zone-miss" x={x(hits)} y={TOP} width={right - x(hits)} height={BOTTOM - TOP} />
@@ -143,8 +143,8 @@ function Lines({ path, hits, misses, at, width }: LinesProps) {
           </text>
         </g>
       ))}
-      {WAYS.map(({ way }, i) => (
-        <path key={way} class={`digits-line ${way}`} d={lines[i] ?? ""} />
+      {FORMS.map(({ form }, i) => (
+        <path key={form} class={`digits-line ${form}`} d={lines[i] ?? ""} />
       ))}
       <line class="digits-cursor" x1={x(at)} x2={x(at)} y1={2} y2={BOTTOM} />
       <text class="tick" x={(LEFT + x(hits)) / 2} y={HEIGHT - 10} text-anchor="middle">
@@ -160,10 +160,15 @@ function Lines({ path, hits, misses, at, width }: LinesProps) {
 }
 
 function summary(path: readonly Belief[]): string {
-  const [p, odds] = [lostAt(path, "p"), lostAt(path, "odds")];
+  const [p, odds] = [saturatedAt(path, "p"), saturatedAt(path, "odds")];
   const end = path.at(-1)?.logOdds ?? 0;
   const first =
-    p === null ? "The probability still has its digits." : `At reading ${p} the probability becomes exactly 1.`;
-  const second = odds === null ? "The odds still have theirs." : `At reading ${odds} the odds overflow.`;
-  return `${first} ${second} The sum ends at ${signed(end)}.`;
+    p === null
+      ? "The probability does not saturate."
+      : `At reading ${p} the probability becomes exactly ${path[p]?.p}.`;
+  const second =
+    odds === null
+      ? "The odds do not saturate."
+      : `At reading ${odds} the odds ${path[odds]?.odds === 0 ? "underflow to 0" : "overflow"}.`;
+  return `${first} ${second} The final log-odds are ${signed(end)}.`;
 }

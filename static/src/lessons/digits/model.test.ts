@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { logOdds } from "../../grid/logOdds";
-import { asLogOdds, bayesStep, lostAt, run } from "./model";
+import { asLogOdds, bayesStep, run, saturatedAt } from "./model";
 
 const READINGS = { hits: 60, misses: 60, pHit: 0.7, pMiss: 0.3 };
 
@@ -10,24 +10,24 @@ describe("three ways to keep a belief in single precision", () => {
     const exact = 3 * logOdds(0.7);
     const last = path.at(-1);
     if (!last) throw new Error("no path");
-    for (const way of ["p", "odds", "logOdds"] as const) expect(asLogOdds(last, way)).toBeCloseTo(exact, 4);
+    for (const form of ["p", "odds", "logOdds"] as const) expect(asLogOdds(last, form)).toBeCloseTo(exact, 4);
   });
 
   it("lose the probability once 1 − p is no longer a number of 24 bits", () => {
     const path = run(READINGS);
-    const lost = lostAt(path, "p") as number;
+    const saturated = saturatedAt(path, "p") as number;
     // Below 1 the next number is 1 − 2⁻²⁴; half of that gap away, at ℓ ≈ 25 log 2, a step rounds to 1 itself.
-    expect(lost * logOdds(0.7)).toBeGreaterThan(23 * Math.LN2);
-    expect(lost * logOdds(0.7)).toBeLessThan(26 * Math.LN2);
-    expect(path.slice(lost).every((one) => one.p === 1)).toBe(true);
+    expect(saturated * logOdds(0.7)).toBeGreaterThan(23 * Math.LN2);
+    expect(saturated * logOdds(0.7)).toBeLessThan(26 * Math.LN2);
+    expect(path.slice(saturated).every((one) => one.p === 1)).toBe(true);
     expect(bayesStep(1, 0.3)).toBe(1);
     expect(path.at(-1)?.logOdds).toBeCloseTo(0, 3);
   });
 
   it("lose the odds when they pass the greatest number, and then even Bayes' rule cannot bring them back", () => {
     const path = run({ ...READINGS, hits: 120, misses: 200 });
-    const lost = lostAt(path, "odds") as number;
-    expect(lost).toBe(Math.ceil((128 * Math.LN2) / logOdds(0.7)));
+    const saturated = saturatedAt(path, "odds") as number;
+    expect(saturated).toBe(Math.ceil((128 * Math.LN2) / logOdds(0.7)));
     expect(path.at(-1)?.odds).toBe(Infinity);
     expect(path.at(-1)?.logOdds).toBeCloseTo(-80 * logOdds(0.7), 2);
   });

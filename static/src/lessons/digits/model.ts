@@ -1,6 +1,6 @@
 /**
- * The same evidence kept three ways in single precision (IEEE 754 binary32, as the mapper keeps its cells): as a
- * probability, as odds, and as log-odds. Every step is rounded to 24 bits by Math.fround. No clamp: this is why.
+ * The same evidence in single precision (IEEE 754 binary32, as the mapper stores its cells) in three forms: as a
+ * probability, as odds, and as log-odds. Every step is rounded to 24 bits by Math.fround. Nothing is clamped.
  */
 
 import { logOdds } from "../../grid/logOdds";
@@ -8,7 +8,7 @@ import { logOdds } from "../../grid/logOdds";
 const f32 = Math.fround;
 
 /** A cell's belief after some readings. */
-export interface Digits {
+export interface Belief {
   readonly p: number;
   readonly odds: number;
   readonly logOdds: number;
@@ -30,10 +30,10 @@ export function bayesStep(p: number, q: number): number {
 }
 
 /** The belief before the first reading and after each: first the hits, then the misses. */
-export function run({ hits, misses, pHit, pMiss }: Readings): readonly Digits[] {
+export function run({ hits, misses, pHit, pMiss }: Readings): readonly Belief[] {
   const [qHit, qMiss] = [f32(pHit), f32(pMiss)];
   const steps = [...Array.from({ length: hits }, () => qHit), ...Array.from({ length: misses }, () => qMiss)];
-  let now: Digits = { p: 0.5, odds: 1, logOdds: 0 };
+  let now: Belief = { p: 0.5, odds: 1, logOdds: 0 };
   const found = [now];
   for (const q of steps) {
     now = {
@@ -46,14 +46,14 @@ export function run({ hits, misses, pHit, pMiss }: Readings): readonly Digits[] 
   return found;
 }
 
-/** After which reading a way has run out of digits: exactly 1, infinite odds, or exactly 0; null while it has not. */
-export function lostAt(path: readonly Digits[], way: "p" | "odds"): number | null {
+/** After which reading a form saturates (p exactly 1 or 0, odds infinite or 0); null if it does not. */
+export function saturatedAt(path: readonly Belief[], form: "p" | "odds"): number | null {
   const at = path.findIndex((one) =>
-    way === "p" ? one.p === 1 || one.p === 0 : !(one.odds > 0 && one.odds < Infinity),
+    form === "p" ? one.p === 1 || one.p === 0 : !(one.odds > 0 && one.odds < Infinity),
   );
   return at < 0 ? null : at;
 }
 
-/** A belief in log-odds, so that the three can be drawn on one axis; ±Infinity where the digits have run out. */
-export const asLogOdds = (one: Digits, way: "p" | "odds" | "logOdds"): number =>
-  way === "logOdds" ? one.logOdds : way === "odds" ? Math.log(one.odds) : Math.log(one.p) - Math.log(1 - one.p);
+/** A belief in log-odds, so that the three can be drawn on one axis; ±Infinity where a form has saturated. */
+export const asLogOdds = (one: Belief, form: "p" | "odds" | "logOdds"): number =>
+  form === "logOdds" ? one.logOdds : form === "odds" ? Math.log(one.odds) : Math.log(one.p) - Math.log(1 - one.p);

@@ -5,11 +5,11 @@ import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
-import { RobotShape } from "../common/Knob";
+import { RobotShape } from "../common/DragHandle";
 import { Plot } from "../common/Plot";
 import { Scene, Walls } from "../common/Scene";
 import { useSeen, useSteps } from "../common/useSteps";
-import { type Clamp, GEOMETRY, ROOM, SENSOR, type Story, TABLE, tell } from "./model";
+import { type Clamp, GEOMETRY, type MapHistory, ROOM, SENSOR, simulateRemoval, TABLE } from "./model";
 import "./forgetting.css";
 
 const OFF: Clamp = { on: false, low: -2, high: 3.5 };
@@ -18,27 +18,33 @@ const MS_PER_SCAN = 70;
 const scans = (count: number): string => `${count} scan${count === 1 ? "" : "s"}`;
 
 interface ForgettingProps {
-  /** Scans that the table stood for. */
+  /** Number of scans with the table. */
   readonly seen: Signal<number>;
   readonly clamp: Signal<Clamp>;
 }
 
-/** The moving table: the reader predicts, the table goes, and both maps show how long they needed. */
+/**
+ * The moving table: the reader guesses, the table is removed, and two maps show how many scans they need to forget it.
+ */
 export function Forgetting({ seen, clamp }: ForgettingProps) {
   const prediction = useSignal(20);
-  /** Scans since the table went; null while it stands. */
+  /** Scans since the table was removed; null while it is there. */
   const since = useSignal<number | null>(null);
   const playing = useSignal(false);
   const root = useRef<HTMLElement>(null);
-  const told = useMemo(
+  const results = useMemo(
     () =>
       computed(() => {
         const limit = Math.ceil(2.6 * seen.value) + 30;
-        return { limit, clamped: tell(seen.value, limit, clamp.value), free: tell(seen.value, limit, OFF) };
+        return {
+          limit,
+          clamped: simulateRemoval(seen.value, limit, clamp.value),
+          free: simulateRemoval(seen.value, limit, OFF),
+        };
       }),
     [seen, clamp],
   );
-  const { limit, clamped, free } = told.value;
+  const { limit, clamped, free } = results.value;
   const end = Math.min(limit, Math.max(clamped.forgottenAfter ?? limit, free.forgottenAfter ?? limit) + 4);
   const t = since.value === null ? null : Math.min(since.value, end);
   const step = (by: number): void => {
@@ -54,10 +60,10 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
   );
   const done = t !== null && t >= end;
   return (
-    <figure class="forgetting" ref={root} aria-label="A table that goes away, and two maps that forget it">
+    <figure class="forgetting" ref={root} aria-label="A table is removed: the map with the clamp and without it">
       <div class="side-by-side">
-        <Room name="with the clamp" line="clamped" story={clamped} seen={seen.value} t={t} />
-        <Room name="without a clamp" line="free" story={free} seen={seen.value} t={t} />
+        <Room name="with the clamp" line="clamped" history={clamped} seen={seen.value} t={t} />
+        <Room name="without a clamp" line="free" history={free} seen={seen.value} t={t} />
       </div>
       <Plot height={HEIGHT + 22} label="Log-odds of the table's last cell over the scans, with the clamp and without">
         {(width) => (
@@ -76,7 +82,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
       <div class="figure-controls no-print">
         <Slider
           label="My guess, with the clamp"
-          sentence="Your prediction: how many scans the map with the clamp needs to forget the table."
+          sentence="Your guess: after how many scans the map with the clamp has forgotten the table."
           value={prediction.value}
           initial={20}
           low={1}
@@ -126,13 +132,13 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
       </div>
       <figcaption class="quiet" aria-live={playing.value ? "off" : "polite"}>
         {t === null ? (
-          <>The table has stood here for {scans(seen.value)}. How many will the map need to forget it?</>
+          <>The table was seen in {scans(seen.value)}. How many scans does the map need to forget it?</>
         ) : (
           <>
-            {scans(t)} since it was removed. Your guess: <b class="noun-robot">{prediction.value}</b>. With the clamp{" "}
-            <Outcome story={clamped} t={t} />, without it <Outcome story={free} t={t} />.
+            {scans(t)} since it was removed. Your guess: <b class="noun-robot">{prediction.value}</b>. With the clamp:{" "}
+            <Outcome history={clamped} t={t} />; without it: <Outcome history={free} t={t} />.
             {done && clamped.forgottenAfter !== null && (
-              <Verdict said={prediction.value} was={clamped.forgottenAfter} />
+              <Verdict guess={prediction.value} was={clamped.forgottenAfter} />
             )}
           </>
         )}
@@ -141,23 +147,23 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
   );
 }
 
-function Outcome({ story, t }: { story: Story; t: number }) {
-  const after = story.forgottenAfter;
-  if (after === null || t < after) return <span>it is still there</span>;
+function Outcome({ history, t }: { history: MapHistory; t: number }) {
+  const after = history.forgottenAfter;
+  if (after === null || t < after) return <span>not yet forgotten</span>;
   return (
     <span>
-      it was forgotten after <b>{after}</b>
+      forgotten after <b>{after}</b>
     </span>
   );
 }
 
-function Verdict({ said, was }: { said: number; was: number }) {
-  const off = said - was;
+function Verdict({ guess, was }: { guess: number; was: number }) {
+  const off = guess - was;
   if (off === 0) return <> Exactly right.</>;
   return (
     <>
       {" "}
-      You were {Math.abs(off)} {off > 0 ? "over" : "under"}.
+      Your guess was {Math.abs(off)} too {off > 0 ? "high" : "low"}.
     </>
   );
 }
@@ -166,14 +172,14 @@ interface RoomProps {
   readonly name: string;
   /** Its line in the chart. */
   readonly line: "clamped" | "free";
-  readonly story: Story;
+  readonly history: MapHistory;
   readonly seen: number;
   readonly t: number | null;
 }
 
-function Room({ name, line, story, seen, t }: RoomProps) {
-  const shown = useSignal(story.mapAfter(0));
-  shown.value = story.mapAfter(seen + (t ?? 0));
+function Room({ name, line, history, seen, t }: RoomProps) {
+  const shown = useSignal(history.mapAfter(0));
+  shown.value = history.mapAfter(seen + (t ?? 0));
   return (
     <div>
       <h3>
@@ -203,8 +209,8 @@ interface ChartProps {
   readonly seen: number;
   readonly t: number | null;
   readonly end: number;
-  readonly clamped: Story;
-  readonly free: Story;
+  readonly clamped: MapHistory;
+  readonly free: MapHistory;
   readonly prediction: number;
   readonly clamp: Clamp;
 }
@@ -216,32 +222,32 @@ function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartP
   const up = evidenceScale(HEIGHT, [clamp.low, clamp.high], free.path.slice(0, seen + 1));
   const x = (i: number): number => toPixel(i, across);
   const y = (l: number): number => toPixel(l, up);
-  const line = (story: Story): string =>
-    story.path
+  const line = (history: MapHistory): string =>
+    history.path
       .slice(0, now + 1)
       .map((l, i) => `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${y(l).toFixed(1)}`)
       .join("");
-  const said = x(seen + prediction);
+  const guess = x(seen + prediction);
   return (
     <>
       <LogOddsBackground width={width} evidence={up} limits={[clamp.low, clamp.high]} />
       <line class="forgetting-gone" x1={x(seen)} x2={x(seen)} y1={8} y2={HEIGHT - 8} />
-      <line class="forgetting-said" x1={said} x2={said} y1={8} y2={HEIGHT - 8} />
-      <text class="said" x={said + 5} y={22}>
-        you say
+      <line class="forgetting-guess" x1={guess} x2={guess} y1={8} y2={HEIGHT - 8} />
+      <text class="guess" x={guess + 5} y={22}>
+        your guess
       </text>
       <path class="forgetting-line free" d={line(free)} />
       <path class="forgetting-line clamped" d={line(clamped)} />
       {[clamped, free].map(
-        (story, i) =>
-          story.forgottenAfter !== null &&
+        (history, i) =>
+          history.forgottenAfter !== null &&
           t !== null &&
-          t >= story.forgottenAfter && (
+          t >= history.forgottenAfter && (
             <circle
               key={["clamped", "free"][i]}
               class={`forgetting-dot ${["clamped", "free"][i]}`}
-              cx={x(seen + story.forgottenAfter)}
-              cy={y(story.path[seen + story.forgottenAfter] ?? 0)}
+              cx={x(seen + history.forgottenAfter)}
+              cy={y(history.path[seen + history.forgottenAfter] ?? 0)}
               r={6}
             />
           ),
@@ -250,7 +256,7 @@ function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartP
         with the table
       </text>
       <text x={x(seen) + 8} y={HEIGHT + 14}>
-        {t === null ? "… and then?" : "without it"}
+        {t === null ? "after its removal" : "without it"}
       </text>
     </>
   );

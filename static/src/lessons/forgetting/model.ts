@@ -1,6 +1,6 @@
 /**
- * A table is seen for a while and then carried away: how many scans until the map has forgotten it? The scans are
- * taken per scan, so that each adds its evidence to a cell once and the reader can reckon.
+ * A table is seen for some scans and then removed: how many scans until the map has forgotten it? The map is updated
+ * per scan, so that each scan adds its evidence to a cell once and the reader can compute the result.
  */
 
 import {
@@ -33,11 +33,11 @@ export interface Clamp {
   readonly high: number;
 }
 
-/** One map through the table's time and after it. */
-export interface Story {
+/** One map over the scans with the table and without it. */
+export interface MapHistory {
   /** The log-odds of the cell that stays occupied longest, before the first scan and after each. */
   readonly path: readonly number[];
-  /** Scans after the table went until none of its cells counts as occupied; null where `limit` scans are too few. */
+  /** Scans without the table until none of its cells counts as occupied; null if `limit` scans are too few. */
   readonly forgottenAfter: number | null;
   /** The map after scan `i`, 0 … seen + limit. */
   mapAfter(i: number): OccupancyGrid;
@@ -51,7 +51,7 @@ const configOf = ({ on, low, high }: Clamp): typeof INITIAL_CONFIG => ({
 });
 
 /** `seen` scans with the table, then `limit` without it. */
-export function tell(seen: number, limit: number, clamp: Clamp): Story {
+export function simulateRemoval(seen: number, limit: number, clamp: Clamp): MapHistory {
   const config = configOf(clamp);
   const grid = emptyGrid(GEOMETRY);
   const maps: OccupancyGrid[] = [copyOf(grid)];

@@ -4,45 +4,45 @@ import { probability } from "../../grid/logOdds";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import "./independence.css";
-import { gridMap, joint, type Look, likeliest, productOf, type Senses } from "./model";
+import { type BeamResult, gridMap, joint, likeliest, productOf, type SensorParameters } from "./model";
 
-export const START: readonly Look[] = ["passed", "passed", "none", "passed", "none"];
-const NEXT: Record<Look, Look> = { none: "passed", passed: "ended", ended: "none" };
-const WORDS: Record<Look, string> = { none: "not looked at", passed: "beam passed", ended: "beam ended here" };
+export const START: readonly BeamResult[] = ["passed", "passed", "none", "passed", "none"];
+const NEXT: Record<BeamResult, BeamResult> = { none: "passed", passed: "ended", ended: "none" };
+const WORDS: Record<BeamResult, string> = { none: "not measured", passed: "beam passed", ended: "beam ended here" };
 
 const percent = (p: number): string => (p < 0.0995 ? `${written(100 * p, 1)} %` : `${written(100 * p, 0)} %`);
 
 interface IndependenceProps {
-  readonly senses: Signal<Senses>;
+  readonly sensor: Signal<SensorParameters>;
 }
 
-/** Five cells on a sonar's arc: what a grid map keeps of them, and what all 32 maps together would. */
-export function Independence({ senses }: IndependenceProps) {
-  const looks = useSignal<readonly Look[]>(START);
+/** Five cells on the arc of a sonar echo: probabilities of a grid map, and of the joint distribution of all 32 maps. */
+export function Independence({ sensor }: IndependenceProps) {
+  const beamResults = useSignal<readonly BeamResult[]>(START);
   const both = useMemo(
     () =>
       computed(() => {
-        const grid = gridMap(looks.value, senses.value);
+        const grid = gridMap(beamResults.value, sensor.value);
         return {
           grid: grid.map(probability),
-          joint: joint(looks.value, senses.value),
+          joint: joint(beamResults.value, sensor.value),
           nothing: productOf(0, grid),
-          maps: likeliest(looks.value, senses.value, 5),
+          maps: likeliest(beamResults.value, sensor.value, 5),
         };
       }),
-    [looks, senses],
+    [beamResults, sensor],
   );
   const now = both.value;
   const turn = (cell: number): void => {
-    looks.value = looks.value.map((look, i) => (i === cell ? NEXT[look] : look));
+    beamResults.value = beamResults.value.map((result, i) => (i === cell ? NEXT[result] : result));
   };
   return (
-    <figure class="independence" aria-label="One sonar echo, five cells: independent cells and the joint">
+    <figure class="independence" aria-label="One sonar echo, five cells: independent cells and the joint distribution">
       <div class="independence-scene">
-        <Cone looks={looks.value} grid={now.grid} joint={now.joint.marginals} onTurn={turn} />
+        <Cone beamResults={beamResults.value} grid={now.grid} joint={now.joint.marginals} onTurn={turn} />
       </div>
       <div class="independence-maps">
-        <h3>Whole maps, the likeliest first</h3>
+        <h3>Whole maps, the most probable first</h3>
         <table>
           <thead>
             <tr>
@@ -55,7 +55,7 @@ export function Independence({ senses }: IndependenceProps) {
             {now.maps.map(({ map, joint: p, grid }) => (
               <tr key={map} class={map === 0 ? "nothing" : ""}>
                 <th scope="row">
-                  <Strip map={map} cells={looks.value.length} />
+                  <Strip map={map} cells={beamResults.value.length} />
                 </th>
                 <Bar p={p} tone="joint" />
                 <Bar p={grid} tone="grid" />
@@ -66,16 +66,16 @@ export function Independence({ senses }: IndependenceProps) {
       </div>
       <figcaption class="quiet" aria-live="polite">
         <span>
-          That <b>nothing</b> stands on the arc, though it echoed: joint{" "}
+          Probability that the arc is <b>empty</b> in spite of the echo: joint{" "}
           <b class="joint-number">{percent(now.joint.maps[0] ?? 0)}</b>, grid map{" "}
           <b class="grid-number">{percent(now.nothing)}</b>.
         </span>
         <Button
           kind="quiet"
           icon="restart"
-          label="Begin again, with no cell looked at"
+          label="Reset, with no cell measured by the narrow beam"
           onClick={() => {
-            looks.value = START.map(() => "none");
+            beamResults.value = START.map(() => "none");
           }}
         />
       </figcaption>
@@ -96,7 +96,7 @@ function Strip({ map, cells }: { map: number; cells: number }) {
   const occupied = Array.from({ length: cells }, (_, i) => i).filter((i) => (map >> i) & 1);
   const words =
     occupied.length === 0
-      ? "nothing"
+      ? "empty"
       : `occupied: cell${occupied.length > 1 ? "s" : ""} ${occupied.map((i) => i + 1).join(" and ")}`;
   return (
     <span class="map-strip" role="img" aria-label={words}>
@@ -115,14 +115,14 @@ const SPREAD = 0.66;
 const SIZE = 56;
 
 interface ConeProps {
-  readonly looks: readonly Look[];
+  readonly beamResults: readonly BeamResult[];
   readonly grid: readonly number[];
   readonly joint: readonly number[];
   readonly onTurn: (cell: number) => void;
 }
 
-function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
-  const n = looks.length;
+function Cone({ beamResults, grid, joint: marginals, onTurn }: ConeProps) {
+  const n = beamResults.length;
   const angle = (i: number): number => SPREAD * ((2 * i) / (n - 1) - 1);
   const at = (i: number, r: number): readonly [number, number] => [
     SENSOR.x + r * Math.cos(angle(i)),
@@ -145,10 +145,17 @@ function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
             <path key={share} class="cone-wave" d={`M${point(-edge + 0.06)}A${r} ${r} 0 0 1 ${point(edge - 0.06)}`} />
           );
         })}
-        {looks.map((look, i) => {
-          const [x, y] = at(i, look === "ended" ? RADIUS - SIZE / 2 : RADIUS + 62);
-          return look === "none" ? null : (
-            <line key={`${i}-${look}`} class={`cone-look ${look}`} x1={SENSOR.x + 12} y1={SENSOR.y} x2={x} y2={y} />
+        {beamResults.map((result, i) => {
+          const [x, y] = at(i, result === "ended" ? RADIUS - SIZE / 2 : RADIUS + 62);
+          return result === "none" ? null : (
+            <line
+              key={`${i}-${result}`}
+              class={`cone-result ${result}`}
+              x1={SENSOR.x + 12}
+              y1={SENSOR.y}
+              x2={x}
+              y2={y}
+            />
           );
         })}
         <g class="robot-shape" transform={`translate(${SENSOR.x} ${SENSOR.y})`}>
@@ -161,10 +168,10 @@ function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
         <text class="cone-head" x={WIDTH - 42} y={16} text-anchor="middle">
           joint
         </text>
-        {looks.map((look, i) => {
+        {beamResults.map((result, i) => {
           const y = at(i, RADIUS)[1];
           return (
-            <g key={`${i}-${look}`}>
+            <g key={`${i}-${result}`}>
               <text class="grid-number" x={WIDTH - 104} y={y + 5} text-anchor="middle">
                 {percent(grid[i] ?? 0)}
               </text>
@@ -175,14 +182,14 @@ function Cone({ looks, grid, joint: marginals, onTurn }: ConeProps) {
           );
         })}
       </svg>
-      {looks.map((look, i) => {
+      {beamResults.map((result, i) => {
         const [x, y] = at(i, RADIUS);
         return (
           <button
             key={`cell-${i + 1}`}
             type="button"
             class="cone-cell printed"
-            aria-label={`Cell ${i + 1}: ${WORDS[look]}. Grid map ${percent(grid[i] ?? 0)}, joint ${percent(marginals[i] ?? 0)}. Press to change what the beam saw`}
+            aria-label={`Cell ${i + 1}: ${WORDS[result]}. Grid map ${percent(grid[i] ?? 0)}, joint ${percent(marginals[i] ?? 0)}. Press to change what the beam measured`}
             style={{
               left: `${(100 * x) / WIDTH}%`,
               top: `${(100 * y) / HEIGHT}%`,

@@ -1,18 +1,18 @@
 /**
- * What cell independence gives up: cells on the arc of one sonar echo, once as a grid map keeps them (a number a
- * cell) and once as the joint posterior over all maps, by Bayes' rule on every one of the 2ⁿ maps. The mapper does
- * only the first. Source: Probabilistic Robotics, section 9.4 (inverse and forward models).
+ * What is lost with the assumption of independent cells: cells on the arc of one sonar echo, as a grid map stores them
+ * (one number for each cell), and as the joint posterior by Bayes' rule over all 2ⁿ maps. The mapper does only the
+ * first. Source: Probabilistic Robotics, section 9.4 (inverse and forward models).
  */
 
 import { logOdds, probability } from "../../grid/logOdds";
 
-/** What a narrow beam said of a cell. */
-export type Look = "none" | "passed" | "ended";
+/** What a narrow beam measured in a cell. */
+export type BeamResult = "none" | "passed" | "ended";
 
-export interface Senses {
+export interface SensorParameters {
   /** Probability of each cell before any reading. */
   readonly prior: number;
-  /** How often the sonar is wrong: silent though a cell is occupied, or an echo though none is. */
+  /** How often the sonar is wrong: no echo though a cell is occupied, or an echo though none is. */
   readonly sonarError: number;
   /** How often a narrow beam passes an occupied cell or ends in a free one. */
   readonly beamError: number;
@@ -26,37 +26,39 @@ interface Joint {
 
 const isOccupied = (map: number, cell: number): boolean => ((map >> cell) & 1) === 1;
 
-const likelihood = (look: Look, occupied: boolean, error: number): number => {
-  if (look === "none") return 1;
-  return (look === "ended") === occupied ? 1 - error : error;
+const likelihood = (result: BeamResult, occupied: boolean, error: number): number => {
+  if (result === "none") return 1;
+  return (result === "ended") === occupied ? 1 - error : error;
 };
 
-/** The joint posterior over all maps, after the echo and the looks of the narrow beam. */
-export function joint(looks: readonly Look[], senses: Senses): Joint {
-  const n = looks.length;
+/** The joint posterior over all maps, after the echo and the beamResults of the narrow beam. */
+export function joint(beamResults: readonly BeamResult[], sensor: SensorParameters): Joint {
+  const n = beamResults.length;
   const weights = Array.from({ length: 2 ** n }, (_, map) => {
-    let weight = map === 0 ? senses.sonarError : 1 - senses.sonarError;
-    looks.forEach((look, cell) => {
+    let weight = map === 0 ? sensor.sonarError : 1 - sensor.sonarError;
+    beamResults.forEach((result, cell) => {
       const occupied = isOccupied(map, cell);
-      weight *= (occupied ? senses.prior : 1 - senses.prior) * likelihood(look, occupied, senses.beamError);
+      weight *= (occupied ? sensor.prior : 1 - sensor.prior) * likelihood(result, occupied, sensor.beamError);
     });
     return weight;
   });
   const total = weights.reduce((a, b) => a + b, 0);
   const maps = weights.map((weight) => weight / total);
-  const marginals = looks.map((_, cell) => maps.reduce((sum, p, map) => sum + (isOccupied(map, cell) ? p : 0), 0));
+  const marginals = beamResults.map((_, cell) =>
+    maps.reduce((sum, p, map) => sum + (isOccupied(map, cell) ? p : 0), 0),
+  );
   return { maps, marginals };
 }
 
-/** Each cell's log-odds as a grid map keeps them: what the echo alone says of it, plus the evidence of its own looks. */
-export function gridMap(looks: readonly Look[], senses: Senses): readonly number[] {
+/** Each cell's log-odds as a grid map stores them: after the echo alone, plus the evidence of the beam in the cell. */
+export function gridMap(beamResults: readonly BeamResult[], sensor: SensorParameters): readonly number[] {
   const afterEcho = joint(
-    looks.map(() => "none"),
-    senses,
+    beamResults.map(() => "none"),
+    sensor,
   ).marginals;
-  const evidence = logOdds(1 - senses.beamError);
-  return looks.map((look, cell) => {
-    const added = look === "none" ? 0 : look === "ended" ? evidence : -evidence;
+  const evidence = logOdds(1 - sensor.beamError);
+  return beamResults.map((result, cell) => {
+    const added = result === "none" ? 0 : result === "ended" ? evidence : -evidence;
     return logOdds(afterEcho[cell] ?? 0.5) + added;
   });
 }
@@ -73,9 +75,13 @@ interface Ranked {
 }
 
 /** The `count` likeliest maps of the joint, "nothing there" always among them. */
-export function likeliest(looks: readonly Look[], senses: Senses, count: number): readonly Ranked[] {
-  const posterior = joint(looks, senses);
-  const cells = gridMap(looks, senses);
+export function likeliest(
+  beamResults: readonly BeamResult[],
+  sensor: SensorParameters,
+  count: number,
+): readonly Ranked[] {
+  const posterior = joint(beamResults, sensor);
+  const cells = gridMap(beamResults, sensor);
   const ranked = posterior.maps
     .map((p, map) => ({ map, joint: p, grid: productOf(map, cells) }))
     .sort((a, b) => b.joint - a.joint || a.map - b.map);

@@ -7,10 +7,10 @@ import { signed, written } from "../../ui/numbers";
 import { Toggle } from "../../ui/Toggle";
 import type { Point, Pose } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";
-import { Knob, RobotShape } from "../common/Knob";
+import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
 import { type Place, Stage } from "../common/Stage";
-import { type Correction, GEOMETRY, LIDAR, mapWith, POSES, RIGHT, TRUE_MOUNT, WALLS } from "./model";
+import { CORRECT, type Correction, GEOMETRY, LIDAR, mapWith, POSES, TRUE_MOUNT, WALLS } from "./model";
 import "./mount.css";
 
 const CLOSE: GridGeometry = { resolution: 0.1, rows: 20, cols: 22, origin: [-0.95, -1, 0] };
@@ -21,15 +21,15 @@ const limited = (value: number, most: number): number => Math.min(most, Math.max
 const degrees = (yaw: number): string => `${written(yaw / DEGREE, 0)}°`;
 
 const PRESETS: readonly { readonly name: string; readonly correction: Correction }[] = [
-  { name: "right", correction: RIGHT },
-  { name: "turned 8°", correction: { ...RIGHT, yaw: 8 * DEGREE } },
-  { name: "half a metre off", correction: { ...RIGHT, x: -0.5 } },
-  { name: "turned over", correction: { ...RIGHT, upsideDown: true } },
+  { name: "correct", correction: CORRECT },
+  { name: "rotated by 8°", correction: { ...CORRECT, yaw: 8 * DEGREE } },
+  { name: "shifted by 0.5 m", correction: { ...CORRECT, x: -0.5 } },
+  { name: "upside down", correction: { ...CORRECT, upsideDown: true } },
 ];
 
-/** The sensor on the robot, as the map believes it to be, and the map that this belief makes. */
+/** The mount that the map is made with, to be dragged, and the resulting map. */
 export function Mount() {
-  const correction = useSignal<Correction>(PRESETS[1]?.correction ?? RIGHT);
+  const correction = useSignal<Correction>(PRESETS[1]?.correction ?? CORRECT);
   const grid = useMemo(() => computed(() => mapWith(correction.value)), [correction]);
   const now = correction.value;
   const set = (change: Partial<Correction>): void => {
@@ -38,20 +38,20 @@ export function Mount() {
   const wrong = phantoms(grid.value, WALLS, 1.35 * GEOMETRY.resolution).length;
   const walls = cellsOf(grid.value, "occupied").length;
   return (
-    <figure class="mount" aria-label="The sensor's mount, and the map that it makes">
+    <figure class="mount" aria-label="The mount of the sensor and the resulting map">
       <div class="mount-robot">
-        <h3>The mount that the map believes</h3>
+        <h3>Mount that the map is made with</h3>
         <Stage geometry={CLOSE} label="The robot from above, with its sensor">
           {(place) => <Robot place={place} correction={now} set={set} />}
         </Stage>
       </div>
       <div class="mount-map">
-        <h3>The map</h3>
+        <h3>Resulting map</h3>
         <Scene geometry={GEOMETRY} label="The map made with this mount" grid={grid} walls={WALLS}>
           {(place) => (
             <>
               <path
-                class="mount-way"
+                class="mount-path"
                 d={POSES.map(([x, y], i) => `${i === 0 ? "M" : "L"}${place.x(x)} ${place.y(y)}`).join("")}
               />
               {POSES.filter((_, i) => i % 3 === 0).map(([x, y, yaw]) => (
@@ -75,18 +75,18 @@ export function Mount() {
             {name}
           </Button>
         ))}
-        <Toggle label="hangs upside down" checked={now.upsideDown} onChange={(upsideDown) => set({ upsideDown })} />
+        <Toggle label="mounted upside down" checked={now.upsideDown} onChange={(upsideDown) => set({ upsideDown })} />
       </div>
       <figcaption class="quiet number" aria-live="polite">
-        Off by {signed(now.x)} m forward, {signed(now.y)} m to the left, {degrees(now.yaw)}
-        {now.upsideDown && ", turned over"}: of {walls} occupied cells,{" "}
+        Mount error: {signed(now.x)} m forward, {signed(now.y)} m to the left, {degrees(now.yaw)}
+        {now.upsideDown && ", upside down"}. Of {walls} occupied cells,{" "}
         <b class={wrong > 0 ? "noun-hit" : ""}>{wrong === 0 ? "all lie on walls" : `${wrong} lie where no wall is`}</b>.
       </figcaption>
     </figure>
   );
 }
 
-/** The fan of beams and the way in which they are swept. */
+/** The fan of beams, with an arrow in the direction of the sweep. */
 function Fan({ place, pose, over, tone }: { place: Place; pose: Pose; over: boolean; tone: string }) {
   const r = 0.34;
   const sign = over ? -1 : 1;
@@ -143,31 +143,31 @@ function Robot({ place, correction, set }: RobotProps) {
         x2={place.x(tip[0])}
         y2={place.y(tip[1])}
       />
-      <Knob
+      <DragHandle
         place={place}
         at={[believed[0], believed[1]]}
-        label="Sensor: where it is on the robot"
-        sentence="Moves the sensor to where the map believes it to be; the readings stay the same."
-        text={`${signed(x)} metres forward and ${signed(y)} metres left of its true place`}
+        label="Position of the sensor"
+        sentence="Changes the position of the mount that the map is made with; the readings stay the same."
+        text={`${signed(x)} metres forward and ${signed(y)} metres left of its true position`}
         tone="beam"
         step={0.05}
         onMove={(point) =>
           set({ x: limited(point[0] - TRUE_MOUNT[0], 0.7), y: limited(point[1] - TRUE_MOUNT[1], 0.7) })
         }
       />
-      <Knob
+      <DragHandle
         place={place}
         at={tip}
-        label="Sensor: which way it looks"
-        sentence="Turns the sensor as the map believes it to look; the readings stay the same."
-        text={`turned by ${degrees(yaw)}`}
+        label="Direction of the sensor"
+        sentence="Changes the rotation of the mount that the map is made with; the readings stay the same."
+        text={`rotated by ${degrees(yaw)}`}
         tone="beam"
         step={0.05}
         onMove={(point) => set({ yaw: Math.atan2(point[1] - believed[1], point[0] - believed[0]) })}
         onTurn={(by) => set({ yaw: limited(yaw + 5 * by * DEGREE, Math.PI) })}
       >
-        <path class="knob-dot" d="M-7 0a7 7 0 1 0 14 0a7 7 0 1 0 -14 0" />
-      </Knob>
+        <path class="drag-handle-dot" d="M-7 0a7 7 0 1 0 14 0a7 7 0 1 0 -14 0" />
+      </DragHandle>
     </>
   );
 }

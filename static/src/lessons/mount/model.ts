@@ -1,5 +1,5 @@
 /**
- * A sensor that is not where the map believes it is. The readings are taken from the true mount; the map is made with
+ * A wrong sensor mount. The readings are taken with the true mount; the map is made with
  * `T_base_laser ∘ correction`, as the mapper's `mount_*` parameters do it. Source: REP 103, REP 105.
  */
 
@@ -22,7 +22,7 @@ export const WALLS: readonly Wall[] = [...box(0.6, 0.6, 7.5, 4.8), ...box(2.9, 2
 /** Where the sensor really is on the robot: `T_base_laser`. */
 export const TRUE_MOUNT: Pose = [0.25, 0, 0];
 
-/** A laser that looks three quarters of the way round, so that turned over is not the same as upright. */
+/** A laser with a field of view of 270°, so that upside down is not the same as upright. */
 export const LIDAR: Lidar = {
   beams: 91,
   angle_min: (-3 * Math.PI) / 4,
@@ -31,7 +31,7 @@ export const LIDAR: Lidar = {
   range_max: 8,
 };
 
-/** What the map believes of the mount, beyond the truth. */
+/** Difference between the mount that the map is made with and the true one. */
 export interface Correction {
   readonly x: number;
   readonly y: number;
@@ -39,11 +39,11 @@ export interface Correction {
   readonly upsideDown: boolean;
 }
 
-export const RIGHT: Correction = { x: 0, y: 0, yaw: 0, upsideDown: false };
+export const CORRECT: Correction = { x: 0, y: 0, yaw: 0, upsideDown: false };
 
 const heading = (from: Point, to: Point): number => Math.atan2(to[1] - from[1], to[0] - from[0]);
 
-/** The robot's way round the room: `T_map_base` at each scan. */
+/** The path of the robot around the room: `T_map_base` at each scan. */
 export const POSES: readonly Pose[] = (() => {
   const corners: readonly Point[] = [
     [1.5, 1.4],
@@ -65,21 +65,21 @@ export const POSES: readonly Pose[] = (() => {
 
 const SCANS: readonly LaserScan[] = POSES.map((pose) => scanFrom(WALLS, compose(pose, TRUE_MOUNT), LIDAR));
 
-/** Bearings as they run when the sensor hangs with its z axis down. */
-export const turnedOver = (scan: LaserScan): LaserScan => ({
+/** The scan with the bearings of a sensor whose z axis points down. */
+export const upsideDownScan = (scan: LaserScan): LaserScan => ({
   ...scan,
   angle_min: -scan.angle_min,
   angle_increment: -scan.angle_increment,
 });
 
-/** The map that a believed mount makes of the readings. */
+/** The map of the readings, made with a mount that differs from the true one. */
 export function mapWith({ x, y, yaw, upsideDown }: Correction): OccupancyGrid {
   const grid = emptyGrid(GEOMETRY);
   POSES.forEach((pose, i) => {
     const scan = SCANS[i];
     if (!scan) return;
     const sensor = compose(compose(pose, TRUE_MOUNT), [x, y, yaw]);
-    occupancyGridMapping(grid, upsideDown ? turnedOver(scan) : scan, sensor, INITIAL_CONFIG);
+    occupancyGridMapping(grid, upsideDown ? upsideDownScan(scan) : scan, sensor, INITIAL_CONFIG);
   });
   return grid;
 }

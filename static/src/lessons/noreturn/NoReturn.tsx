@@ -4,23 +4,23 @@ import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";
-import { Knob, RobotShape } from "../common/Knob";
+import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Beams, Scene, Walls } from "../common/Scene";
 import { GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WALLS } from "./model";
 
 const NAMES: Record<Policy, string> = {
   ignore: "ignored",
-  free: "taken for free",
-  hit: "the mistake: taken for a hit",
+  free: "taken as free",
+  hit: "taken as a hit (an error)",
 };
 
 const inside = ([x, y]: Point): Point => [Math.min(8.9, Math.max(0.7, x)), Math.min(5.7, Math.max(0.7, y))];
 
-/** The same scans under three policies, side by side; the robot is dragged in any of the three. */
+/** The maps of the same scans under three policies; the robot can be dragged in each of them. */
 export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
   const at = useSignal<Point>([2.4, 2.5]);
   return (
-    <figure class="noreturn" aria-label="Beams without return, taken in three ways">
+    <figure class="noreturn" aria-label="Beams without a return, interpreted in three ways">
       <div class="side-by-side three">
         {POLICIES.map((policy) => (
           <Panel key={policy} policy={policy} at={at} rangeMax={rangeMax} />
@@ -29,7 +29,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
       <div class="figure-controls no-print">
         <Slider
           label="Max range of the lidar"
-          sentence="How far the lidar sees: what is farther away gives no return."
+          sentence="Surfaces that are farther away give no return."
           value={rangeMax.value}
           initial={3}
           low={1}
@@ -42,7 +42,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
         />
       </div>
       <figcaption class="quiet">
-        The dashed wall is glass: a beam that meets it never comes back. The dotted beams are those without return.
+        The dashed wall is glass: a beam that meets it has no return. Beams without a return are dotted.
       </figcaption>
     </figure>
   );
@@ -62,11 +62,11 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
           <>
             <Beams place={place} pose={[x, y, 0]} scan={scan} />
             <Walls place={place} walls={GLASS} tone="wall glass" />
-            <Knob
+            <DragHandle
               place={place}
               at={at.value}
               label={`Robot, map with no returns ${NAMES[policy]}`}
-              sentence="Moves the robot: its scans are taken anew from there, for all three maps."
+              sentence="Moves the robot; all three maps are made again from scans at the new position."
               text={where}
               step={0.2}
               onMove={(point) => {
@@ -74,14 +74,14 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
               }}
             >
               <RobotShape yaw={0} size={9} />
-            </Knob>
+            </DragHandle>
           </>
         )}
       </Scene>
       <p class="quiet number" aria-live="polite">
         <b class="noun-miss">{cellsOf(grid.value, "free").length}</b> cells free,{" "}
         <b class="noun-hit">{cellsOf(grid.value, "occupied").length}</b> occupied
-        {wrong > 0 && `, ${wrong} of them where nothing stands`}
+        {wrong > 0 && `, ${wrong} of them where no wall is`}
       </p>
     </div>
   );

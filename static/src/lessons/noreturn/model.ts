@@ -1,4 +1,4 @@
-/** Beams that bring nothing back, taken in three ways: ignored, as free space, and, wrongly, as a wall at max range. */
+/** Beams without a return, interpreted in three ways: ignored, as free space, and, wrongly, as a hit at max range. */
 
 import {
   emptyGrid,
@@ -14,7 +14,7 @@ import { allRound, box, castRay, scanFrom, type Wall } from "../common/world";
 
 export const GEOMETRY: GridGeometry = { resolution: 0.2, rows: 32, cols: 48, origin: [0, 0, 0] };
 
-/** A hall with a pillar, and a pane of glass that a beam goes into and never comes back from. */
+/** A hall with a pillar, and a pane of glass from which no beam returns. */
 export const WALLS: readonly Wall[] = [...box(0.5, 0.5, 9.1, 5.9), ...box(6.3, 3.9, 6.9, 4.5)];
 export const GLASS: readonly Wall[] = [[3.9, 0.5, 3.9, 2.1]];
 
@@ -24,7 +24,7 @@ export type Policy = (typeof POLICIES)[number];
 const BEAMS = 180;
 const SCANS = 4;
 
-/** What the lidar reports: no return where the nearest thing is glass or lies beyond its range. */
+/** One scan: no return where the nearest surface is glass or lies beyond the max range. */
 export function scanAt([x, y]: Point, rangeMax: number): LaserScan {
   const scan = scanFrom(WALLS, [x, y, 0], allRound(BEAMS, rangeMax));
   const ranges = scan.ranges.map((z, beam) => {

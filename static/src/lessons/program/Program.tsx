@@ -7,12 +7,12 @@ import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point, Pose } from "../../wire/protocol";
-import { Knob, RobotShape } from "../common/Knob";
+import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
 import type { Place } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
 import { box, type Lidar, scanFrom, type Wall } from "../common/world";
-import { gridBefore, type Run, runProgram, type Step, type Stride, stride } from "./model";
+import { gridBefore, type Run, runProgram, type Step, type StepSize, stepFrom } from "./model";
 import "./program.css";
 import { PROGRAM, type SourceLine } from "./source";
 
@@ -26,28 +26,28 @@ const LIDAR: Lidar = {
   range_max: 2.2,
 };
 
-const STRIDES: readonly { readonly value: Stride; readonly label: string }[] = [
-  { value: "line", label: "a line" },
-  { value: "cell", label: "a cell" },
-  { value: "beam", label: "a beam" },
-  { value: "scan", label: "the scan" },
+const STEP_SIZES: readonly { readonly value: StepSize; readonly label: string }[] = [
+  { value: "line", label: "line" },
+  { value: "cell", label: "cell" },
+  { value: "beam", label: "beam" },
+  { value: "scan", label: "scan" },
 ];
-const MS: Record<Stride, number> = { line: 350, cell: 350, beam: 500, scan: 500 };
+const MS: Record<StepSize, number> = { line: 350, cell: 350, beam: 500, scan: 500 };
 
 const inside = ([x, y]: Point): Point => [Math.min(3, Math.max(0.5, x)), Math.min(2.25, Math.max(0.5, y))];
 
-/** In the middle of things: a beam half put into the map. */
-const telling = (run: Run): number => {
+/** The step that is shown at first: a beam whose evidence is partly in the map. */
+const initialStep = (run: Run): number => {
   const found = run.steps.findIndex(
     (step) => step.fn === "bayes_filter" && (step.beam ?? 0) >= 12 && step.current === 4,
   );
   return Math.max(0, found);
 };
 
-/** The textbook's program, the line that runs lit, beside what it does to a small grid. */
+/** The textbook's program with its current line highlighted, beside the small grid that it updates. */
 export function Program() {
   const at = useSignal<Point>([0.88, 1.12]);
-  const by = useSignal<Stride>("line");
+  const by = useSignal<StepSize>("line");
   const playing = useSignal(false);
   const root = useRef<HTMLElement>(null);
   const both = useMemo(
@@ -59,13 +59,13 @@ export function Program() {
       }),
     [at],
   );
-  const step = useSignal(telling(both.value.run));
+  const step = useSignal(initialStep(both.value.run));
   const { pose, scan, run } = both.value;
   const now = Math.min(step.value, run.steps.length - 1);
   const grid = useMemo(() => computed(() => gridBefore(both.value.run, step.value)), [both, step]);
-  const go = (way: 1 | -1): void => {
+  const go = (direction: 1 | -1): void => {
     const current = both.peek().run;
-    step.value = stride(current, Math.min(step.peek(), current.steps.length - 1), by.peek(), way);
+    step.value = stepFrom(current, Math.min(step.peek(), current.steps.length - 1), by.peek(), direction);
     if (step.peek() >= current.steps.length - 1) playing.value = false;
   };
   useSteps(
@@ -77,18 +77,18 @@ export function Program() {
   const here = run.steps[now];
   if (!here) return null;
   return (
-    <figure class="program" ref={root} aria-label="The program, line by line, and what it does">
-      <Text here={here} />
+    <figure class="program" ref={root} aria-label="The program, line by line, and the grid that it updates">
+      <ProgramText here={here} />
       <div class="program-world">
-        <Scene geometry={GEOMETRY} label="The grid that the program fills" grid={grid} walls={WALLS} lines>
+        <Scene geometry={GEOMETRY} label="The grid that the program updates" grid={grid} walls={WALLS} lines>
           {(place) => (
             <>
-              <Doing place={place} here={here} pose={pose} scan={scan} />
-              <Knob
+              <CurrentBeam place={place} here={here} pose={pose} scan={scan} />
+              <DragHandle
                 place={place}
                 at={at.value}
                 label="Robot"
-                sentence="Moves the robot: the program then runs on the scan from there."
+                sentence="Moves the robot; the program then runs on the scan from there."
                 text={`${written(at.value[0], 2)} m, ${written(at.value[1], 2)} m`}
                 step={0.05}
                 onMove={(point) => {
@@ -96,7 +96,7 @@ export function Program() {
                 }}
               >
                 <RobotShape yaw={0} size={9} />
-              </Knob>
+              </DragHandle>
             </>
           )}
         </Scene>
@@ -104,16 +104,16 @@ export function Program() {
       </div>
       <div class="figure-controls no-print">
         <Choice
-          label="Stride"
+          label="Step size"
           bare
-          options={STRIDES}
+          options={STEP_SIZES}
           value={by.value}
           onChange={(value) => {
-            by.value = value as Stride;
+            by.value = value as StepSize;
           }}
         />
         <div class="actions">
-          <Button icon="stepBack" label="Back" onClick={() => go(-1)} />
+          <Button icon="stepBack" label="Step back" onClick={() => go(-1)} />
           {!reducedMotion.value && (
             <Button
               icon={playing.value ? "pause" : "play"}
@@ -124,10 +124,10 @@ export function Program() {
               }}
             />
           )}
-          <Button icon="stepForward" label="On" onClick={() => go(1)} />
+          <Button icon="stepForward" label="Step forward" onClick={() => go(1)} />
           <Button
             icon="restart"
-            label="To the beginning"
+            label="Back to the start"
             onClick={() => {
               playing.value = false;
               step.value = 0;
@@ -149,8 +149,8 @@ function coloured(text: string) {
   return parts.map((part, i) => (i % 2 === 1 ? <b key={`${i}-${part}`}>{part}</b> : part));
 }
 
-/** The program's text; the line that runs is kept in sight inside its own box, the page stays where it is. */
-function Text({ here }: { here: Step }) {
+/** The program's text; its box scrolls to the current line, the page does not scroll. */
+function ProgramText({ here }: { here: Step }) {
   const box = useRef<HTMLElement>(null);
   const lit = useRef<HTMLElement>(null);
   useEffect(() => {
@@ -164,7 +164,7 @@ function Text({ here }: { here: Step }) {
       else if (high > frame.scrollTop + frame.clientHeight) frame.scrollTop = high - frame.clientHeight;
     };
     keepInSight();
-    // Also where the box takes another size, or was not on show before.
+    // Also when the box changes its size or is first shown.
     const observer = new ResizeObserver(keepInSight);
     observer.observe(frame);
     return () => observer.disconnect();
@@ -192,15 +192,15 @@ function Text({ here }: { here: Step }) {
   );
 }
 
-interface DoingProps {
+interface CurrentBeamProps {
   readonly place: Place;
   readonly here: Step;
   readonly pose: Pose;
   readonly scan: LaserScan;
 }
 
-/** The beam that is followed, the cells that it speaks of, and the one that is at hand. */
-function Doing({ place, here, pose, scan }: DoingProps) {
+/** The current beam, the cells that it gives evidence for, and the current cell. */
+function CurrentBeam({ place, here, pose, scan }: CurrentBeamProps) {
   const square = (cell: { row: number; col: number }) => ({
     x: cell.col * place.cell + 1.5,
     y: place.height - (cell.row + 1) * place.cell + 1.5,
@@ -232,7 +232,7 @@ function Doing({ place, here, pose, scan }: DoingProps) {
   );
 }
 
-/** What the names in the program stand for at this line. */
+/** The values of the program's variables at this line. */
 function Values({ here, run, scan }: { here: Step; run: Run; scan: LaserScan }) {
   const one = here.current === null ? undefined : here.evidence[here.current];
   const change = here.current === null ? undefined : run.changes[here.done];

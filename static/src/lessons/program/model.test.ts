@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Pose } from "../../wire/protocol";
-import { gridBefore, runProgram, stride } from "./model";
+import { gridBefore, runProgram, stepFrom } from "./model";
 import vectors from "./program.vectors.json";
 import { linesOf, PROGRAM, SHOWN } from "./source";
 
@@ -27,16 +27,17 @@ describe("the program, line by line", () => {
   });
 
   it("goes on by lines, cells, beams and the scan, and back again", () => {
-    expect(stride(run, 5, "line", 1)).toBe(6);
-    expect(stride(run, 5, "scan", 1)).toBe(run.steps.length - 1);
-    expect(stride(run, 5, "scan", -1)).toBe(0);
+    expect(stepFrom(run, 5, "line", 1)).toBe(6);
+    expect(stepFrom(run, 5, "scan", 1)).toBe(run.steps.length - 1);
+    expect(stepFrom(run, 5, "scan", -1)).toBe(0);
     const beams = [0];
-    while ((beams.at(-1) as number) < run.steps.length - 1) beams.push(stride(run, beams.at(-1) as number, "beam", 1));
+    while ((beams.at(-1) as number) < run.steps.length - 1)
+      beams.push(stepFrom(run, beams.at(-1) as number, "beam", 1));
     expect(beams.slice(1, -1).map((step) => run.steps[step]?.beam)).toEqual([0, 1, 2, 3, 4, 5]);
-    const cell = stride(run, 0, "cell", 1);
+    const cell = stepFrom(run, 0, "cell", 1);
     expect(run.steps[cell]).toMatchObject({ fn: "update", current: 0, done: 0 });
-    expect(run.steps[stride(run, cell, "cell", 1)]).toMatchObject({ current: 1, done: 1 });
-    expect(stride(run, stride(run, cell, "cell", 1), "cell", -1)).toBe(cell);
+    expect(run.steps[stepFrom(run, cell, "cell", 1)]).toMatchObject({ current: 1, done: 1 });
+    expect(stepFrom(run, stepFrom(run, cell, "cell", 1), "cell", -1)).toBe(cell);
   });
 });
 

@@ -1,6 +1,6 @@
 /**
- * The program run line by line: which line is about to run, and what is known then. That these are the lines which
- * Python executes, one by one, is tested against Python's own trace (program.vectors.json).
+ * The program run line by line: which line is about to run, and the values at that time. The sequence of lines is
+ * tested against a trace of the lines that Python executes (program.vectors.json).
  */
 
 import type { Cell } from "../../grid/lattice";
@@ -20,11 +20,11 @@ export interface Step {
   readonly fn: FunctionName;
   /** The line that is about to run, counted from its function's `def`. */
   readonly offset: number;
-  /** The beam that is followed; null before the first and after the last. */
+  /** The current beam; null before the first and after the last. */
   readonly beam: number | null;
-  /** What the beam says, as far as it is known yet. */
+  /** The evidence of the beam, as far as it has been computed. */
   readonly evidence: readonly Evidence[];
-  /** Which of it is being put into its cell; null while it is gathered. */
+  /** Index of the evidence that is being added to its cell; null while it is computed. */
   readonly current: number | null;
   /** How many updates have been made before this line runs. */
   readonly done: number;
@@ -52,7 +52,7 @@ const START: readonly Where[] = [
 const NEXT_BEAM: Where = ["update_per_beam", "for z, bearing"];
 const GATHER: readonly Where[] = [
   ["update_per_beam", "evidence = evidence_of_beam"],
-  ["evidence_of_beam", "wide ="],
+  ["evidence_of_beam", "is_cone ="],
   ["evidence_of_beam", "if z_min <= z <= z_max"],
 ];
 const NOTHING: readonly Where[] = [
@@ -60,7 +60,7 @@ const NOTHING: readonly Where[] = [
   ["evidence_of_beam", "return {}"],
 ];
 const READING: readonly Where[] = [
-  ["evidence_of_beam", "if wide"],
+  ["evidence_of_beam", "if is_cone"],
   ["evidence_of_beam", "return evidence_along_beam"],
   ["evidence_along_beam", "model ="],
   ["evidence_along_beam", "half ="],
@@ -145,20 +145,20 @@ export function gridBefore(run: Run, step: number): OccupancyGrid {
   return grid;
 }
 
-export type Stride = "line" | "cell" | "beam" | "scan";
+export type StepSize = "line" | "cell" | "beam" | "scan";
 
-/** The step at which one goes on by a line, a cell, a beam or the scan; `way` −1 goes back. */
-export function stride(run: Run, from: number, by: Stride, way: 1 | -1): number {
+/** The step that is a line, a cell, a beam or the scan after step `from`, or before it. */
+export function stepFrom(run: Run, from: number, by: StepSize, direction: 1 | -1): number {
   const last = run.steps.length - 1;
   const inside = (step: number): number => Math.min(last, Math.max(0, step));
-  if (by === "line") return inside(from + way);
-  if (by === "scan") return way === 1 ? last : 0;
+  if (by === "line") return inside(from + direction);
+  if (by === "scan") return direction === 1 ? last : 0;
   const isStop = (step: number): boolean => {
     const [here, before] = [run.steps[step], run.steps[step - 1]];
     if (!here || !before) return true;
     return by === "beam" ? here.beam !== before.beam : here.current !== null && here.current !== before.current;
   };
-  let step = inside(from + way);
-  while (step > 0 && step < last && !isStop(step)) step += way;
+  let step = inside(from + direction);
+  while (step > 0 && step < last && !isStop(step)) step += direction;
   return step;
 }

@@ -10,7 +10,7 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import { keyedIndex } from "../../ui/seek";
 import { Toggle } from "../../ui/Toggle";
 import type { Point } from "../../wire/protocol";
-import { Knob } from "../common/Knob";
+import { DragHandle } from "../common/DragHandle";
 import { type Place, Stage } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
 import "./rays.css";
@@ -72,22 +72,22 @@ export function Rays() {
               x2={place.x(to.value[0])}
               y2={place.y(to.value[1])}
             />
-            <Knob
+            <DragHandle
               place={place}
               at={from.value}
-              label="Where the sensor is"
-              sentence="Moves the cell in which the line begins."
+              label="First cell of the line"
+              sentence="Moves the cell of the sensor, in which the line begins."
               text={named(from.value)}
               step={1}
               onMove={(point) => {
                 from.value = inside(point);
               }}
             />
-            <Knob
+            <DragHandle
               place={place}
               at={to.value}
-              label="Where the beam ends"
-              sentence="Moves the cell in which the line ends; all the way round the sensor are the eight octants."
+              label="Last cell of the line"
+              sentence="Moves the cell in which the beam ends; the eight octants lie around the sensor."
               text={named(to.value)}
               tone="beam"
               step={1}
@@ -172,7 +172,7 @@ function Crossed({ place, cells }: { place: Place; cells: readonly Cell[] }) {
 
 const CHART = { width: 720, height: 92, left: 34, middle: 46 };
 
-/** ∇ at every cell as a bar: at or above zero the next step is diagonal. A bar can be chosen. */
+/** ∇ at every cell as a bar: at or above zero the next step is diagonal. A click selects a bar. */
 function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: number) => void }) {
   const id = useId();
   const count = Math.max(1, line.steps.length);
@@ -206,7 +206,7 @@ function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: numbe
       }}
     >
       <span id={id} hidden>
-        Goes through the cells of the line, and shows how far it has come at each.
+        Steps through the cells of the line and shows ∇ at each of them.
       </span>
       <svg viewBox={`0 0 ${CHART.width} ${CHART.height}`} role="presentation">
         <text class="axis-title" x={8} y={CHART.middle + 6}>
@@ -250,7 +250,7 @@ function Words({ line, at, from, to, crossed }: WordsProps) {
       {line.steep && ", axes swapped"}.{" "}
       {nabla === null ? (
         arrived ? (
-          "The last cell: the beam’s end."
+          "The last cell: the beam ends here."
         ) : (
           <b class="noun-hit">
             The line stops at column {end?.col}, row {end?.row}, and the beam ends at column {to.col}, row {to.row}: a

@@ -7,7 +7,7 @@ import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point, Pose } from "../../wire/protocol";
-import { Knob, RobotShape } from "../common/Knob";
+import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
 import type { Place } from "../common/Stage";
 import {
@@ -24,7 +24,7 @@ import { GEOMETRY, POSES, SONARS, sonarScan, WALLS } from "./world";
 const ALL = POSES.length * SONARS;
 const PROFILES = [
   { value: "flat", label: "flat" },
-  { value: "gaussian", label: "weaker off the axis" },
+  { value: "gaussian", label: "weaker away from the axis" },
 ];
 
 interface Taken {
@@ -32,7 +32,7 @@ interface Taken {
   readonly scan: SonarScan;
 }
 
-/** The first `count` readings, scan by scan; the last scan may be a part of one. */
+/** The first `count` readings, scan by scan; the last scan may be incomplete. */
 function takenIn(count: number, opening: number): readonly Taken[] {
   return POSES.slice(0, Math.ceil(count / SONARS)).map((pose, i) => {
     const scan = sonarScan(pose, opening);
@@ -46,7 +46,7 @@ function takenIn(count: number, opening: number): readonly Taken[] {
 
 const inside = ([x, y]: Point): Point => [Math.min(4.95, Math.max(0.05, x)), Math.min(3.35, Math.max(0.05, y))];
 
-/** The same sonar readings as Bayes' filter takes them and as Moravec and Elfes combined them. */
+/** The same sonar readings combined by the Bayes filter and by the method of Moravec and Elfes. */
 export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
   const count = useSignal(ALL);
   const probe = useSignal<Point>([4.65, 1.68]);
@@ -78,7 +78,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
   const isLast = (certain.value.grid.observed[index] ?? 0) === 1;
   const panels = [
     {
-      name: "Bayes, cell by cell",
+      name: "Bayes filter, cell by cell",
       grid: bayes,
       text: seen ? `ℓ = ${signed(l)}, p = ${written(probability(l), 2)}` : "not observed",
     },
@@ -91,7 +91,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
     },
   ];
   return (
-    <figure class="sonar" aria-label="Sonar readings, taken in two ways">
+    <figure class="sonar" aria-label="Sonar readings, combined in two ways">
       <div class="side-by-side">
         {panels.map(({ name, grid, text }) => (
           <div key={name}>
@@ -100,11 +100,11 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
               {(place) => (
                 <>
                   {last && <LastCone place={place} taken={last} opening={settings.value.opening} />}
-                  <Knob
+                  <DragHandle
                     place={place}
                     at={probe.value}
-                    label={`Cell to look at, ${name}`}
-                    sentence="Chooses the cell whose numbers stand under both maps."
+                    label={`Selected cell, ${name}`}
+                    sentence="Selects the cell whose values are shown under both maps."
                     text={text}
                     tone="ink"
                     step={GEOMETRY.resolution}
@@ -113,7 +113,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
                     }}
                   >
                     <path class="probe" d="M-13 0H-4M4 0H13M0 -13V-4M0 4V13" />
-                  </Knob>
+                  </DragHandle>
                 </>
               )}
             </Scene>
@@ -125,8 +125,8 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
       </div>
       <div class="figure-controls no-print">
         <Slider
-          label="Readings taken in"
-          sentence="How many of the robot’s sonar readings both maps are made of, in the order in which they came."
+          label="Number of readings"
+          sentence="Number of sonar readings that both maps are made from, in the order of their time."
           value={count.value}
           initial={ALL}
           low={1}
@@ -137,7 +137,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
           }}
         />
         <Choice
-          label="Profile of the Bayes cone"
+          label="Profile of the cone, Bayes filter"
           options={PROFILES}
           value={settings.value.profile}
           onChange={(profile) => {

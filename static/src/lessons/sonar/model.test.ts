@@ -16,7 +16,7 @@ const scanOf = (i: number) => ({
 });
 
 describe("wide beams", () => {
-  it.each(vectors.maps)("make the mapper's map: $model, $settings", ({ model, settings, cells, tallies }) => {
+  it.each(vectors.maps)("make the mapper's map: $model, $settings", ({ model, settings, cells, statistics }) => {
     const all = settings as SonarSettings;
     const certain = noCertainties(LATTICE);
     const grid = model === "moravec_elfes" ? certain.grid : emptyGrid(LATTICE);
@@ -27,7 +27,7 @@ describe("wide beams", () => {
     const seen = [...grid.observed.keys()].filter((index) => grid.observed[index] === 1);
     expect(seen).toEqual(cells.map(([index]) => index));
     for (const [index, value] of cells) expect(grid.logOdds[index as number]).toBeCloseTo(value as number, 4);
-    tallies.forEach(([occupied, empty], k) => {
+    statistics.forEach(([occupied, empty], k) => {
       expect(certain.occupied[seen[k] as number]).toBeCloseTo(occupied as number, 5);
       expect(certain.empty[seen[k] as number]).toBeCloseTo(empty as number, 5);
     });

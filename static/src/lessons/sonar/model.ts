@@ -1,7 +1,7 @@
 /**
- * Wide beams: the sonar cone as Bayes' filter takes it, and the two certainties of Moravec and Elfes, the twins of
- * `evidence_in_cone` and `update_moravec_elfes` in mapper/mapping/textbook.py; held to them by vectors (sonar.vectors.json).
- * Source: Moravec & Elfes 1985; Elfes 1989; Probabilistic Robotics, table 9.2.
+ * Wide beams: the sonar cone of the Bayes filter, and the two certainties of Moravec and Elfes. TypeScript versions of
+ * `evidence_in_cone` and `update_moravec_elfes` in mapper/mapping/textbook.py, tested on the same vectors
+ * (sonar.vectors.json). Source: Moravec & Elfes 1985; Elfes 1989; Probabilistic Robotics, table 9.2.
  */
 
 import { toLattice } from "../../grid/lattice";
@@ -62,7 +62,7 @@ function cellsInCone(geometry: GridGeometry, pose: Pose, bearing: number, openin
   return found;
 }
 
-/** The settings as the profile of section 4 takes them: what a reading says at a place is written there, once. */
+/** The settings as parameters of the sensor model of section 4, which computes the evidence. */
 const asProfile = (
   model: "sonar_cone" | "moravec_elfes",
   settings: SonarSettings,
@@ -83,7 +83,7 @@ const isReading = (scan: SonarScan, z: number): boolean => scan.range_min <= z &
 const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
   z > scan.range_max && settings.no_return === "free";
 
-/** Bayes' filter: every cell of the cone up to z + r/2 gets its evidence, reading by reading. */
+/** Bayes filter: every cell of the cone up to z + r/2 gets its evidence, reading by reading. */
 export function updateCone(grid: OccupancyGrid, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
   const values = asProfile("sonar_cone", settings, scan, grid.geometry);
   scan.ranges.forEach((z, k) => {
@@ -99,7 +99,7 @@ export function updateCone(grid: OccupancyGrid, scan: SonarScan, pose: Pose, set
   });
 }
 
-/** The grids of 1985: how certain it is that a cell is occupied, and how certain that it is empty. */
+/** The two grids of Moravec and Elfes (1985): certainty that a cell is occupied, and certainty that it is empty. */
 export interface Certainties {
   readonly grid: OccupancyGrid;
   readonly occupied: Float32Array;
@@ -112,7 +112,9 @@ export function noCertainties(geometry: GridGeometry): Certainties {
   return { grid, occupied: new Float32Array(count), empty: new Float32Array(count) };
 }
 
-/** First what is empty, for all readings; then what is occupied, cancelled and normalised, reading by reading. */
+/**
+ * First the empty certainties of all readings; then the occupied ones, cancelled and normalised, reading by reading.
+ */
 export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
   const { grid, occupied, empty } = map;
   const values = asProfile("moravec_elfes", settings, scan, grid.geometry);
@@ -151,12 +153,12 @@ export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose
   show(map);
 }
 
-/** What a map shows of the two certainties: ℓ of p = (1 + v)/2, v the greater of both, that of empty negative. */
+/** Log-odds for display: ℓ of p = (1 + v)/2, where v is the greater of the two certainties, negative for empty. */
 function show({ grid, occupied, empty }: Certainties): void {
   grid.observed.forEach((seen, index) => {
     if (seen !== 1) return;
-    const [speaks, against] = [occupied[index] ?? 0, empty[index] ?? 0];
-    const value = speaks >= against ? speaks : -against;
+    const [occ, emp] = [occupied[index] ?? 0, empty[index] ?? 0];
+    const value = occ >= emp ? occ : -emp;
     const shown = logOdds((1 + value) / 2);
     grid.logOdds[index] = Math.min(INITIAL_CONFIG.log_odds_max, Math.max(INITIAL_CONFIG.log_odds_min, shown));
   });

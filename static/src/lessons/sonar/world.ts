@@ -1,4 +1,4 @@
-/** The corridor in which the sonars of section 7 measure. */
+/** The room in which the sonars of section 7 measure. */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import type { Point, Pose } from "../../wire/protocol";
@@ -19,10 +19,10 @@ export const WALLS: readonly Wall[] = [
 
 export const SONARS = 16;
 const RANGE_MAX = 3;
-/** Rays by which a cone is searched for its nearest echo. */
+/** Number of rays cast in a cone to find its nearest surface. */
 const RAYS = 25;
 
-/** The robot's way: one scan of all sonars at each pose. */
+/** The path of the robot: one scan of all sonars at each pose. */
 export const POSES: readonly Pose[] = (
   [
     [0.95, 0.95],
@@ -37,7 +37,7 @@ export const POSES: readonly Pose[] = (
   ] as readonly Point[]
 ).map(([x, y]): Pose => [x, y, 0.24]);
 
-/** What a ring of sonars reports: the nearest surface anywhere in each cone, none where there is none in reach. */
+/** One scan of a ring of sonars: the nearest surface in each cone, no return if there is none within range. */
 export function sonarScan(pose: Pose, opening: number): SonarScan {
   const bearings = Array.from({ length: SONARS }, (_, k) => (k * 2 * Math.PI) / SONARS);
   const ranges = Float32Array.from(bearings, (bearing) => {

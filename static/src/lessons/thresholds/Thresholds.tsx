@@ -11,7 +11,7 @@ import "./thresholds.css";
 
 const READ_GREY: Record<number, number> = { 100: 0, 0: 254, [-1]: 150 };
 
-/** Two thresholds over a histogram, the picture that they make, the files, and what a reader makes of these. */
+/** Two thresholds on a histogram, the resulting image, the map files, and the map as read from them. */
 export function Thresholds() {
   const occupied = useSignal(0.65);
   const free = useSignal(0.25);
@@ -26,10 +26,10 @@ export function Thresholds() {
   const read = counted(greys.value, STATED.occupied, readFree.value);
   const trap = read.unknown === 0 && written3.unknown > 0;
   return (
-    <figure class="thresholds" aria-label="Thresholds, the map file, and what reads it">
+    <figure class="thresholds" aria-label="Thresholds, the map file, and the map as read from it">
       <div class="side-by-side three">
         <div>
-          <h3>What the map believes</h3>
+          <h3>Probabilities</h3>
           <Stage geometry={GEOMETRY} label="Probabilities of a small map" grid={map} />
         </div>
         <div>
@@ -37,8 +37,8 @@ export function Thresholds() {
           <Stage geometry={GEOMETRY} label="The image: black occupied, white free, grey unknown" greys={greys} />
         </div>
         <div>
-          <h3>What a reader takes it for</h3>
-          <Stage geometry={GEOMETRY} label="What the reader makes of the image" greys={readAs} />
+          <h3>As read from the file</h3>
+          <Stage geometry={GEOMETRY} label="The map as read from the image" greys={readAs} />
         </div>
       </div>
       <Plot height={HEIGHT}>
@@ -56,9 +56,9 @@ export function Thresholds() {
       </Plot>
       <p class="quiet number" aria-live="polite">
         <b class="noun-miss">{written3.free} free</b>, <b class="noun-prior">{written3.unknown} unknown</b>,{" "}
-        <b class="noun-hit">{written3.occupied} occupied</b> cells are written. The reader finds {read.free} free,{" "}
+        <b class="noun-hit">{written3.occupied} occupied</b> cells are written. The reader gets {read.free} free,{" "}
         {read.unknown} unknown, {read.occupied} occupied.
-        {trap && <b class="noun-hit"> All that was unknown is now free to drive on.</b>}
+        {trap && <b class="noun-hit"> All unknown cells are read as free.</b>}
       </p>
       <div class="thresholds-files">
         <div>
@@ -66,7 +66,7 @@ export function Thresholds() {
           <pre>{yamlText(GEOMETRY, "map.pgm")}</pre>
         </div>
         <div>
-          <h3>map.pgm, its head and some of its bytes as numbers</h3>
+          <h3>map.pgm: the header and some of the bytes as numbers</h3>
           <pre>
             {pgmHeader(GEOMETRY)}
             {rowsOf(greys.value)}
@@ -75,8 +75,8 @@ export function Thresholds() {
       </div>
       <div class="figure-controls no-print">
         <Slider
-          label="free_thresh that the reader uses"
-          sentence="Below this occupancy the reader takes a cell for free; an unknown cell is written as 0.196."
+          label="free_thresh of the reader"
+          sentence="A cell below this occupancy is read as free; the grey of an unknown cell is read as 0.196."
           value={readFree.value}
           initial={STATED.free}
           low={0.1}
@@ -170,8 +170,8 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
             label={which === "free" ? "Free below" : "Occupied above"}
             sentence={
               which === "free"
-                ? "A cell less probable than this is written as free."
-                : "A cell more probable than this is written as occupied."
+                ? "A cell with a probability below this is written as free."
+                : "A cell with a probability above this is written as occupied."
             }
             axis="x"
             tone={which === "free" ? "tone-miss" : "tone-hit"}

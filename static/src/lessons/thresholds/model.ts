@@ -1,7 +1,7 @@
 /**
- * From probabilities to the file that a navigation stack reads, as `mapper/io/maps/writing.py` writes it, and back, as
- * `mapper/io/maps/reading.py` reads it. Checked against bytes and texts that the mapper wrote (thresholds.vectors.json).
- * Source: nav2_map_server, map_io.cpp, mode trinary.
+ * Probabilities to map files, as `mapper/io/maps/writing.py` writes them, and back, as `mapper/io/maps/reading.py`
+ * reads them. Tested against files that the mapper wrote (thresholds.vectors.json). Source: nav2_map_server,
+ * map_io.cpp, mode trinary.
  */
 
 import { logOdds } from "../../grid/logOdds";
@@ -11,7 +11,7 @@ import type { Pose } from "../../wire/protocol";
 import { allRound, box, scanFrom, seeded, type Wall } from "../common/world";
 
 export const GREY = { occupied: 0, unknown: 205, free: 254 } as const;
-/** What a trinary yaml states, whatever thresholds the image was made with. */
+/** Thresholds in the yaml file of a trinary map, whatever thresholds the image was made with. */
 export const STATED = { occupied: 0.65, free: 0.196 } as const;
 
 /** The image of a trinary map: greys, top row first. */
@@ -43,7 +43,7 @@ export function yamlText(geometry: GridGeometry, image: string): string {
   );
 }
 
-/** What a reader with these thresholds makes of a grey: 100 occupied, 0 free, −1 unknown. */
+/** The value that a reader with these thresholds assigns to a grey: 100 occupied, 0 free, −1 unknown. */
 export function readValue(grey: number, occupied: number, free: number): 100 | 0 | -1 {
   const occupancy = 1 - grey / 255;
   if (occupancy > occupied) return 100;
@@ -69,7 +69,7 @@ export function counted(greys: Uint8Array, occupied: number, free: number): Coun
 export const GEOMETRY: GridGeometry = { resolution: 0.1, rows: 28, cols: 42, origin: [-2.1, -1.4, 0] };
 const WALLS: readonly Wall[] = [...box(-1.8, -1.1, 1.8, 1.1), [0.3, 1.1, 0.3, 0.1], ...box(-0.9, -0.6, -0.4, -0.2)];
 
-/** A small map of few and noisy scans, so that it is sure of some cells and not of others. */
+/** A small map of few and noisy scans, in which some cells are certain and others are not. */
 export const MAP: OccupancyGrid = (() => {
   const grid = emptyGrid(GEOMETRY);
   const random = seeded(7);

@@ -11,7 +11,7 @@ const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element &&
   target.closest("input, select, button, a, summary, textarea, [role=slider], [role=application]") !== null;
 
-/** Time and the world: play, step, start over, how fast, which world, who drives. */
+/** Playback and world: play, step, restart, undo, automatic driving, speed, choice of the world. */
 export function Controls({ store }: { readonly store: Store | null }) {
   const world = store?.world.value;
   const playing = store?.playing.value ?? true;
@@ -65,7 +65,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           onClick={() => store?.history.redo()}
         />
         <Button icon="robot" pressed={auto} disabled={off} onClick={() => store?.send({ type: "auto", value: !auto })}>
-          Auto-walk
+          Auto-drive
         </Button>
       </div>
       <label class="lab-choice">
@@ -104,21 +104,21 @@ export function Controls({ store }: { readonly store: Store | null }) {
 
 const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1).replaceAll("_", " ");
 
-const WORDS: Readonly<Record<Status, string>> = {
+const STATUS_LABELS: Readonly<Record<Status, string>> = {
   connecting: "connecting",
   live: "live",
   reconnecting: "reconnecting",
-  away: "asleep",
+  away: "paused",
   gone: "ended",
   outdated: "outdated",
 };
 
-/** The state of the page's connection to its session, and what is wrong with it. */
+/** The state of the connection to the session, or its error. */
 export function Connected({ connection }: { readonly connection: Connection | null }) {
   const now = connection?.status.value ?? "connecting";
   return (
     <span class={`lab-status ${now}`} role="status">
-      {connection?.trouble.value ?? WORDS[now]}
+      {connection?.trouble.value ?? STATUS_LABELS[now]}
     </span>
   );
 }

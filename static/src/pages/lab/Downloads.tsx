@@ -14,7 +14,7 @@ async function copy(text: string, done: string): Promise<void> {
   }
 }
 
-/** Copy a link to this moment. */
+/** Copy a link to a snapshot of the world and the view. */
 export async function share(id: string, store: Store): Promise<void> {
   try {
     const link = await snapshotAddress(id, store);
@@ -24,7 +24,7 @@ export async function share(id: string, store: Store): Promise<void> {
   }
 }
 
-/** The map as files, and the world as a link to it while it lives. */
+/** Downloads of the map, and a link to the live session. */
 export function Downloads({ id }: { readonly id: string }) {
   return (
     <Panel title="Download">
@@ -43,9 +43,9 @@ export function Downloads({ id }: { readonly id: string }) {
         </Button>
       </div>
       <p class="panel-note">
-        pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
-        picture of it. Share makes a link to a copy of this world; with the live link others watch and drive in this
-        one.
+        pgm and yaml together are a map for map_server and Nav2; both files are of the time of the first download. png
+        is an image of the map. Share makes a link to a copy of this world; with the live link others can watch and
+        drive in this one.
       </p>
     </Panel>
   );

@@ -14,25 +14,25 @@ import type { Parameter, Values } from "../../wire/protocol";
 
 const Beside = lazy(async () => (await import("../../tools/picture/SecondMapView")).SecondMapView);
 
-/** A session on show. */
+/** The connection to a session, with its id. */
 export interface Live extends Connection {
   readonly id: string;
 }
 
 interface PicturesProps {
   readonly session: Live | null;
-  /** Hears of the belief's picture. */
+  /** Called with the picture of the map. */
   readonly onPicture: (picture: Picture) => void;
 }
 
 const clampTitle = (values: Values): string => (values.clamp === true ? "With the clamp" : "Without the clamp");
 
-/** In what the second map differs, in words: under the labels that the parameters have in their panel. */
+/** The parameters of the second map that differ, with the labels of the parameter panel. */
 function difference(values: Values, table: readonly Parameter[]): string {
   const parts = Object.entries(values).map(([name, value]) => {
     const row = table.find((one) => one.name === name);
-    const told = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
-    return `${row?.label ?? readable(name)}: ${told}${row?.unit ? ` ${row.unit}` : ""}`;
+    const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
+    return `${row?.label ?? readable(name)}: ${text}${row?.unit ? ` ${row.unit}` : ""}`;
   });
   return ["True poses, all returns", ...parts].join(" · ");
 }
@@ -45,7 +45,7 @@ interface PlateProps {
   readonly children: ComponentChildren;
 }
 
-/** A picture with its title above and one line under it. */
+/** A picture with a title above it and a caption below it. */
 function Plate({ title, note, actions, caption, children }: PlateProps) {
   return (
     <section class="plate" aria-label={title}>
@@ -60,7 +60,7 @@ function Plate({ title, note, actions, caption, children }: PlateProps) {
   );
 }
 
-/** viser's page with the session's scene, dark where this page is. */
+/** The 3D scene of the session in an iframe, in the colour scheme of this page. */
 function Scene({ session }: { readonly session: string }) {
   const dark = useSignal(isDark.peek());
   useSignalEffect(() => {
@@ -133,7 +133,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
             </p>
           }
         >
-          <Beside store={store} session={session.id} />
+          <Beside store={store} />
         </Plate>
       )}
       {solid.value && !compared && session && (

@@ -3,22 +3,22 @@ import type { Store } from "../../store/store";
 import { CancelledError, createWorld } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
-/** Which session the lab shows, and what a person should know of how it came about. */
+/** The session that the lab shows, and a notice on how it was opened. */
 export interface Opened {
   readonly id: string;
   readonly notice: string | null;
-  /** What the address carried, where the session was made of it. */
+  /** The state in the address, if the session was made from it. */
   readonly shown: LinkState | null;
 }
 
-/** How long after a change the address follows. */
+/** Delay from a change to the update of the address. */
 const SETTLE_MS = 800;
 
 const address = (id: string): string => `/lab.html?session=${encodeURIComponent(id)}`;
 
 /**
- * The session that the address names while it lives; else the world that the address tells of, made again; else a new
- * one. Throws where none can be had.
+ * Open the session that the address names; if it has ended, a copy of the world described in the address, else a new
+ * world. Throws if none can be opened.
  */
 export async function openSession(): Promise<Opened> {
   const wanted = new URLSearchParams(location.search).get("session");
@@ -31,10 +31,10 @@ export async function openSession(): Promise<Opened> {
       if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(wanted)}`);
       return { id: wanted, notice: null, shown: null };
     }
-    if (answer.status !== 404) throw new Error(`The server answered ${answer.status}; this page goes on trying.`);
+    if (answer.status !== 404) throw new Error(`The server answered ${answer.status}; the page tries again by itself.`);
     notice = shown
-      ? "That world had ended: sessions close when nobody watches them. Here it is again."
-      : "That world has ended: sessions close when nobody watches them. Here is a new one.";
+      ? "That session had ended because nobody was watching it. Its world was restored."
+      : "That session has ended because nobody was watching it. This is a new world.";
   }
   if (shown) {
     try {
@@ -43,18 +43,18 @@ export async function openSession(): Promise<Opened> {
       return { id, notice, shown };
     } catch (error) {
       if (error instanceof TypeError) throw error;
-      if (error instanceof CancelledError) notice = "The replay of the link was cancelled. Here is a new world.";
-      else notice = `The link tells of a world that cannot be made: ${(error as Error).message} Here is a new one.`;
+      if (error instanceof CancelledError) notice = "The replay of the link was cancelled. This is a new world.";
+      else notice = `The world of the link cannot be made: ${(error as Error).message} This is a new world.`;
     }
   } else if (location.hash.startsWith("#s=")) {
-    notice = "The link has lost a piece on its way, so here is a new world.";
+    notice = "The link is incomplete or damaged. This is a new world.";
   }
   const id = await createWorld();
   history.replaceState(null, "", address(id));
   return { id, notice, shown: null };
 }
 
-/** Show what the link showed; what the server has to be asked for, when it is there. */
+/** Restore the state of a link; what needs the server is restored when the connection is ready. */
 export function restore(store: Store, shown: VisibleState): void {
   store.activeFaults.value = shown.wrong;
   if (shown.view) store.look(shown.view);
@@ -72,7 +72,7 @@ export function restore(store: Store, shown: VisibleState): void {
   });
 }
 
-/** Let the address follow what a person does; the result stops it. */
+/** Keep the address up to date with the state of the page; the returned function stops it. */
 export function keepAddress(id: string, store: Store): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let stopped = false;
@@ -81,7 +81,7 @@ export function keepAddress(id: string, store: Store): () => void {
       const fragment = await fragmentOf(await currentLinkState(id, store));
       if (!stopped) history.replaceState(null, "", address(id) + fragment);
     } catch {
-      // The server is away: the page says so elsewhere, and the address follows with the next change.
+      // The server does not answer: the page reports that elsewhere, and the next change updates the address.
     }
   };
   const stop = effect(() => {
@@ -100,10 +100,10 @@ export function keepAddress(id: string, store: Store): () => void {
   };
 }
 
-/** The address that shows this very session to somebody else, while it lives. */
+/** The address of this live session. */
 export const liveAddress = (id: string): string => new URL(address(id), location.href).href;
 
-/** The address that opens what is on show now in a session of its own, whenever. */
+/** The address that opens a copy of the current state in a new session, at any time. */
 export async function snapshotAddress(id: string, store: Store): Promise<string> {
   return new URL(`/lab.html${await fragmentOf(await currentLinkState(id, store))}`, location.href).href;
 }

@@ -14,17 +14,18 @@ export function AlgorithmSection({ id, number, title }: { id: string; number: nu
       ]}
       after={
         <p>
-          This is not what runs when you drag a slider in the lab: there the same steps are compiled. The two are tested
-          against each other, cell by cell, to the last bit; and that the lines which light up here are the lines which
-          Python runs is tested against Python’s own trace.
+          When you drag a slider in the lab, compiled code performs the same steps instead. Tests compare the results of
+          the two cell by cell, to the last bit. Tests also compare the lines that are highlighted here with a trace of
+          the lines that Python executes.
         </p>
       }
     >
       <p>
-        Now everything is there: which cells a beam crosses, what it says of each, how a cell adds that up. The program
-        below is the mapper’s own textbook, five functions of it without their docstrings, taken from its file when this
-        page was built. Each line that runs is lit. Go on by a line, a cell, a <b class="noun-beam">beam</b> or the
-        whole scan, forwards and back; drag the <b class="noun-robot">robot</b> and it runs on other readings.
+        The algorithm combines the previous sections: which cells a beam crosses, what evidence it gives for each of
+        them, and how a cell adds up the evidence. The program below is part of the mapper’s reference implementation in
+        plain Python: five functions without their docstrings, copied from the source file when this page was built. The
+        current line is highlighted. Step by line, by cell, by <b class="noun-beam">beam</b> or by scan, forwards or
+        backwards. Drag the <b class="noun-robot">robot</b>, and the program runs on the readings from its new position.
       </p>
     </Section>
   );

@@ -3,8 +3,8 @@ import type { ComponentChildren } from "preact";
 import { type CellEvent, logOddsHistory } from "../../grid/cellUpdate";
 import { probability } from "../../grid/logOdds";
 import { Cell, START } from "../../lessons/cell/Cell";
+import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
-import { Scrub } from "../../ui/Scrub";
 import { cellParameters, numbersOf, setParameter } from "./parameters";
 import { Section } from "./Section";
 
@@ -50,15 +50,16 @@ function Line({ why, children }: { why: ComponentChildren; children: ComponentCh
   );
 }
 
-/** From Bayes' rule to a sum, one step a line. */
+/** From Bayes' rule to a sum, one step per line. */
 function Derivation() {
   return (
     <div class="derivation">
       <Line
         why={
           <>
-            Bayes’ rule for the newest reading z<sub>t</sub>. The older ones have dropped out of the first factor: given
-            the cell, readings are taken to be independent. Strictly they are so only given the whole map.
+            Bayes’ rule for the newest reading z<sub>t</sub>. The first factor does not contain the older readings: the
+            readings are assumed to be independent given the cell. Strictly, they are independent only given the whole
+            map.
           </>
         }
       >
@@ -87,8 +88,8 @@ function Derivation() {
       <Line
         why={
           <>
-            Bayes’ rule once more, backwards. Now it needs only the <b class="noun-beam">inverse model</b>: what one
-            reading alone says of the cell.
+            Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
+            the probability of the cell given one reading alone.
           </>
         }
       >
@@ -110,7 +111,11 @@ function Derivation() {
           <Given what="prior" />
         </mfrac>
       </Line>
-      <Line why={<>The same for the free cell ¬m, and one divided by the other: all that is hard to know cancels.</>}>
+      <Line
+        why={
+          <>The same for the free cell ¬m; then divide one by the other. The factors that are hard to know cancel.</>
+        }
+      >
         <mfrac>
           <Given what="belief" z="1:t" />
           <Given what="belief" z="1:t" free />
@@ -134,7 +139,8 @@ function Derivation() {
       <Line
         why={
           <>
-            These are <b>odds</b>. Their logarithm is ℓ, the <b>log-odds</b>, and the product becomes a sum.
+            These fractions are <b>odds</b>. The logarithm of the odds is ℓ, the <b>log-odds</b>, and the product
+            becomes a sum.
           </>
         }
       >
@@ -180,7 +186,7 @@ function Derivation() {
           <mn>0</mn>
         </msub>
       </Line>
-      <Line why="And back again, when somebody asks for the probability.">
+      <Line why="The probability is computed from ℓ where it is needed.">
         <mi>p</mi>
         <mo>=</mo>
         <mn>1</mn>
@@ -201,11 +207,11 @@ function Derivation() {
   );
 }
 
-/** The last update of the figure's cell, with its numbers. */
+/** The last update of the figure's cell in numbers. */
 function LastUpdate() {
   const last = events.value.at(-1);
   const [before, after] = path.value.slice(-2);
-  if (!last || before === undefined || after === undefined) return <p>No reading yet: the cell stands at its prior.</p>;
+  if (!last || before === undefined || after === undefined) return <p>No reading yet: the cell has its prior value.</p>;
   const { hit, miss } = numbersOf(cellParameters.value);
   const evidence = last === "hit" ? hit : miss;
   const clamped = Math.abs(before + evidence - after) > 1e-9;
@@ -236,30 +242,30 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       }
       sources={[
         ["probabilistic-robotics", "section 4.2 and table 4.2"],
-        ["octomap", "section 5.1 for the increments; the clamp is from there too"],
+        ["octomap", "section 5.1 for the increments; also the source of the clamp"],
       ]}
       after={
         <>
           <LastUpdate />
-          <p>Why may one simply add? Because Bayes’ filter for a state that does not change comes down to a sum:</p>
+          <p>Why is it enough to add? For a state that does not change, the Bayes filter reduces to a sum:</p>
           <Derivation />
           <p>
-            What the buttons add is the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. That is
-            the whole filter. It keeps one number a cell, it does not remember the readings, and their order does not
-            matter, except at the dashed lines: there the mapper <em>clamps</em> ℓ, and what would go beyond is lost.
-            Section 10 shows why one wants that.
+            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. That is the
+            whole filter. It stores one number per cell and no readings. The order of the readings does not matter,
+            except at the dashed lines: there the mapper <em>clamps</em> ℓ, and evidence beyond the limit is lost.
+            Section 10 shows what the clamp is for.
           </p>
         </>
       }
     >
       <p>
-        Take one cell and watch it through many readings. It does not move (assumption 2), so its state is a constant,
-        either <i>m</i> (occupied) or ¬<i>m</i> (free). The map keeps one number of it, its log-odds{" "}
-        <b class="noun-robot">ℓ</b>: above 0 it is more likely occupied, below 0 more likely free.
+        Consider one cell and many readings of it. The world does not change (assumption 2), so the state of the cell is
+        constant: either <i>m</i> (occupied) or ¬<i>m</i> (free). The map stores one number for the cell, its log-odds{" "}
+        <b class="noun-robot">ℓ</b>: above 0 the cell is more likely occupied, below 0 more likely free.
       </p>
       <p>
-        Feed it. A <b class="noun-hit">hit</b> adds{" "}
-        <Scrub
+        A <b class="noun-hit">hit</b> adds{" "}
+        <DragNumber
           label="evidence of a hit"
           sentence="By how much a hit raises the log-odds of the cell."
           value={log_odds_hit}
@@ -272,7 +278,7 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           after=","
         />{" "}
         a <b class="noun-miss">miss</b> adds{" "}
-        <Scrub
+        <DragNumber
           label="evidence of a miss"
           sentence="By how much a miss lowers the log-odds of the cell."
           value={log_odds_miss}
@@ -284,8 +290,8 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           onInput={(value) => setParameter("log_odds_miss", value)}
           after="."
         />{" "}
-        Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while one of them has the focus: how many misses
-        does it take to make up for four hits?
+        Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus. How many misses does
+        it take to cancel four hits?
       </p>
     </Section>
   );

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { Counting } from "../../lessons/counting/Counting";
-import { Scrub } from "../../ui/Scrub";
+import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
 const beams = signal(180);
@@ -17,24 +17,26 @@ export function CountingSection({ id, number, title }: { id: string; number: num
       after={
         <>
           <p>
-            Near the sensor all beams run through the same few cells. <b>Per beam</b>, each of them adds its evidence,
-            and one scan makes those cells as sure as the clamp allows; the dashed curve is how many beams a cell’s
-            width covers, beams × cell / 2π<i>s</i> at distance <i>s</i>. But a scan is one look from one pose: its
-            beams share every error of that pose, and counting them apart counts the same thing many times.
+            Near the sensor all beams pass through the same few cells. With the update <b>per beam</b>, each beam adds
+            its evidence, and a single scan makes those cells as certain as the clamp allows. The dashed curve is the
+            number of beams that the width of a cell covers at distance <i>s</i>: beams × cell / 2π<i>s</i>. But all
+            beams of a scan are measured from one pose and share every error of that pose; adding them as if they were
+            independent counts the same evidence many times.
           </p>
           <p>
-            <b>Per scan</b>, as table 9.1 of <cite>Probabilistic Robotics</cite> has it, a cell in view is updated once,
-            by the beam nearest in bearing. As printed it looks at every cell of the map for each scan; the mapper fills
-            a scan’s field from its border, with the same result. It offers both, and per beam is the default.
+            With the update <b>per scan</b>, as in table 9.1 of <cite>Probabilistic Robotics</cite>, a cell in the
+            perceptual field is updated once, by the beam nearest in bearing. The algorithm as printed visits every cell
+            of the map for each scan; the mapper computes the border of the perceptual field and updates the cells
+            inside it, with the same result. It offers both updates; per beam is the default.
           </p>
         </>
       }
     >
       <p>
-        Log-odds may be added when readings are independent, given the cell. Are the{" "}
-        <Scrub
+        Log-odds may be added if the readings are independent given the cell. Are the{" "}
+        <DragNumber
           label="beams of a scan"
-          sentence="How many beams the lidar sends all round in one scan."
+          sentence="Number of beams in one scan, evenly spaced over 360°."
           value={beams.value}
           text={`${beams.value} beams`}
           tone="beam"
@@ -45,10 +47,10 @@ export function CountingSection({ id, number, title }: { id: string; number: num
             beams.value = value;
           }}
         />{" "}
-        of one scan? Here is a map after{" "}
-        <Scrub
+        of one scan independent? The figure shows the map after{" "}
+        <DragNumber
           label="scans"
-          sentence="How many times the robot looks from the same place."
+          sentence="Number of scans, all from the same pose."
           value={scans.value}
           text={scans.value === 1 ? "1 scan" : `${scans.value} scans`}
           tone="beam"
@@ -60,7 +62,7 @@ export function CountingSection({ id, number, title }: { id: string; number: num
           }}
           after=","
         />{" "}
-        made in two ways. Drag the cross over the cells.
+        updated in two ways. Drag the cross over the cells.
       </p>
     </Section>
   );

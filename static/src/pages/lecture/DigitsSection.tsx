@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { Digits } from "../../lessons/digits/Digits";
 import type { Readings } from "../../lessons/digits/model";
-import { Scrub } from "../../ui/Scrub";
+import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
@@ -20,23 +20,23 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
       ]}
       after={
         <p>
-          The mapper keeps ℓ in 32 bits for another reason too: an addition is cheaper than the products and the
-          division that normalises them, and a map is millions of these. With the clamp of section 2 none of the three
-          would ever get this far: at +3.5 even <i>p</i> has digits to spare. Without it <i>p</i> gives up first, the
-          odds next, and the sum goes on.
+          There is another reason to store ℓ: an addition is cheaper than the products and the division that normalises
+          them, and a map takes millions of updates. With the clamp of section 2 none of the three forms fails: at +3.5
+          even <i>p</i> has more than enough digits. Without the clamp <i>p</i> fails first, then the odds; the sum
+          continues to work.
         </p>
       }
     >
       <p>
-        Odds and log-odds hold the same belief, and so does <i>p</i> itself. Why prefer the logarithm? Because a robot
-        looks at a wall for a long time, and a machine’s number has few digits: 24 bits of them in the 32 that a cell
-        gets.
+        The probability <i>p</i>, the odds and the log-odds describe the same belief. Why store the logarithm? A robot
+        may see the same wall in many scans, and floating-point numbers have limited precision: 24 bits in the 32-bit
+        number of a cell.
       </p>
       <p>
-        Here a cell is hit{" "}
-        <Scrub
+        In the figure a cell is hit{" "}
+        <DragNumber
           label="hits"
-          sentence="How many readings in a row say that the cell is occupied."
+          sentence="Number of consecutive readings that are hits."
           value={hits}
           tone="hit"
           low={0}
@@ -48,10 +48,10 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
           }}
           after=","
         />{" "}
-        then the wall is torn down and{" "}
-        <Scrub
+        then the wall is removed and{" "}
+        <DragNumber
           label="misses"
-          sentence="How many readings after them say that it is free."
+          sentence="Number of misses after the hits."
           value={misses}
           tone="miss"
           low={0}
@@ -62,10 +62,10 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
             readings.value = { ...readings.peek(), misses: value };
           }}
         />{" "}
-        pass. One reading alone says{" "}
-        <Scrub
+        pass through the cell. A single hit gives{" "}
+        <DragNumber
           label="probability that one hit gives"
-          sentence="How sure one reading alone is; a miss is as sure of the opposite."
+          sentence="Probability of occupied after a single hit; a single miss gives one minus this."
           value={pHit}
           tone="hit"
           low={0.55}
@@ -77,9 +77,9 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
           }}
           after=","
         />{" "}
-        and as much against. Every step is computed in 32 bits, three ways: Bayes’ rule on <b class="noun-beam">p</b>, a
-        product of <b>odds</b>, a sum of <b class="noun-robot">ℓ</b>. The mapper does the third; the other two are here
-        to show why.
+        a single miss p = {(1 - pHit).toFixed(2)}. Every step is computed in 32 bits, in three ways: Bayes’ rule for{" "}
+        <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>. The mapper uses
+        the sum; the other two are shown for comparison.
       </p>
     </Section>
   );

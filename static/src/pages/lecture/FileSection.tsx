@@ -15,27 +15,27 @@ export function FileSection({ id, number, title }: { id: string; number: number;
       after={
         <>
           <p>
-            The yaml does not state the thresholds that you drag, and that is no mistake: those decided what was
-            written, these say how to read it. With negate 0 a reader computes (255 − grey) / 255, which is 1 for the 0
-            of an occupied cell, 0.004 for the 254 of a free one, and <b>0.196</b> for the 205 of an unknown one; less
-            than free_thresh is free. Move the reader’s free_thresh above that number and see what becomes of the
-            unknown: the image is the same, and the planner drives through it. That is no rare accident: until 2025 the
-            map_saver of Nav2 wrote 0.25 unless it was told otherwise. This mapper writes 0.196, as map_saver does now,
-            and where it reads such a file it says so.
+            The thresholds in the yaml file are not the ones that you drag, and this is correct: yours decide what is
+            written to the image, those in the yaml file say how to read it. With negate 0 a reader computes the
+            occupancy as (255 − grey) / 255. This is 1 for an occupied cell (grey 0), 0.004 for a free cell (grey 254)
+            and <b>0.196</b> for an unknown cell (grey 205). A cell below free_thresh is read as free. Move the reader’s
+            free_thresh above 0.196: the image does not change, but the unknown cells are read as free, and a planner
+            may drive through them. This happens in practice: until 2025 Nav2’s map_saver wrote 0.25 by default. This
+            mapper writes 0.196, as map_saver does now, and reports a file with a higher value when it reads one.
           </p>
           <p>
-            The image has its top row first and the grid its lowest; the file is flipped on its way, and the origin in
-            the yaml is the lower left corner, in metres.
+            The first row of the image is the top of the map, the first row of the grid is the bottom, so the rows are
+            written in reverse order. The origin in the yaml file is the lower left corner of the map, in metres.
           </p>
         </>
       }
     >
       <p>
-        A planner wants no probabilities; it wants to know where it may drive. So the map is cut at two thresholds into{" "}
-        <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, and saved
-        as an image of three greys with a few lines of yaml beside it. That is the file that Nav2’s map_server loads.
-        Drag the thresholds across the cells of this small map, made of six noisy scans; its bars are drawn by the root
-        of their count, so that the rare ones can be seen.
+        A path planner needs to know where the robot may drive, not probabilities. So two thresholds divide the cells
+        into <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, and
+        the map is saved as an image with three grey values and a short yaml file. Nav2’s map_server loads these two
+        files. Drag the thresholds in the histogram of this small map, which is made from six noisy scans. The height of
+        a bar is the square root of its count, so that small counts can be seen.
       </p>
     </Section>
   );

@@ -2,8 +2,8 @@ import { signal } from "@preact/signals";
 import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
 import { Forgetting } from "../../lessons/forgetting/Forgetting";
 import type { Clamp } from "../../lessons/forgetting/model";
+import { DragNumber } from "../../ui/DragNumber";
 import { signed } from "../../ui/numbers";
-import { Scrub } from "../../ui/Scrub";
 import { Section } from "./Section";
 
 const seen = signal(40);
@@ -18,23 +18,24 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
       title={title}
       figure={<Forgetting seen={seen} clamp={clamp} />}
       sources={[
-        ["octomap", "where the clamp keeps a map able to change"],
+        ["octomap", "for the clamp, which keeps a map able to change"],
         ["probabilistic-robotics", "section 4.2: a state that never changes"],
       ]}
       after={
         <p>
-          Without a clamp the map holds every hit against every miss, and a table that stood for an hour needs two to
-          go. The clamp limits how sure a cell can be, and so how long it may take to change its mind: from the upper
-          limit the way down to the threshold is always the same length. The price: beyond the limit, more evidence
-          counts for nothing, and a cell can be talked out of the truth as quickly as out of an error.
+          Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
+          disappear. The clamp limits the certainty of a cell and therefore the number of misses that are needed: from
+          the upper limit down to the threshold it is always the same. The disadvantage is that evidence beyond the
+          limit is lost, so a correct cell can be changed as quickly as a wrong one.
         </p>
       }
     >
       <p>
-        The second assumption said that the world stands still. It does not. Here a table has stood before the robot for{" "}
-        <Scrub
+        The second assumption, that the world does not change, is wrong in practice. In the figure a table has been in
+        view of the robot for{" "}
+        <DragNumber
           label="scans with the table"
-          sentence="For how many scans the table was seen before it goes."
+          sentence="Number of scans that saw the table before it is removed."
           value={seen.value}
           text={`${seen.value} scans`}
           tone="hit"
@@ -47,9 +48,9 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           after="."
         />{" "}
         The mapper’s clamp keeps ℓ between{" "}
-        <Scrub
+        <DragNumber
           label="lower clamp"
-          sentence="The least log-odds that a cell can have."
+          sentence="Lower limit of the log-odds of a cell."
           value={low}
           text={signed(low, 1)}
           tone="miss"
@@ -61,9 +62,9 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           }}
         />{" "}
         and{" "}
-        <Scrub
+        <DragNumber
           label="upper clamp"
-          sentence="The greatest log-odds that a cell can have."
+          sentence="Upper limit of the log-odds of a cell."
           value={high}
           text={signed(high, 1)}
           tone="hit"
@@ -75,9 +76,9 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           }}
           after="."
         />{" "}
-        Forgotten means: none of the table’s cells counts as occupied any more, p ≤ 0.65. Updated per scan, as the next
-        section has it, a cell is told one thing a scan: a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss,{" "}
-        {signed(INITIAL_CONFIG.log_odds_miss)}. Say a number first, then take the table away.
+        The table is forgotten when none of its cells counts as occupied any more (p ≤ 0.65). The map is updated per
+        scan (see the next section): each scan adds to a cell either a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a
+        miss, {signed(INITIAL_CONFIG.log_odds_miss)}. First guess the number of scans, then remove the table.
       </p>
     </Section>
   );

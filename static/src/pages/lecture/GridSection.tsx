@@ -1,23 +1,23 @@
 import { signal } from "@preact/signals";
 import { Independence } from "../../lessons/independence/Independence";
-import type { Senses } from "../../lessons/independence/model";
-import { Scrub } from "../../ui/Scrub";
+import type { SensorParameters } from "../../lessons/independence/model";
+import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
-const senses = signal<Senses>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
+const sensor = signal<SensorParameters>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
 
-const set = (name: keyof Senses) => (percent: number) => {
-  senses.value = { ...senses.peek(), [name]: percent / 100 };
+const set = (name: keyof SensorParameters) => (percent: number) => {
+  sensor.value = { ...sensor.peek(), [name]: percent / 100 };
 };
 
 export function GridSection({ id, number, title }: { id: string; number: number; title: string }) {
-  const { prior, sonarError, beamError } = senses.value;
+  const { prior, sonarError, beamError } = sensor.value;
   return (
     <Section
       id={id}
       number={number}
       title={title}
-      figure={<Independence senses={senses} />}
+      figure={<Independence sensor={sensor} />}
       sources={[
         ["moravec-elfes", ""],
         ["elfes", ""],
@@ -26,39 +26,42 @@ export function GridSection({ id, number, title }: { id: string; number: number;
       after={
         <>
           <p>
-            The joint knows that <em>something</em> made the echo. Each cell that a beam passes makes the remaining
-            cells guiltier. The grid map has kept no memory of who was suspected together, so the cells that are left
-            stay where the echo put them. Press the cells: leave one suspect, then none.
+            The joint distribution contains the information that <em>at least one</em> cell caused the echo: with each
+            cell that a beam passes, the probability of the remaining cells rises. The grid map stores the cells
+            separately, so the remaining cells keep the probability that the echo gave them. Press the cells to change
+            what the narrow beam measured: let it pass all cells but one, then all five.
           </p>
           <p>
-            That is the price. What it buys is a map that fits into memory: a joint over a grid of 100 × 100 cells would
-            need 2<sup>10000</sup> numbers, the grid map needs 10 000. With a narrow laser beam little is lost, because
-            few cells are ever suspected together.
+            In return the map fits into memory: the joint distribution of a grid of 100 × 100 cells would need 2
+            <sup>10000</sup> numbers, the grid map needs 10 000. With narrow laser beams little is lost, because only
+            few cells can have caused the same reading.
           </p>
         </>
       }
     >
       <p>
-        A robot wants to know where it can drive. An occupancy grid map cuts the floor into square cells and asks the
-        same question of each: is something there? It makes three assumptions.
+        A robot needs to know where it can drive. An occupancy grid map divides the floor into square cells and
+        estimates for each of them whether it is occupied. It makes three assumptions.
       </p>
       <ol>
         <li>
           A cell is either <b class="noun-hit">occupied</b> or <b class="noun-miss">free</b>, as a whole.
         </li>
-        <li>The world stands still while it is mapped.</li>
-        <li>Each cell is independent of all others, so a map’s probability is the product of its cells’.</li>
+        <li>The world does not change while it is mapped.</li>
+        <li>
+          The cells are independent, so the probability of a map is the product of the probabilities of its cells.
+        </li>
       </ol>
       <p>
-        And one thing must be given: where the sensor was at each reading. The first two assumptions come back in later
-        sections. Here is what the third gives up.
+        In addition, the pose of the sensor at each reading must be known. Later sections return to the first two
+        assumptions; this figure shows what is lost with the third.
       </p>
       <p>
-        A <b class="noun-beam">sonar</b> has heard an echo from somewhere on an arc of five cells; each was occupied
-        with{" "}
-        <Scrub
+        A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior
+        probability of each cell was{" "}
+        <DragNumber
           label="prior of a cell"
-          sentence="How probable it was, before any reading, that a cell is occupied."
+          sentence="Probability that a cell is occupied, before any reading."
           value={100 * prior}
           unit="%"
           tone="prior"
@@ -66,11 +69,12 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           high={50}
           step={1}
           onInput={set("prior")}
+          after="."
         />{" "}
-        before. The sonar is wrong in{" "}
-        <Scrub
+        The sonar is wrong in{" "}
+        <DragNumber
           label="error of the sonar"
-          sentence="How often the sonar hears an echo from an empty arc, or none from an occupied one."
+          sentence="How often the sonar reports an echo from an empty arc, or no echo from an occupied one."
           value={100 * sonarError}
           unit="%"
           tone="beam"
@@ -79,8 +83,8 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           step={1}
           onInput={set("sonarError")}
         />{" "}
-        of its answers. Then a narrow beam, wrong in{" "}
-        <Scrub
+        of its readings. Then a narrow beam, wrong in{" "}
+        <DragNumber
           label="error of the narrow beam"
           sentence="How often the narrow beam is wrong about a cell."
           value={100 * beamError}
@@ -90,11 +94,10 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           high={40}
           step={1}
           onInput={set("beamError")}
-          after=","
         />{" "}
-        looked at cells 1, 2 and 4 and <b class="noun-miss">passed</b>. The same evidence, kept in two ways: a number
-        for each cell, as this mapper does it, and a number for each of the 32 possible maps, which for a whole floor no
-        mapper could afford.
+        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. The figure shows the same evidence stored in
+        two ways: one number for each cell, as in this mapper, and one number for each of the 32 possible maps (the
+        joint distribution), which would be far too many for the map of a floor.
       </p>
     </Section>
   );

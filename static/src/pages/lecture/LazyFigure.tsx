@@ -6,11 +6,11 @@ import { watchVisibility } from "../../ui/visibility";
 import { enqueueIdleTask } from "./idleQueue";
 import type { Reserve } from "./lessons";
 
-/** How far from the window a figure is set up, in parts of the window's height. */
+/** Distance from the window at which a figure is rendered, in percent of the window's height. */
 const AHEAD = "100%";
 
 interface LazyFigureProps {
-  /** Set it up now, wherever it is. */
+  /** Render it now, wherever it is. */
   readonly now: boolean;
   /** The height that it will have. */
   readonly reserve: Reserve;
@@ -18,8 +18,8 @@ interface LazyFigureProps {
 }
 
 /**
- * A figure that is set up when it comes near the window, or is printed, or when the page has nothing else to do; until
- * then its place is kept free.
+ * A figure that is rendered when it is near the window, when it is printed, or when the page is idle; until then its
+ * height is reserved.
  */
 export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
   const box = useRef<HTMLDivElement>(null);
@@ -39,7 +39,7 @@ export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
       ({ isIntersecting, boundingClientRect }) => isIntersecting && setUp(boundingClientRect),
       { rootMargin: `${AHEAD} 0px` },
     );
-    // On a slide the others have no place, and no size to be set up for.
+    // In the presentation mode the other figures are hidden and have no size.
     const callOff = enqueueIdleTask(() => target.offsetWidth > 0 && setUp(target.getBoundingClientRect()));
     const stop = (): void => {
       unwatch();
@@ -49,7 +49,7 @@ export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
   }, [near]);
   useLayoutEffect(() => {
     if (isHere) near.value = true;
-    // Above the window, what stands in it must not move: most browsers see to that themselves.
+    // A figure above the window must not move the visible content: most browsers ensure that themselves.
     const rect = before.current;
     if (isHere && rect && rect.bottom <= 0 && !CSS.supports("overflow-anchor", "auto"))
       scrollBy({ top: (box.current?.offsetHeight ?? rect.height) - rect.height, behavior: "instant" });

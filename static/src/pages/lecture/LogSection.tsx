@@ -7,7 +7,7 @@ import { groupIntoLogs } from "../logs/groupFiles";
 import { upload, uploads } from "../logs/library";
 import { Section } from "./Section";
 
-/** Sends files to the server and, when all are up, goes to the page that lists them. */
+/** Uploads files and then opens the logs page. */
 function YourLog() {
   const sending = uploads.value;
   const failed = sending.some((one) => one.error !== null);
@@ -20,10 +20,10 @@ function YourLog() {
     if (begun.current && sending.length === 0) location.assign("/logs.html");
   }, [sending]);
   return (
-    <figure class="your-log" aria-label="A log of your own">
+    <figure class="your-log" aria-label="Open your own log">
       <Dropzone onFolders={take} button="Choose files">
         <p>
-          <b>Drop a log here.</b> Its map fills in on the logs page.
+          <b>Drop a log here.</b> The logs page shows its map.
         </p>
       </Dropzone>
       <p class="quiet" role="status">
@@ -37,7 +37,7 @@ function YourLog() {
         <Button kind="primary" icon="file" href="/logs.html">
           All logs
         </Button>
-        <Button href="/lab.html">The lab, with a robot to drive</Button>
+        <Button href="/lab.html">Drive a robot in the lab</Button>
       </div>
     </figure>
   );
@@ -51,14 +51,14 @@ export function LogSection({ id, number, title }: { id: string; number: number; 
       title={title}
       figure={<YourLog />}
       sources={[
-        ["laser-scan", "what a log keeps of a scan"],
-        ["rep-105", "the frames that its poses lie between"],
+        ["laser-scan", "the fields of a scan"],
+        ["rep-105", "the frames of the poses"],
       ]}
     >
       <p>
-        Everything above was small. Now take a real robot’s log: thousands of scans, hundreds of thousands of readings.
-        The parameters are the same ones that you dragged on this page, and the map is made anew, from every reading,
-        while you drag them there.
+        The examples above were small. The log of a real robot has thousands of scans and hundreds of thousands of
+        readings. On the logs page you can change the same parameters as on this page, and the whole map is computed
+        again from every reading while you drag.
       </p>
     </Section>
   );

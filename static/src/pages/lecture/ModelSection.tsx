@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { Profile } from "../../tools/profile/Profile";
 import { Choice } from "../../ui/Choice";
-import { Scrub } from "../../ui/Scrub";
+import { DragNumber } from "../../ui/DragNumber";
 import { cellParameters, parameters, setParameter } from "./parameters";
 import { Section } from "./Section";
 
@@ -16,15 +16,19 @@ const MODELS = [
   { value: "hit_counting", label: "hit counting" },
 ];
 
-/** What each model says, in a sentence. */
-const WORDS: Record<string, string> = {
-  fixed_increments: "Two numbers, in log-odds: one for a cell that was passed, one for a cell in which a beam ended.",
-  step_window: "The textbook’s table 9.2: three probabilities, before the window, in it, and the prior beyond.",
-  smooth_ramp: "A reading is uncertain by σ, and the more so the farther it comes from: the step becomes a ramp.",
-  sonar_cone: "A wide beam, seen from above: evidence in two dimensions. Section 7 maps with it.",
-  moravec_elfes: "Degrees of certainty, no log-odds: one for empty, one for occupied. Section 7 combines them.",
+/** Each model in one sentence. */
+const DESCRIPTIONS: Record<string, string> = {
+  fixed_increments:
+    "Two log-odds increments: one for the cells that a beam passed, one for the cell in which it ended.",
+  step_window:
+    "Table 9.2 of Probabilistic Robotics: three probabilities, before the window, inside it, and the prior beyond it.",
+  smooth_ramp: "A reading has an uncertainty σ that grows with the range: the step becomes a ramp.",
+  sonar_cone:
+    "A wide beam, seen from above: the evidence depends on distance and angle. Section 7 makes a map with it.",
+  moravec_elfes:
+    "Two degrees of certainty instead of log-odds: empty and occupied. Section 7 shows how they are combined.",
   hit_counting:
-    "Counts how often a beam ended in a cell and how often one passed; shown is what the first visit changes.",
+    "Counts how often a beam ended in a cell and how often one passed it; the curve shows the change by the first visit.",
 };
 
 export function ModelSection({ id, number, title }: { id: string; number: number; title: string }) {
@@ -39,7 +43,7 @@ export function ModelSection({ id, number, title }: { id: string; number: number
         <>
           <div class="model-head">
             <Choice label="Model" options={MODELS} value={model} onChange={(value) => setParameter("model", value)} />
-            <p class="quiet">{WORDS[model]}</p>
+            <p class="quiet">{DESCRIPTIONS[model]}</p>
           </div>
           <Profile parameters={parameters} setParameter={setParameter} reading={noBeam} />
         </>
@@ -53,20 +57,21 @@ export function ModelSection({ id, number, title }: { id: string; number: number
       ]}
       after={
         <p>
-          With fixed increments the cell of section 2 takes its numbers from here: change the curve, and look back. The
-          word <em>inverse</em> is meant literally. A sensor turns a world into readings; this goes the other way, from
-          a reading to the world, and it is a choice of the engineer, not a law. Too bold a model believes every stray
-          reading; too shy a one never makes up its mind.
+          With fixed increments, the cell of section 2 uses the numbers set here: change the curve and compare. The
+          model is called <em>inverse</em> because a forward model predicts the reading from the world, while this model
+          goes from a reading to the world. It is a design choice, not a physical law. If the increments are too large,
+          the map follows every wrong reading; if they are too small, cells remain unknown for a long time.
         </p>
       }
     >
       <p>
-        The filter asks one thing of us: what does a single reading say of a cell? The answer is the{" "}
-        <b class="noun-beam">inverse sensor model</b>. A beam that came back from <b class="noun-beam">z</b> passed
-        everything before z, so those cells get evidence for <b class="noun-miss">free</b>. Around z, in a window{" "}
-        <Scrub
+        The filter needs the evidence that a single reading gives for a cell. This is the{" "}
+        <b class="noun-beam">inverse sensor model</b>. A beam with the measured range <b class="noun-beam">z</b> passed
+        through all cells before z, so these get evidence for <b class="noun-miss">free</b>. The surface that reflected
+        the beam lies in a window of{" "}
+        <DragNumber
           label="hit window r"
-          sentence="How wide the zone around the reading is that counts as hit."
+          sentence="Width of the zone around the reading that counts as hit."
           value={r}
           unit="m"
           tone="hit"
@@ -75,9 +80,9 @@ export function ModelSection({ id, number, title }: { id: string; number: number
           step={0.05}
           onInput={(value) => setParameter("window", value)}
         />{" "}
-        wide, stands what sent it back: <b class="noun-hit">occupied</b>. Of all <b class="noun-prior">behind</b> it,
-        the beam says nothing. And what comes from beyond{" "}
-        <Scrub
+        around z, and the cells there get evidence for <b class="noun-hit">occupied</b>. About the cells{" "}
+        <b class="noun-prior">behind</b> it the beam says nothing. A reading beyond{" "}
+        <DragNumber
           label="max range"
           sentence="A reading from farther away counts as no return."
           value={range_max}
@@ -88,9 +93,9 @@ export function ModelSection({ id, number, title }: { id: string; number: number
           step={0.1}
           onInput={(value) => setParameter("range_max", value)}
         />{" "}
-        counts as no return at all.
+        counts as no return.
       </p>
-      <p>Take hold of the curve: every part of it can be dragged, and below it the cells of one beam answer.</p>
+      <p>Drag any part of the curve; the row below it shows the cells of one beam.</p>
     </Section>
   );
 }

@@ -23,17 +23,19 @@ export function MountSection({ id, number, title }: { id: string; number: number
       sources={["rep-103", "rep-105"]}
       after={
         <p>
-          Every way of being wrong has its own handwriting. A <b>turned</b> sensor swings each scan round itself, so
-          that one wall lands in another place from every pose that saw it. A <b>shifted</b> one carries its error along
-          with the robot’s heading: where the robot turned, walls double; had it only driven straight, the whole map
-          would be displaced, and nobody would see it. One that hangs <b>upside down</b>, with nobody telling the map,
-          mirrors each scan: left and right change places, and a symmetric corridor may even look right.
+          Each mount error has a typical effect. A <b>rotated</b> sensor rotates each scan about the sensor, so a wall
+          appears in a different place from every pose that saw it. The offset of a <b>shifted</b> sensor rotates with
+          the heading of the robot: where the robot turned, walls appear twice; if it had only driven straight, the
+          whole map would be displaced and the error could not be seen. A sensor that is <b>upside down</b>, when the
+          map does not account for it, mirrors each scan: left and right are exchanged, and a symmetric corridor may
+          even look correct.
         </p>
       }
     >
       <p>
-        A reading is made in the sensor’s own frame, and the map wants it in its own. Two poses lie between: where the
-        robot is in the map, and where the sensor sits on the robot, its <b class="noun-beam">mount</b>.
+        A reading is measured in the frame of the sensor and must be transformed to the frame of the map. This takes two
+        poses: the pose of the robot in the map, and the pose of the sensor on the robot, its{" "}
+        <b class="noun-beam">mount</b>.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>
@@ -45,10 +47,10 @@ export function MountSection({ id, number, title }: { id: string; number: number
         </mrow>
       </math>
       <p>
-        All of it in metres and radians (the figure tells them in degrees), x forward, y to the left, angles
-        counter-clockwise. The dashed fan is how the laser is really mounted; it made the readings. The{" "}
-        <b class="noun-beam">coloured</b> one is what the map believes. Drag it, turn it, hang it upside down: the
-        robot’s way and the readings stay the same.
+        The units are metres and radians (the figure shows degrees); x points forward, y to the left, and angles are
+        counter-clockwise. The dashed fan is the true mount of the laser, from which the readings were made. The{" "}
+        <b class="noun-beam">coloured</b> fan is the mount that the map is made with. Drag it, rotate it, or turn it
+        upside down: the path of the robot and the readings stay the same.
       </p>
     </Section>
   );

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { NoReturn } from "../../lessons/noreturn/NoReturn";
-import { Scrub } from "../../ui/Scrub";
+import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
 const rangeMax = signal(3);
@@ -19,24 +19,24 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
       after={
         <>
           <p>
-            <b>Ignored</b>, the mapper’s first setting, never says what it does not know. <b>Taken for free</b> opens
-            large halls quickly, and it is usually right; but drag the robot in front of the glass: the beams that went
-            into it now swear that nothing is there. <b>The mistake</b> is a driver that writes the max range where
-            there was no echo. The mapper cannot tell that number from a wall at just that distance, and builds one, all
-            round. It offers the mistake as a setting of its own, so that you can recognise it in a map of yours.
+            <b>Ignored</b>, the mapper’s default, adds no evidence. <b>Taken as free</b> clears large halls quickly and
+            is usually correct; but drag the robot in front of the glass: the beams that pass through it mark the glass
+            as free. <b>Taken as a hit</b> is an error: it happens when a driver writes the max range where there was no
+            echo. The mapper cannot distinguish that number from a wall at the same distance, and marks a wall all
+            around. It offers this error as a setting, so that you can recognise it in your own maps.
           </p>
           <p>
-            That is why REP 117 gives no return a value of its own: +∞. A log’s number at or beyond the sensor’s range
-            is worth a look before it is believed.
+            For this reason REP 117 defines a separate value for no return: +∞. Check the readings of a log that are at
+            or beyond the sensor’s max range before you use them.
           </p>
         </>
       }
     >
       <p>
-        Some beams come back with nothing: the hall is larger than the sensor’s reach of{" "}
-        <Scrub
-          label="reach of the lidar"
-          sentence="How far the lidar sees: what is farther away gives no return."
+        Some beams have no return: the hall is larger than the sensor’s max range of{" "}
+        <DragNumber
+          label="max range, lidar"
+          sentence="Surfaces that are farther away give no return."
           value={rangeMax.value}
           unit="m"
           tone="beam"
@@ -48,8 +48,8 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
           }}
           after=","
         />{" "}
-        or a surface swallowed the light. What does that say? The same four scans, taken in three ways. Drag the{" "}
-        <b class="noun-robot">robot</b>.
+        or a surface did not reflect the light back. What does that mean for the map? The figure shows the same four
+        scans, interpreted in three ways. Drag the <b class="noun-robot">robot</b>.
       </p>
     </Section>
   );

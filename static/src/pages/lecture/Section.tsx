@@ -10,21 +10,21 @@ interface SectionProps {
   readonly number: number;
   readonly title: string;
   readonly figure: ComponentChildren;
-  /** What stands before the figure, and after it. */
+  /** The text before the figure, and after it. */
   readonly children: ComponentChildren;
   readonly after?: ComponentChildren;
   readonly sources: readonly (SourceName | readonly [SourceName, string])[];
 }
 
-/** Text as large as a lecture hall needs it, where the screen is at least so wide, in pixels, and the figure fits. */
+/** Text sizes for a lecture hall, used on screens of at least WIDE pixels if the figure fits. */
 const SMALLEST = "100%";
 const TEXT_SIZES = ["125%", "112%", SMALLEST];
 const WIDE = 1120;
-/** Of the room's width that a figure may have to make do with: with large text, and rather than that it scrolls. */
+/** Least width of a figure as a fraction of the available width: with large text, and with the smallest text. */
 const NARROW = 0.6;
 const NARROWEST = 0.5;
 
-/** Makes the figure of a slide as wide as it may be to fit into the room that it has. */
+/** Sets the figure of a slide to the greatest width at which its height fits. */
 function useFittedWidth(on: boolean) {
   const frame = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -55,7 +55,7 @@ function useFittedWidth(on: boolean) {
   return frame;
 }
 
-/** One lesson: a heading, prose, one figure that is alive, and where it comes from. */
+/** One lesson: a heading, text, one interactive figure, and the sources. */
 export function Section({ id, number, title, figure, children, after, sources }: SectionProps) {
   const onSlide = presenting.value && slide.value === number - 1;
   const frame = useFittedWidth(onSlide);

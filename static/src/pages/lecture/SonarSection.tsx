@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import type { SonarSettings } from "../../lessons/sonar/model";
 import { Sonar } from "../../lessons/sonar/Sonar";
-import { Scrub } from "../../ui/Scrub";
+import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
 const DEGREE = Math.PI / 180;
@@ -26,15 +26,16 @@ export function SonarSection({ id, number, title }: { id: string; number: number
       after={
         <>
           <p>
-            Go back to one reading and let the others come in again. To <b>Bayes’ filter</b>, cell by cell, every cell
-            of an arc is hit, and with the flat profile all of them equally: the evidence of one echo is added as often
-            as the arc has cells. What saves the map is that other cones pass through most of them. What it costs is
-            under the cross: arcs from both sides of the open door lie across it, and the map has walled it up.
+            Move the slider to one reading, then add the others again. The <b>Bayes filter</b>, cell by cell, counts
+            every cell of an arc as hit, with the flat profile all of them equally: the evidence of one echo is added
+            once for each cell of the arc. Other cones pass through most of these cells and correct them. What remains
+            is under the cross: arcs from both sides of the open door lie across it, and the map shows a wall there.
           </p>
           <p>
-            <b>Moravec and Elfes</b> kept two numbers a cell, and knew section 1’s trouble. An arc’s certainty that
-            something is there is first cancelled where the cell is known to be <b class="noun-miss">empty</b>, then
-            scaled so that the whole arc holds just one obstacle, and only then added:
+            <b>Moravec and Elfes</b> stored two numbers per cell and took the problem of section 1 into account. The
+            certainty that the arc is occupied is first cancelled where the cell is known to be{" "}
+            <b class="noun-miss">empty</b>, then scaled so that the whole arc contains just one obstacle, and only then
+            added:
           </p>
           <math display="block" class="lesson-formula">
             <mrow>
@@ -75,18 +76,19 @@ export function SonarSection({ id, number, title }: { id: string; number: number
             </mrow>
           </math>
           <p>
-            So the blame goes to the cells that are left. It is a heuristic: both numbers can only grow, nothing is ever
-            taken back, and the order matters. The map shows the greater of the two. By 1989 Elfes had put the grid on
-            Bayes’ rule, and with independent cells came back what section 1 showed.
+            So the remaining cells of the arc get the certainty. This is a heuristic: both numbers can only grow,
+            earlier evidence is never revised, and the order of the readings matters. The map shows the greater of the
+            two. By 1989 Elfes had based the grid on Bayes’ rule, and with independent cells the problem of section 1
+            returned.
           </p>
         </>
       }
     >
       <p>
-        A laser beam is thin; a sonar’s is a cone, here{" "}
-        <Scrub
+        A laser beam is thin; the beam of a sonar is a cone, here{" "}
+        <DragNumber
           label="opening of the cone"
-          sentence="The angle, from edge to edge, in which a sonar hears an echo."
+          sentence="The angle, from edge to edge, in which a sonar receives echoes."
           value={Math.round(opening / DEGREE)}
           text={`${Math.round(opening / DEGREE)}° wide`}
           tone="beam"
@@ -96,11 +98,11 @@ export function SonarSection({ id, number, title }: { id: string; number: number
           after="."
           onInput={(value) => set({ opening: value * DEGREE })}
         />{" "}
-        An echo after <b class="noun-beam">z</b> says two things: the cone is probably <b class="noun-miss">free</b> up
-        to z, and somewhere on the arc at z, within a window of{" "}
-        <Scrub
+        An echo from distance <b class="noun-beam">z</b> means two things: the cone is probably{" "}
+        <b class="noun-miss">free</b> up to z, and somewhere on the arc at z, in a window of{" "}
+        <DragNumber
           label="hit window of the cone"
-          sentence="How thick the arc is that counts as hit."
+          sentence="Thickness of the arc that counts as hit."
           value={r}
           unit="m"
           tone="hit"
@@ -110,9 +112,9 @@ export function SonarSection({ id, number, title }: { id: string; number: number
           after=","
           onInput={(value) => set({ window: value })}
         />{" "}
-        something is <b class="noun-hit">there</b>. Where on the arc, it does not say. A robot with a ring of 16 sonars,
-        each of which reports the nearest surface anywhere in its cone, drives through a room. The same readings make
-        both maps.
+        there is an <b class="noun-hit">obstacle</b>. The echo does not say where on the arc. In the figure a robot with
+        a ring of 16 sonars drives through a room; each sonar reports the nearest surface in its cone. Both maps are
+        made from the same readings.
       </p>
     </Section>
   );

@@ -1,19 +1,19 @@
 import { whenIdle } from "../../ui/whenIdle";
 
-/** How long nobody has been at work on the page when the next task is run. */
-const REST_MS = 50;
+/** Time without input before the next task is run. */
+const IDLE_MS = 50;
 
 const waiting = new Set<() => void>();
 let stop: (() => void) | null = null;
 
-/** Where a browser cannot say when it is idle, being left alone has to do. */
+/** Run a task when the browser is idle, or at once if it has no requestIdleCallback. */
 const whenBrowserIdle = (task: () => void): void => {
   if ("requestIdleCallback" in window) requestIdleCallback(task);
   else task();
 };
 
 function next(): void {
-  stop = whenIdle(REST_MS, () =>
+  stop = whenIdle(IDLE_MS, () =>
     whenBrowserIdle(() => {
       stop = null;
       const [task] = waiting;
@@ -26,8 +26,8 @@ function next(): void {
 }
 
 /**
- * Run a task some time, when the browser is idle and nobody is at work on the page: one task at a time, the first that came
- * first. The result calls it off.
+ * Queue a task until the page has had no input and the browser is idle: one task at a time, in order. The returned
+ * function cancels it.
  */
 export function enqueueIdleTask(task: () => void): () => void {
   waiting.add(task);

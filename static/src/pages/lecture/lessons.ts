@@ -1,21 +1,21 @@
-/** Heights of a figure, CSS pixels: on a wide page, on a tablet of 768, and on a phone of 390. */
+/** Heights of a figure, CSS pixels: on a wide page, at a width of 768, and at a width of 390. */
 export type Reserve = readonly [wide: number, middle: number, narrow: number];
 
-/** The lessons in their order: the anchor of each on the page, its title, and the place that its figure needs. */
+/** The lessons in their order: the anchor of each on the page, its title, and the height of its figure. */
 export const LESSONS = [
-  { id: "grid", title: "A grid and three assumptions", reserve: [383, 323, 585] },
-  { id: "cell", title: "One cell", reserve: [402, 402, 359] },
+  { id: "grid", title: "A grid and three assumptions", reserve: [383, 323, 592] },
+  { id: "cell", title: "One cell", reserve: [402, 402, 347] },
   { id: "log-odds", title: "Why log-odds", reserve: [579, 579, 624] },
-  { id: "model", title: "What one reading says", reserve: [638, 661, 798] },
+  { id: "model", title: "The inverse sensor model", reserve: [661, 683, 804] },
   { id: "rays", title: "Rays on a grid", reserve: [678, 620, 449] },
   { id: "algorithm", title: "The whole algorithm", reserve: [518, 941, 787] },
-  { id: "sonar", title: "Sonar and its cone", reserve: [408, 381, 740] },
-  { id: "no-return", title: "When nothing comes back", reserve: [340, 372, 1036] },
-  { id: "mount", title: "Frames and mounts", reserve: [424, 432, 812] },
-  { id: "forgetting", title: "Clamping and forgetting", reserve: [657, 609, 944] },
+  { id: "sonar", title: "Sonar cones", reserve: [408, 381, 740] },
+  { id: "no-return", title: "Beams without a return", reserve: [340, 330, 1036] },
+  { id: "mount", title: "Frames and mounts", reserve: [424, 432, 834] },
+  { id: "forgetting", title: "Clamping and forgetting", reserve: [657, 609, 937] },
   { id: "counting", title: "Per beam or per scan", reserve: [592, 565, 904] },
-  { id: "file", title: "The file that Nav2 reads", reserve: [658, 626, 1454] },
-  { id: "log", title: "Now your own log", reserve: [217, 217, 285] },
+  { id: "file", title: "The file that Nav2 reads", reserve: [658, 642, 1470] },
+  { id: "log", title: "Your own log", reserve: [217, 217, 240] },
 ] as const satisfies readonly Lesson[];
 
 export type LessonId = (typeof LESSONS)[number]["id"];

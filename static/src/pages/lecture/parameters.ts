@@ -1,4 +1,4 @@
-/** The parameters that sections 2 and 4 share: what one turns in the profile, the cell's increments follow. */
+/** The parameters that sections 2 and 4 share: the cell uses the increments of the profile. */
 
 import { computed, signal } from "@preact/signals";
 import type { CellParameters } from "../../grid/cellUpdate";
@@ -16,7 +16,7 @@ export const parameters = signal<Readonly<Record<string, unknown>>>({
   log_odds_max,
 });
 
-/** The cell of section 2 is fed with fixed increments, whatever model section 4 shows. */
+/** The cell of section 2 uses fixed increments, whatever model section 4 shows. */
 export const cellParameters = computed(
   () => ({ ...parameters.value, model: "fixed_increments" }) as Readonly<Record<string, unknown>> & CellParameters,
 );

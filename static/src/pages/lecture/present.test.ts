@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { LESSONS } from "./lessons";
 import { keyedSlide, show, slide } from "./present";
 
-describe("the lecturer's mode", () => {
+describe("the presentation mode", () => {
   it("goes on and back by the keys of a clicker and of a keyboard, and stays at the ends", () => {
     for (const key of ["ArrowRight", "PageDown", " "]) expect(keyedSlide(key, false, 3, 13)).toBe(4);
     for (const key of ["ArrowLeft", "PageUp"]) expect(keyedSlide(key, false, 3, 13)).toBe(2);

@@ -1,4 +1,4 @@
-/** The lecturer's mode: one figure at a time. The address keeps it: `?present` and the section's anchor. */
+/** The presentation mode: one figure at a time. It is in the address: `?present` and the section's anchor. */
 
 import { signal } from "@preact/signals";
 import type { Lesson } from "./lessons";
@@ -10,7 +10,7 @@ export const slide = signal(0);
 
 const address = (id: string): string => `${location.pathname}${presenting.peek() ? "?present" : ""}#${id}`;
 
-/** Show slide `index`, as far as there is one. */
+/** Show slide `index`, limited to the first and the last. */
 export function show(lessons: readonly Lesson[], index: number): void {
   const next = Math.min(lessons.length - 1, Math.max(0, index));
   slide.value = next;
@@ -18,21 +18,21 @@ export function show(lessons: readonly Lesson[], index: number): void {
   if (lesson) history.replaceState(null, "", address(lesson.id));
 }
 
-/** Begin with the section that is in sight, or end. */
+/** Start presenting with the visible section, or end. */
 export function setPresenting(lessons: readonly Lesson[], on: boolean): void {
   if (on) slide.value = Math.max(0, sectionInSight(lessons));
   presenting.value = on;
   show(lessons, slide.peek());
 }
 
-/** The last section whose head is above the middle of the window; −1 above the first. */
+/** Index of the last section whose top is above the middle of the window; −1 above the first. */
 export function sectionInSight(lessons: readonly { readonly id: string }[]): number {
   const middle = innerHeight / 2;
   const tops = lessons.map(({ id }) => document.getElementById(id)?.getBoundingClientRect().top ?? Number.MAX_VALUE);
   return tops.findLastIndex((top) => top < middle);
 }
 
-/** What a key does while presenting; null where the key is not ours. */
+/** The slide after a key press; null for other keys. */
 export function keyedSlide(key: string, shift: boolean, index: number, count: number): number | null {
   const moves: Record<string, number> = {
     ArrowRight: 1,

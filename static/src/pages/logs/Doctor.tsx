@@ -3,7 +3,7 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
 import { whenIdle } from "../../ui/whenIdle";
-import { confidenceLabel, type Examination, examine, type Finding, verdict } from "./doctor";
+import { confidenceLabel, type Examination, examine, type Finding, findingsLabel } from "./doctor";
 import "./doctor.css";
 import { trajectoryLabel } from "./describeLog";
 
@@ -13,8 +13,8 @@ type State =
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "done"; readonly examination: Examination; readonly isShown: boolean };
 
-const LEFT_ALONE_MS = 2000;
-const FIRST_NOTES = 3; // of those on the log: seen without unfolding
+const IDLE_MS = 2000;
+const FIRST_NOTES = 3; // number of notes that are shown without unfolding
 
 const CHECKED =
   "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
@@ -27,15 +27,15 @@ interface DoctorProps {
 }
 
 /**
- * The log doctor: what is wrong with a log, where, how surely, and what to do about it.
+ * The log doctor: problems of a log, where they are, how certain, and what to do about them.
  *
- * It looks by itself when nobody has done anything for a moment, and then says how much it found in as much room as it
- * has: what it found is shown when somebody asks, so that nothing moves away from under a hand. A guest has to ask.
+ * The examination starts when the page is idle. Then a button states the number of findings; they are shown when it is
+ * pressed, so that nothing on the page moves without a click. A guest starts the examination with the button.
  */
 export function Doctor({ store, session, isGuest }: DoctorProps) {
   const state = useSignal<State>({ kind: "idle" });
   useSignalEffect(() => {
-    // Another trajectory is another patient.
+    // Another trajectory needs another examination.
     const now = store.trajectory.value?.name;
     const before = state.peek();
     if (before.kind === "done" && now !== undefined && now !== before.examination.trajectory) {
@@ -44,9 +44,9 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   });
   useSignalEffect(() => {
     const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
-    return isToDo ? whenIdle(LEFT_ALONE_MS, () => void look(false)) : undefined;
+    return isToDo ? whenIdle(IDLE_MS, () => void run(false)) : undefined;
   });
-  const look = async (isShown: boolean): Promise<void> => {
+  const run = async (isShown: boolean): Promise<void> => {
     state.value = { kind: "busy" };
     try {
       const examination = await examine(session);
@@ -58,32 +58,32 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
     }
   };
   const now = state.value;
-  const isTold = now.kind === "done" && now.isShown;
+  const showsFindings = now.kind === "done" && now.isShown;
   return (
     <Panel title="Log doctor">
       <Notes notes={store.hello.value?.log?.notes ?? []} />
-      {!isTold && <p class="quiet">Checks {CHECKED}.</p>}
-      <div class="doctor-told" role="status">
-        {now.kind === "done" && !isTold && (
+      {!showsFindings && <p class="quiet">Checks {CHECKED}.</p>}
+      <div class="doctor-result" role="status">
+        {now.kind === "done" && !showsFindings && (
           <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
-            {verdict(now.examination)}
+            {findingsLabel(now.examination)}
           </Button>
         )}
         {now.kind !== "done" && (
-          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void look(true)}>
+          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void run(true)}>
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
         )}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
-        {isTold && now.examination.findings.length === 0 && (
+        {showsFindings && now.examination.findings.length === 0 && (
           <p>
             No problems found. Poses: {trajectoryLabel(now.examination.trajectory)}. Checked: {CHECKED}.
           </p>
         )}
-        {isTold && now.examination.findings.length > 0 && (
+        {showsFindings && now.examination.findings.length > 0 && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
-              <Told key={finding.check} finding={finding} store={store} />
+              <FindingItem key={finding.check} finding={finding} store={store} />
             ))}
           </ul>
         )}
@@ -92,7 +92,7 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
   );
 }
 
-/** What was noted while the log was read. */
+/** Notes of the reader of the log. */
 function Notes({ notes }: { readonly notes: readonly string[] }) {
   if (notes.length === 0) return null;
   const rest = notes.slice(FIRST_NOTES);
@@ -113,7 +113,7 @@ function Notes({ notes }: { readonly notes: readonly string[] }) {
   );
 }
 
-function Told({ finding, store }: { readonly finding: Finding; readonly store: Store }) {
+function FindingItem({ finding, store }: { readonly finding: Finding; readonly store: Store }) {
   const { parameters, scans } = finding;
   const values = store.mapping.values.value;
   const tried = parameters !== null && Object.entries(parameters).every(([name, value]) => values[name] === value);

@@ -10,7 +10,7 @@ interface Opened {
   readonly shared: Shared;
 }
 
-/** The page of a link: somebody else's view of a log, in a session of one's own. */
+/** The page of a shared link: a shared view of a log in a separate session. */
 export function Guest({ token }: { token: string }) {
   const opened = useSignal<Opened | null>(null);
   const failure = useSignal<string | null>(null);
@@ -18,14 +18,14 @@ export function Guest({ token }: { token: string }) {
     failure.value = null;
     opened.value = null;
     try {
-      const what = await shared(token);
-      opened.value = { session: await beginShared(token), shared: what };
+      const view = await shared(token);
+      opened.value = { session: await beginShared(token), shared: view };
     } catch (error) {
       failure.value = (error as Error).message;
     }
   };
-  /** The session has ended: because nobody looked for long, or because the link was revoked. */
-  const look = async (): Promise<void> => {
+  /** Find out why the session has ended: it was idle, or the link was revoked. */
+  const checkLink = async (): Promise<void> => {
     try {
       await shared(token);
     } catch (error) {
@@ -38,7 +38,7 @@ export function Guest({ token }: { token: string }) {
   if (failure.value !== null) {
     return (
       <div class="viewer-message" role="alert">
-        <h1>This link does not open</h1>
+        <h1>This link cannot be opened</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
           <Button icon="restart" onClick={() => void open()}>
@@ -49,13 +49,13 @@ export function Guest({ token }: { token: string }) {
     );
   }
   if (!opened.value) return <Opening />;
-  const { session, shared: what } = opened.value;
+  const { session, shared: view } = opened.value;
   return (
     <Viewer
       key={session}
       session={session}
       onGone={() => void open()}
-      guest={{ look: what.look, onEnded: () => void look() }}
+      guest={{ look: view.look, onEnded: () => void checkLink() }}
     />
   );
 }

@@ -7,7 +7,7 @@ import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
 import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
 
-/** Every log there is, and the place to drop one's own. */
+/** The list of all logs, and the drop zone for uploads. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
   useEffect(watch, []);
   const list = logs.value;

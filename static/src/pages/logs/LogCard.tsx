@@ -5,19 +5,19 @@ import { toast } from "../../ui/Toast";
 import { file, inside, remedy, run, topic, trajectoryLabel } from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
-/** Failures that are no fault of the log, or may be none. */
-const AGAIN = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
+/** Failures that are not, or may not be, caused by the log: reading can be tried again. */
+const RETRYABLE = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
 
 interface LogCardProps {
   readonly log: LogRecord;
   readonly onOpen: (log: LogRecord, topic: string | null) => void;
 }
 
-/** One log: what it holds, or what is wrong with it, and what can be done with it. */
+/** One log: its contents or its error, and the actions on it. */
 export function LogCard({ log, onOpen }: LogCardProps) {
   const moving = isMoving(log);
   const isOwn = log.source === "upload";
-  // The server's own logs open at any time: what they hold is found out by itself, and sooner for who asks.
+  // The server's own logs can be opened at any time; opening one reads it first.
   const opens = log.state === "ready" || (moving && !isOwn);
   return (
     <li class={`card log-card ${log.state}`}>
@@ -28,17 +28,17 @@ export function LogCard({ log, onOpen }: LogCardProps) {
             kind="quiet"
             icon="close"
             label={`Stop reading ${log.name}`}
-            onClick={() => void tell(log, "cancel")}
+            onClick={() => void request(log, "cancel")}
           />
         )}
         {isOwn && !moving && (
-          <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void erase(log)} />
+          <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void confirmDelete(log)} />
         )}
       </div>
       {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} onOpen={onOpen} />}
-      {log.state === "failed" && isOwn && AGAIN.test(log.error?.code ?? "") && (
+      {log.state === "failed" && isOwn && RETRYABLE.test(log.error?.code ?? "") && (
         <div class="log-open">
-          <Button icon="restart" onClick={() => void tell(log, "read")}>
+          <Button icon="restart" onClick={() => void request(log, "read")}>
             Read it again
           </Button>
         </div>
@@ -55,7 +55,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       {opens && (
         <div class="log-open">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
-            Make its map
+            Open map
           </Button>
         </div>
       )}
@@ -65,11 +65,11 @@ export function LogCard({ log, onOpen }: LogCardProps) {
 
 function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
-  const coming =
+  const pending =
     log.source === "sample" ? "being simulated …" : log.state === "reading" ? "being read …" : "not yet read";
   return (
     <>
-      <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || coming}</p>
+      <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || pending}</p>
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
         <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
@@ -91,7 +91,7 @@ function Facts({ log, onOpen }: LogCardProps) {
   );
 }
 
-/** What the file holds, for who wants to know. */
+/** Details of the file's contents, folded. */
 function Inside({ log, onOpen }: LogCardProps) {
   const lines = inside(log);
   if (lines.length === 0 && log.topics.length === 0) return null;
@@ -130,12 +130,12 @@ function Failure({ log }: { log: LogRecord }) {
   );
 }
 
-async function tell(log: LogRecord, what: "cancel" | "read"): Promise<void> {
+async function request(log: LogRecord, what: "cancel" | "read"): Promise<void> {
   const wrong = await ask(log.id, what);
   if (wrong) toast(wrong, "error");
 }
 
-async function erase(log: LogRecord): Promise<void> {
+async function confirmDelete(log: LogRecord): Promise<void> {
   const yes = await confirm(
     `Delete ${log.name}?`,
     "The log is removed from the server. Downloaded maps are not affected.",

@@ -1,4 +1,4 @@
-/** What stands in the place of a log's view until it has come. */
+/** Shown in place of a log's view until it has loaded. */
 export function Opening() {
   return (
     <div class="viewer-message" role="status">

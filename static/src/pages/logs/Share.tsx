@@ -9,11 +9,11 @@ import "./share.css";
 interface ShareProps {
   readonly session: string;
   readonly log: string;
-  /** What part of the map is on show; null for all of it. */
+  /** The visible part of the map; null for all of it. */
   readonly look: () => Look | null;
 }
 
-/** Copy an address; resolves to what came of it. */
+/** Copy an address; resolves to the message for the visitor. */
 async function copied(address: string, said: string): Promise<string> {
   try {
     await navigator.clipboard.writeText(address);
@@ -28,7 +28,7 @@ const absolute = (link: Link): string => new URL(link.address, location.href).hr
 const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
-/** Make links that open exactly this view, see one's own and revoke them. */
+/** A dialog to create links to this view, and to list and revoke one's own. */
 export function Share({ session, log, look }: ShareProps) {
   const dialog = useRef<HTMLDialogElement>(null);
   const links = useSignal<readonly Link[] | null>(null);
@@ -56,7 +56,7 @@ export function Share({ session, log, look }: ShareProps) {
     attempt(async () => {
       const link = await makeLink(session, look());
       links.value = [link, ...(links.peek() ?? [])];
-      // What the map is compared with is told in the address itself.
+      // The comparison is in the fragment of the address.
       await copy(absolute(link) + location.hash, "Link copied.");
     });
   const revoke = async (link: Link): Promise<void> => {

@@ -7,20 +7,20 @@ import type { Trajectory } from "../../wire/protocol";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
-/** The speeds on offer: round ones within the session's limits, and the one of the moment. */
+/** The speeds to choose from: round ones within the session's limits, and the current one. */
 function speeds(now: number, [low, high]: readonly [number, number]): readonly number[] {
   const round = SPEEDS.filter((speed) => speed >= low && speed <= high);
   return [...new Set([...round, now])].sort((a, b) => a - b);
 }
 
-/** How much of the recorded time is over when `index` scans are in the map. */
+/** Recorded time in seconds when `index` scans are in the map. */
 const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
   stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
 
-/** Play, step, seek: where in the log the map stands. */
+/** Playback of the log: play, step, seek, speed. */
 export function Transport({ store }: { store: Store }) {
   const frame = store.frame.value;
   const hello = store.hello.value;
@@ -38,8 +38,8 @@ export function Transport({ store }: { store: Store }) {
   const count = frame?.count ?? 0;
   const index = frame?.index ?? 0;
   const duration = hello?.log?.duration_s ?? 0;
-  const way = store.trajectory.value;
-  const timeAt = duration > 0 && way ? (at: number): string => clock(stampAt(way, at)) : undefined;
+  const trajectory = store.trajectory.value;
+  const timeAt = duration > 0 && trajectory ? (at: number): string => clock(stampAt(trajectory, at)) : undefined;
   const speed = frame?.speed ?? 1;
   return (
     <section class="viewer-transport" aria-label="Playback">

@@ -9,7 +9,7 @@ import { CompareReadout } from "../../tools/compare/Readout";
 import { ParameterPanel } from "../../tools/parameters/ParameterPanel";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { Profile } from "../../tools/profile/Profile";
-import { tellingReading } from "../../tools/profile/reading";
+import { profileReading } from "../../tools/profile/reading";
 import { Readout } from "../../tools/readout/Readout";
 import { Why } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
@@ -36,13 +36,13 @@ interface ViewerProps {
   /** The session has ended on the server: begin another on the same log. */
   readonly onGone: () => void;
   /** Whether to do so at once. */
-  readonly returns?: boolean;
-  /** For who came by a link: where to look first, and whom to tell that the session has ended. */
+  readonly reopens?: boolean;
+  /** For a visitor with a shared link: the initial view, and a callback for the end of the session. */
   readonly guest?: { readonly look: Look | null; readonly onEnded: () => void };
 }
 
-/** One log: its map filling in, and everything that shapes it. */
-export function Viewer({ session, onClose, onGone, returns = false, guest }: ViewerProps) {
+/** The view of one log: its map, playback, parameters, downloads. */
+export function Viewer({ session, onClose, onGone, reopens = false, guest }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
   useEffect(() => {
@@ -53,16 +53,16 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   useSignalEffect(() => {
-    if (status.value !== "gone" || !returns) return;
+    if (status.value !== "gone" || !reopens) return;
     toast("The session had ended on the server. The log was opened again with default parameters.");
     onGone();
   });
   useSignalEffect(() => {
     const notice = store.notice.value;
-    // That the log has come to its end is plain to see.
+    // The end of the log is visible without a message.
     if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
   });
-  // Who wants less motion sees the whole map at once, and goes through it by the timeline and by steps.
+  // With reduced motion the whole map is shown at once; the timeline and the steps go through it.
   const isWhole = useRef(!reducedMotion.peek());
   useSignalEffect(() => {
     const frame = store.frame.value;
@@ -75,7 +75,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
     if (hello) document.title = `${hello.title} · Gridbloom`;
   }, [hello]);
 
-  useEffect(() => lookFirst(store, picture, guest?.look ?? null), [connection]);
+  useEffect(() => applySharedView(store, picture, guest?.look ?? null), [connection]);
   const ended = status.value === "gone";
   useEffect(() => {
     if (ended) guest?.onEnded();
@@ -118,7 +118,7 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
           </p>
         )}
       </div>
-      <Working what="Making the map" work={store.working.value} />
+      <Working what="Computing the map" work={store.working.value} />
       <Transport store={store} />
       <div class="viewer-readout">
         {comparison.isOn.value ? (
@@ -137,8 +137,8 @@ export function Viewer({ session, onClose, onGone, returns = false, guest }: Vie
   );
 }
 
-/** Look at the part of the map that somebody shared, once there is a picture of some size. */
-function lookFirst(store: Store, picture: RefObject<Picture | null>, look: Look | null): () => void {
+/** Show the shared part of the map as soon as the picture has a size. */
+function applySharedView(store: Store, picture: RefObject<Picture | null>, look: Look | null): () => void {
   let waiting = 0;
   const wait = (): void => {
     const size = picture.current?.size;
@@ -159,7 +159,7 @@ interface HeadProps {
 function Head({ connection, session, onClose, picture }: HeadProps) {
   const { store } = connection;
   const hello = store.hello.value;
-  /** Only what a person has chosen to look at: who has not looks at everything, however large their screen. */
+  /** The visitor's view, if they moved it: otherwise the link shows everything on any screen. */
   const look = (): Look | null => {
     const view = store.view.peek();
     const size = picture.current?.size;
@@ -169,7 +169,7 @@ function Head({ connection, session, onClose, picture }: HeadProps) {
     <header class="viewer-head">
       {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
       <h1>{hello?.title ?? "…"}</h1>
-      <Remade store={store} />
+      <RecomputeTime store={store} />
       {onClose ? (
         <>
           <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
@@ -184,8 +184,8 @@ function Head({ connection, session, onClose, picture }: HeadProps) {
   );
 }
 
-/** How long the server took to make the whole map again. */
-function Remade({ store }: { store: Store }) {
+/** Time that the server took to compute the whole map again. */
+function RecomputeTime({ store }: { store: Store }) {
   const last = useSignal<{ ms: number; scans: number } | null>(null);
   useSignalEffect(() => {
     const frame = store.frame.value;
@@ -208,7 +208,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
   const hello = store.hello.value;
   const picked = useSignal<string | null>(null);
   useSignalEffect(() => {
-    // The server has spoken: it took what was picked, or refused it, or somebody else picked another.
+    // The server has accepted or refused the choice, or someone else has made another one.
     void store.trajectory.value;
     void store.notice.value;
     picked.value = null;
@@ -250,8 +250,8 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
           ))}
         </div>
         <p class="quiet">
-          pgm and yaml together are a map for map_server and Nav2, both of the instant of the first download; png is a
-          picture of it.
+          pgm and yaml together are a map for map_server and Nav2; both files are of the time of the first download. png
+          is an image of the map.
           {!isGuest &&
             " mcap contains the scans, the poses and this map for Rerun and ROS 2, and for Foxglove and Lichtblick, where the topics /map, /scan and /pose are enabled in the 3D panel."}
         </p>
@@ -261,7 +261,7 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
 }
 
 function ProfileBox({ store }: { store: Store }) {
-  const reading = useMemo(() => computed(() => tellingReading(store)), [store]);
+  const reading = useMemo(() => computed(() => profileReading(store)), [store]);
   const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
   const pointed = store.probe.value !== null;
   return (

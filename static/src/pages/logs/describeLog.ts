@@ -1,16 +1,16 @@
-/** What is known of a log, in the words of people. */
+/** Descriptions of a log for the page. */
 
 import { bytes, clock, written } from "../../ui/numbers";
 import type { LogRecord, Topic } from "./library";
 
-/** Whose word it is where the robot was: the readers' names of trajectories, and the simulator's. */
+/** Labels of the trajectories that the readers and the simulator name. */
 const TRAJECTORY_LABELS: Readonly<Record<string, string>> = {
   scan: "scan poses",
   odom: "odometry",
   wheel: "wheel odometry",
   odometry: "wheel odometry",
-  truepos: "the truth",
-  true: "the truth",
+  truepos: "ground truth",
+  true: "ground truth",
 };
 
 export const trajectoryLabel = (trajectory: string): string =>
@@ -20,10 +20,10 @@ export const trajectoryLabel = (trajectory: string): string =>
 export const sentence = (phrase: string): string =>
   `${phrase.charAt(0).toUpperCase()}${phrase.slice(1)}${/[.!?]$/.test(phrase) ? "" : "."}`;
 
-/** Metres, as one says them. */
+/** Metres as text. */
 const metres = (length: number): string => `${length < 10 ? length.toFixed(1) : Math.round(length)} m`;
 
-/** The run: how long, how far, how many scans. Empty while nothing is known. */
+/** Duration, length and number of scans of the run. Empty until the log was read. */
 export function run(log: LogRecord): readonly string[] {
   if (log.scans === null) return [];
   const length = log.trajectories[0]?.length_m ?? 0;
@@ -34,7 +34,7 @@ export function run(log: LogRecord): readonly string[] {
   ];
 }
 
-/** The scanner and the file. */
+/** Number of beams, format and size of the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
     ...(log.beams === null ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
@@ -43,7 +43,7 @@ export function file(log: LogRecord): readonly string[] {
   ];
 }
 
-/** A place on the robot: metres ahead and to the left, degrees counter-clockwise. */
+/** A pose on the robot as text: metres ahead and to the left, degrees counter-clockwise. */
 function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
   const turned = (yaw * 180) / Math.PI;
   const parts = [
@@ -54,7 +54,7 @@ function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
   return parts.length > 0 ? parts.join(", ") : "at the robot's centre";
 }
 
-/** When the scans were made, and where the sensor sits: a phrase a line. */
+/** Time of the scans and mount of the sensor, one phrase per line. */
 export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((one) => one.chosen);

@@ -1,4 +1,4 @@
-/** What the server's examination of a log found. */
+/** The server's examination of a log. */
 
 import type { Value } from "../../wire/protocol";
 
@@ -8,7 +8,7 @@ export interface Finding {
   readonly advice: string;
   /** 0 … 1 */
   readonly sure: number;
-  /** Too unsure to be stated as a fact. */
+  /** Too uncertain to be stated as a fact. */
   readonly possible: boolean;
   /** Scan numbers, from 0. */
   readonly scans: readonly number[];
@@ -21,7 +21,7 @@ export interface Examination {
   readonly findings: readonly Finding[];
 }
 
-/** Have a session's log examined. Throws with the server's sentence where that is refused. */
+/** Examine the log of a session. Throws an error with the server's message if it is refused. */
 export async function examine(session: string): Promise<Examination> {
   const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor`);
   const body: unknown = await answer.json();
@@ -29,15 +29,15 @@ export async function examine(session: string): Promise<Examination> {
   return body as Examination;
 }
 
-/** How sure a finding is, in a word. */
+/** The certainty of a finding in words. */
 export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
   if (possible) return "possible";
   if (sure >= 0.95) return "certain";
   return sure >= 0.8 ? "very likely" : "likely";
 }
 
-/** What an examination came to, in a few words. */
-export function verdict({ findings }: Examination): string {
+/** The label of the button that shows the findings. */
+export function findingsLabel({ findings }: Examination): string {
   if (findings.length === 0) return "No problems found";
   return findings.length === 1 ? "Show 1 finding" : `Show ${findings.length} findings`;
 }

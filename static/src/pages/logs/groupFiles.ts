@@ -1,17 +1,19 @@
 import type { Folder } from "../../ui/droppedFiles";
 import { tarred } from "./tar";
 
-/** What lies beside logs and is none: ROS 2's description of a bag, SQLite's journals, notes, what file managers leave. */
-const BESIDE = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
+/** Files beside logs that are not logs: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
+const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
 
-/** A file that ROS 2 records into; its kind is the ending. */
+/** A file of a ROS 2 recording. */
 const RECORDING = /\.(db3|mcap)(\.zstd)?$/i;
 
-/** The logs among files that were chosen together: a recording that was split, and a ring of sonars' two, are one. */
+/**
+ * Group files that were chosen together into logs: the parts of a split recording, or the two files of a sonar ring.
+ */
 export function groupIntoLogs({ name, files }: Folder): readonly File[] {
-  if (files.length === 1) return files; // the server says what it is
+  if (files.length === 1) return files; // the server determines the format
   const parts = splitRecording(files) ?? ring(files);
-  const rest = files.filter((file) => !parts?.includes(file) && !BESIDE.test(file.name));
+  const rest = files.filter((file) => !parts?.includes(file) && !NOT_LOGS.test(file.name));
   return parts ? [tarred(parts, name || nameOf(parts)), ...rest] : rest;
 }
 
@@ -27,7 +29,7 @@ function ring(files: readonly File[]): readonly File[] | null {
   return pair.length === 2 ? pair : null;
 }
 
-/** What parts that lie in no folder are called: as they are themselves, without their numbers. */
+/** Name of a log whose parts are not in a folder: the name of a part without its number. */
 function nameOf(parts: readonly File[]): string {
   const part = parts.find((file) => RECORDING.test(file.name));
   return part ? part.name.replace(RECORDING, "").replace(/_\d+$/, "") : "sonars";

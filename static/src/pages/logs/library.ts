@@ -47,7 +47,7 @@ export interface LogRecord {
   readonly notes: readonly string[];
 }
 
-/** A file on its way up. */
+/** A file that is being uploaded. */
 export interface Upload {
   readonly key: number;
   readonly name: string;
@@ -56,7 +56,7 @@ export interface Upload {
   readonly error: string | null;
 }
 
-/** The list, null until it was first fetched. */
+/** The list of logs; null until it was first fetched. */
 export const logs = signal<readonly LogRecord[] | null>(null);
 export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
@@ -64,13 +64,13 @@ export const listError = signal<string | null>(null);
 
 export const AWAY = "The server does not answer. The page tries again by itself.";
 
-/** The server's own sentence about what went wrong, or one of ours. */
+/** The error message in an answer of the server, or a general one. */
 export async function sentence(answer: Response): Promise<string> {
   try {
     const body: unknown = await answer.json();
     if (body && typeof body === "object" && "message" in body && typeof body.message === "string") return body.message;
   } catch {
-    // not JSON: a proxy's page, perhaps
+    // not JSON: for example the error page of a proxy
   }
   return `The server answered ${answer.status}.`;
 }
@@ -83,7 +83,7 @@ const isUnknown = (log: LogRecord): boolean => isMoving(log) || (log.state === "
 
 let isWatched = false;
 
-/** Keep the list up to date while anybody looks at it: until the function that is returned is called. */
+/** Keep the list up to date until the returned function is called. */
 export function watch(): () => void {
   isWatched = true;
   void refresh();
@@ -93,7 +93,7 @@ export function watch(): () => void {
   };
 }
 
-/** Fetch the list; while it is watched, again and again as long as anything in it is unknown or the server is away. */
+/** Fetch the list; repeated while it is watched and a log is still being read or the server does not answer. */
 async function refresh(): Promise<void> {
   clearTimeout(timer);
   let again = 0;
@@ -133,16 +133,16 @@ function messageOf(request: XMLHttpRequest): string {
     : `The server answered ${request.status}.`;
 }
 
-const TRIES = 6; // in a row without a byte more
+const TRIES = 6; // in a row without progress
 const PAUSE_MS = 1000;
 
-/** A name for an upload that nobody else gives theirs. */
+/** A random, unique name for an upload. */
 function newKey(): string {
   const bytes = crypto.getRandomValues(new Uint8Array(18));
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
-/** Where the server's bytes of an upload end; null where it does not answer. */
+/** Number of bytes of an upload that the server has; null if it does not answer. */
 async function offsetOf(name: string): Promise<number | null> {
   try {
     const answer = await fetch(`/api/logs/uploads/${name}`);
@@ -153,11 +153,11 @@ async function offsetOf(name: string): Promise<number | null> {
   }
 }
 
-const AT_ONCE = 3; // files on their way; the server takes only so many of all visitors
+const MAX_CONCURRENT = 3; // uploads at a time; the server limits the uploads of all visitors
 const waiting: (() => Promise<void>)[] = [];
 let sending = 0;
 
-/** Send a file when those before it are up; after a cut, go on from where the server has it. */
+/** Upload a file after those before it; after an interruption, resume at the server's offset. */
 export function upload(file: File): void {
   const key = nextKey++;
   uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
@@ -170,7 +170,7 @@ export function upload(file: File): void {
 }
 
 function sendNext(): void {
-  const next = sending < AT_ONCE ? waiting.shift() : undefined;
+  const next = sending < MAX_CONCURRENT ? waiting.shift() : undefined;
   if (!next) return;
   sending += 1;
   void next().finally(() => {
@@ -203,7 +203,7 @@ async function sendAll(key: number, name: string, file: File): Promise<void> {
   void refresh();
 }
 
-/** Send the rest of a file. Fetch cannot tell how far an upload is, so it is an XMLHttpRequest. */
+/** Send the rest of a file. With XMLHttpRequest, since fetch does not report the progress of an upload. */
 function send(key: number, name: string, file: File, offset: number): Promise<XMLHttpRequest> {
   return new Promise((resolve) => {
     const request = new XMLHttpRequest();
@@ -216,7 +216,7 @@ function send(key: number, name: string, file: File, offset: number): Promise<XM
   });
 }
 
-/** Delete one's own log; resolves to the sentence of what went wrong, or null. */
+/** Delete one's own log; resolves to an error message, or null. */
 export async function remove(id: string): Promise<string | null> {
   try {
     const answer = await fetch(`/api/logs/${encodeURIComponent(id)}`, { method: "DELETE" });
@@ -228,7 +228,7 @@ export async function remove(id: string): Promise<string | null> {
   }
 }
 
-/** Ask the server to stop reading one's own log, or to read it again; resolves to the sentence of what went wrong. */
+/** Request that the server stops reading one's own log, or reads it again; resolves to an error message, or null. */
 export async function ask(id: string, what: "cancel" | "read"): Promise<string | null> {
   try {
     const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/${what}`, { method: "POST" });
@@ -242,7 +242,7 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
   }
 }
 
-/** Make a session on a log; resolves to its id, rejects with a sentence. */
+/** Open a session on a log; resolves to its id, rejects with an error message. */
 export async function openSession(log: string, topic: string | null): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",

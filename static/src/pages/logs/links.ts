@@ -1,10 +1,10 @@
-/** Links that open a view of a log, read-only, until they are revoked. */
+/** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { Look } from "../../render/view";
 import { trajectoryLabel } from "./describeLog";
 import { AWAY, sentence } from "./library";
 
-/** A link as the one who made it sees it. */
+/** A link as its owner sees it. */
 export interface Link {
   readonly token: string;
   readonly address: string;
@@ -16,20 +16,20 @@ export interface Link {
   /** Scans in the map, of all. */
   readonly index: number;
   readonly count: number;
-  /** Names of the parameters that are not as they are at first. */
+  /** Names of the parameters that differ from the defaults. */
   readonly changed: readonly string[];
-  /** How many views are open by it. */
+  /** Number of sessions that are open with it. */
   readonly watching: number;
 }
 
-/** What a link opens, as anybody who has it sees it. */
+/** A link as everyone who has it sees it. */
 export interface Shared {
   readonly title: string;
-  /** What part of the map; null for all of it. */
+  /** The visible part of the map; null for all of it. */
   readonly look: Look | null;
 }
 
-async function asked<T>(address: string, method = "GET", body?: unknown): Promise<T> {
+async function request<T>(address: string, method = "GET", body?: unknown): Promise<T> {
   let answer: Response;
   try {
     answer = await fetch(address, {
@@ -43,28 +43,29 @@ async function asked<T>(address: string, method = "GET", body?: unknown): Promis
   return (answer.status === 204 ? undefined : await answer.json()) as T;
 }
 
-/** Make a link to what a session shows now. This and the others reject with a sentence. */
+/** Create a link to the current view of a session. This and the other requests reject with an error message. */
 export const makeLink = (session: string, look: Look | null): Promise<Link> =>
-  asked("/api/links", "POST", { session, look });
+  request("/api/links", "POST", { session, look });
 
 /** One's own links to a log, the newest first. */
 export const linksTo = async (log: string): Promise<readonly Link[]> =>
-  (await asked<{ links: readonly Link[] }>(`/api/links?log=${encodeURIComponent(log)}`)).links;
+  (await request<{ links: readonly Link[] }>(`/api/links?log=${encodeURIComponent(log)}`)).links;
 
-export const revokeLink = (token: string): Promise<void> => asked(`/api/links/${encodeURIComponent(token)}`, "DELETE");
+export const revokeLink = (token: string): Promise<void> =>
+  request(`/api/links/${encodeURIComponent(token)}`, "DELETE");
 
-/** The link of a page's address; null where it is none. */
+/** The token in the path of a shared link; null for another path. */
 export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/.exec(path)?.[1] ?? null;
 
-export const shared = (token: string): Promise<Shared> => asked(`/api/shared/${token}`);
+export const shared = (token: string): Promise<Shared> => request(`/api/shared/${token}`);
 
-/** Begin a session of one's own of what a link opens; resolves to its id. */
+/** Open a separate session on the view of a link; resolves to its id. */
 export const beginShared = async (token: string): Promise<string> =>
-  (await asked<{ id: string }>(`/api/shared/${token}/sessions`, "POST")).id;
+  (await request<{ id: string }>(`/api/shared/${token}/sessions`, "POST")).id;
 
 const counted = (n: number, one: string, more: string): string => (n === 1 ? `1 ${one}` : `${n} ${more}`);
 
-/** Which view a link opens, in a line. */
+/** The view of a link in one line. */
 export function described(link: Link): string {
   const { index, count, changed, topic, trajectory, watching } = link;
   return [

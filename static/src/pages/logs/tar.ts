@@ -1,4 +1,4 @@
-/** Several files as one, as an upload is: a tar archive (POSIX.1-2017, pax: the ustar format), made without a copy. */
+/** Several files as one upload: a tar archive (POSIX.1-2017, pax: the ustar format), without copying the files. */
 
 const BLOCK = 512;
 
@@ -11,7 +11,7 @@ export function tarred(files: readonly File[], name: string): File {
 function header(file: File): Uint8Array<ArrayBuffer> {
   const block = new Uint8Array(BLOCK);
   const put = (at: number, text: string): void => block.set(new TextEncoder().encode(text), at);
-  block.set(new TextEncoder().encode(file.name).slice(-100)); // its end has the number that tells its place
+  block.set(new TextEncoder().encode(file.name).slice(-100)); // the end of the name contains the number of the part
   put(100, "0000644\0");
   put(124, file.size.toString(8).padStart(11, "0"));
   put(148, " ".repeat(8));

@@ -1,4 +1,4 @@
-/** What log-odds are drawn on: the zones of the three states, the clamp's limits, the axis. */
+/** The background of a chart of log-odds: the zones of the three states, the clamp's limits, the axis. */
 
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { logOdds } from "../../grid/logOdds";
@@ -11,7 +11,7 @@ export const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
 const AXIS_PX = 34;
 const EDGE_PX = 8;
 
-/** The vertical axis: room for the limits and for every value. */
+/** The vertical axis; it contains the limits and every value. */
 export function evidenceScale(height: number, limits: readonly number[], values: readonly number[]): Scale {
   const ends = limits.length > 0 ? limits.map((limit) => limit + 0.5 * Math.sign(limit)) : [];
   return {
@@ -63,7 +63,7 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
               key={name}
               class={`zone-name in-${name}`}
               x={right - 6}
-              // Where cells are free as can be, at the lower clamp, much is drawn: the word keeps above it.
+              // Most lines of free cells are at the lower clamp: the label is placed above them.
               y={name === "zone-miss" ? y(top) + 13 : y(bottom) - 5}
               text-anchor="end"
             >

@@ -1,6 +1,6 @@
-/** Axes of charts: values to pixels and back, and where ticks stand. */
+/** Axes of charts: values to pixels and back, and the positions of ticks. */
 
-/** A stretch of values shown over a stretch of pixels. */
+/** A linear map from values `low` … `high` to pixels `from` … `to`. */
 export interface Scale {
   readonly low: number;
   readonly high: number;

@@ -6,7 +6,8 @@ import type { Geometry } from "../../wire/protocol";
 import { type Size, toScreen, type View } from "../view";
 import { canvasContext } from "./context";
 import { Glow, strengthOf } from "./glow";
-import { beliefPalette, type Palette } from "./palette";
+import type { Palette } from "./palette";
+import { paletteOf } from "./palettes";
 import { overlay, rasterise } from "./raster";
 import { type Layer, MAX_PALETTES, type MapRenderer } from "./renderer";
 import { type PaintCanvas, resizeCanvas } from "./surface";
@@ -62,7 +63,7 @@ export class CanvasRenderer implements MapRenderer {
     const { width, height } = this.#canvas;
     const basis: unknown[] = [view, width, height];
     for (const { map, palette, part } of layers) {
-      basis.push(map?.cells, map?.cells.revision, map && this.#coloursOf(palette ?? beliefPalette(map.geometry)));
+      basis.push(map?.cells, map?.cells.revision, map && this.#coloursOf(palette ?? paletteOf(map)));
       basis.push(...(part ?? []));
     }
     if (basis.length === this.#made.length && basis.every((value, i) => value === this.#made[i])) return;
@@ -77,7 +78,7 @@ export class CanvasRenderer implements MapRenderer {
         const stripe = width > 1.5 * size.width ? 3 : 2;
         overlay(pixels, width, map, this.#coloursOf(palette), view, size, stripe);
       } else {
-        rasterise(pixels, width, map, this.#coloursOf(beliefPalette(map.geometry)), view, size, from, to);
+        rasterise(pixels, width, map, this.#coloursOf(paletteOf(map)), view, size, from, to);
       }
     }
     canvasContext(this.#cells).putImageData(this.#image, 0, 0);

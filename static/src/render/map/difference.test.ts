@@ -16,11 +16,12 @@ import {
   spanOf,
 } from "./difference";
 
-const RANGE = { log_odds_min: -2, log_odds_max: 3.5 };
-const WIDE = { log_odds_min: -4, log_odds_max: 6 };
+const RANGE = { low: -2, high: 3.5 };
+const WIDE = { low: -4, high: 6 };
 
 const geometry = (rows: number, cols: number, x: number, y: number, resolution = 0.05): Geometry => ({
   type: "geometry",
+  layer: 1,
   epoch: 1,
   resolution,
   rows,

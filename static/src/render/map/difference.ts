@@ -20,11 +20,10 @@ export const ONLY_B = 4;
 export const FIRST = 5;
 const LEVELS = 125;
 
-type Range = Pick<Geometry, "log_odds_min" | "log_odds_max">;
+type Range = Pick<Geometry, "low" | "high">;
 
 /** The greatest difference that two maps of these ranges can show. */
-export const spanOf = (a: Range, b: Range): number =>
-  Math.max(a.log_odds_max, b.log_odds_max) - Math.min(a.log_odds_min, b.log_odds_min);
+export const spanOf = (a: Range, b: Range): number => Math.max(a.high, b.high) - Math.min(a.low, b.low);
 
 /** How strongly a difference is coloured, 0 … 1: its square root, so that small ones can be told from none. */
 export const strengthOf = (difference: number, span: number): number =>
@@ -41,8 +40,8 @@ export function differenceCodes(a: Range, b: Range): Codes {
   const codes = new Uint8Array(65536);
   const span = spanOf(a, b);
   // In one range equal values have equal bytes; in two they are rounded apart, by up to half a step of each.
-  const isOneRange = a.log_odds_min === b.log_odds_min && a.log_odds_max === b.log_odds_max;
-  const rounding = (a.log_odds_max - a.log_odds_min + b.log_odds_max - b.log_odds_min) / 254 / 2;
+  const isOneRange = a.low === b.low && a.high === b.high;
+  const rounding = (a.high - a.low + b.high - b.low) / 254 / 2;
   for (let i = 1; i < 256; i++) {
     codes[i << 8] = ONLY_A;
     codes[i] = ONLY_B;

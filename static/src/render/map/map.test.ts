@@ -136,7 +136,7 @@ describe("colours", () => {
   });
 
   test("the ends are the tokens, log-odds 0 is undecided wherever it lies in the range", () => {
-    const table = palette({ log_odds_min: -2, log_odds_max: 3.5 }, colours);
+    const table = palette({ low: -2, high: 3.5 }, colours);
     expect(at(table, 0)).toEqual([...colours.unobserved]);
     expect(at(table, 1)).toEqual([...colours.free]);
     expect(at(table, 255)).toEqual([...colours.occupied]);
@@ -147,7 +147,7 @@ describe("colours", () => {
   });
 
   test("lightness falls evenly from undecided to occupied", () => {
-    const table = palette({ log_odds_min: -1, log_odds_max: 1 }, colours);
+    const table = palette({ low: -1, high: 1 }, colours);
     const lightness = (byte: number): number => toLab(at(table, byte) as unknown as Rgb)[0];
     const steps = [128, 160, 192, 224, 255].map(lightness);
     const first = (steps[0] ?? 0) - (steps[1] ?? 0);

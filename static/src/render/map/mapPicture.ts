@@ -5,4 +5,6 @@ import type { Cells } from "./cells";
 export interface MapPicture {
   readonly geometry: Geometry;
   readonly cells: Cells;
+  /** Name of the palette; see `palettes.ts`. */
+  readonly style: string;
 }

@@ -2,8 +2,8 @@ import { expect, test } from "vitest";
 import { logOddsAt } from "../../grid/cellValues";
 import { mergedCodes } from "./merged";
 
-const RANGE = { log_odds_min: -2, log_odds_max: 3.5 };
-const WIDE = { log_odds_min: -4, log_odds_max: 6 };
+const RANGE = { low: -2, high: 3.5 };
+const WIDE = { low: -4, high: 6 };
 const chance = (logOdds: number): number => 1 / (1 + Math.exp(-logOdds));
 
 test("what one map has not observed stays as the other has it", () => {
@@ -26,8 +26,8 @@ test("two independent pieces of evidence multiply the odds, the prior's counted 
       const wanted = Math.log(told);
       const shown = logOddsAt(codes[(i << 8) | j] as number, RANGE);
       const half = 0.5 * (5.5 / 254) + 1e-9;
-      if (wanted < RANGE.log_odds_min) expect(shown).toBe(RANGE.log_odds_min);
-      else if (wanted > RANGE.log_odds_max) expect(shown).toBe(RANGE.log_odds_max);
+      if (wanted < RANGE.low) expect(shown).toBe(RANGE.low);
+      else if (wanted > RANGE.high) expect(shown).toBe(RANGE.high);
       else {
         inside++;
         expect(Math.abs(shown - wanted)).toBeLessThanOrEqual(half);

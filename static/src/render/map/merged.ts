@@ -4,7 +4,7 @@ import { logOddsAt, shownByteAt } from "../../grid/cellValues";
 import type { Geometry } from "../../wire/protocol";
 import type { Codes } from "./derived";
 
-type Range = Pick<Geometry, "log_odds_min" | "log_odds_max">;
+type Range = Pick<Geometry, "low" | "high">;
 
 /** For each pair of bytes the byte, in the range of b, of their sum; what only one map has observed stays what it is. */
 export function mergedCodes(a: Range, b: Range, prior: number): Codes {

@@ -36,16 +36,13 @@ export function plain(row: Uint8Array): Uint8Array<ArrayBuffer> {
 }
 
 /** The colours of a belief. */
-export const beliefPalette = (range: Pick<Geometry, "log_odds_min" | "log_odds_max">): Palette => ({
-  key: `belief ${range.log_odds_min} ${range.log_odds_max}`,
+export const beliefPalette = (range: Pick<Geometry, "low" | "high">): Palette => ({
+  key: `belief ${range.low} ${range.high}`,
   colours: () => plain(palette(range, mapColours())),
 });
 
 /** 256 RGBA colours: byte 0 is never observed; free at the lower end, undecided at log-odds 0, occupied at the upper. */
-export function palette(
-  range: Pick<Geometry, "log_odds_min" | "log_odds_max">,
-  colours: MapColours,
-): Uint8Array<ArrayBuffer> {
+export function palette(range: Pick<Geometry, "low" | "high">, colours: MapColours): Uint8Array<ArrayBuffer> {
   const free = toLab(colours.free);
   const undecided = toLab(colours.undecided);
   const occupied = toLab(colours.occupied);

@@ -45,7 +45,7 @@ describe("the map painted by the processor", () => {
     const [c, s] = [Math.cos(yaw) * 25.6, Math.sin(yaw) * 25.6];
     const view = { x: -3 + c - s + 0.011, y: 2 + s + c - 0.007, scale };
     const pixels = new Uint32Array(size.width * size.height * ratio * ratio);
-    rasterise(pixels, size.width * ratio, { geometry, cells }, colours, view, size);
+    rasterise(pixels, size.width * ratio, { geometry, cells, style: "belief" }, colours, view, size);
     let seen = 0;
     for (let j = 0; j < size.height * ratio; j++) {
       for (let i = 0; i < size.width * ratio; i++) {

@@ -7,7 +7,8 @@ import { CanvasOverlay, CORNERS, nearestTexture, vertexArray } from "./canvasOve
 import type { Cells } from "./cells";
 import { Glow } from "./glow";
 import type { MapPicture } from "./mapPicture";
-import { beliefPalette, PALETTE_ROWS, type Palette } from "./palette";
+import { PALETTE_ROWS, type Palette } from "./palette";
+import { paletteOf } from "./palettes";
 import { CHUNK, levelFor } from "./pyramid";
 import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
 import { type PaintCanvas, resizeCanvas } from "./surface";
@@ -165,11 +166,12 @@ export class WebGLRenderer implements MapRenderer {
   #drawCells(
     made: Resources,
     layer: Layer,
-    { geometry, cells }: MapPicture,
+    map: MapPicture,
     matrix: Float32Array,
     level: number,
     stripe: number,
   ): void {
+    const { cells, geometry } = map;
     const gl = this.#gl;
     let textures = made.textures.get(cells);
     if (!textures) {
@@ -182,7 +184,7 @@ export class WebGLRenderer implements MapRenderer {
     gl.uniform1i(made.cellsAt.u_level, level);
     gl.uniform1i(made.cellsAt.u_stripe, stripe);
     gl.activeTexture(gl.TEXTURE1);
-    this.#bindPalette(made, layer.palette ?? beliefPalette(geometry));
+    this.#bindPalette(made, layer.palette ?? paletteOf(map));
     gl.activeTexture(gl.TEXTURE0);
     for (const chunk of cells.chunks()) {
       const row = chunk.row * CHUNK;

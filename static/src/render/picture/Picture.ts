@@ -1,13 +1,13 @@
-/** A canvas that is repainted when something asked for it, and only while it is seen. */
+/** A canvas that is repainted on request, and only while it is visible. */
 
 import { watchVisibility } from "../../ui/visibility";
 import { resizeCanvas } from "../map/surface";
 import type { Size } from "../view";
 
-/** Paints the canvas; says whether something still moves and the next animation frame should paint again. */
+/** Paints the canvas; returns whether an animation needs to be painted again in the next animation frame. */
 export type Paint = (size: Size, pixelRatio: number, now: number) => boolean;
 
-/** How fast pictures are painted: for the debugging hook. */
+/** Statistics of painting, for the debugging hook. */
 export const paintStats = { paints: 0, milliseconds: 0, slowest: 0 };
 
 export class Picture {
@@ -37,7 +37,7 @@ export class Picture {
     this.#unwatch = watchVisibility(frame, ({ isIntersecting }) => {
       this.#isSeen = isIntersecting;
       if (!this.#isSeen) return;
-      this.#place();
+      this.#align();
       this.invalidate();
     });
   }
@@ -46,13 +46,13 @@ export class Picture {
     return this.#size;
   }
 
-  /** Ask for a repaint with the next animation frame. */
+  /** Request a repaint in the next animation frame. */
   readonly invalidate = (): void => {
     if (this.#scheduled !== 0 || !this.#isSeen) return;
     this.#scheduled = requestAnimationFrame((now) => this.#run(now));
   };
 
-  /** Paint anew and read the canvas: red, green, blue, alpha, at a CSS pixel; null outside. */
+  /** Paint and read the canvas: red, green, blue, alpha at a CSS pixel; null outside. */
   readPixel(x: number, y: number): readonly number[] | null {
     const { width, height } = this.#size;
     const canvas = this.#canvas;
@@ -73,8 +73,8 @@ export class Picture {
     this.#scheduled = -1;
   }
 
-  /** Lay the canvas onto whole device pixels: off them every cell would be blurred, and blending costs dearly. */
-  #place(): void {
+  /** Align the canvas with device pixels: otherwise cells would be blurred, and blending is slow. */
+  #align(): void {
     const box = this.#frame.getBoundingClientRect();
     const ratio = devicePixelRatio;
     const left = Math.ceil(box.left * ratio - 0.01);
@@ -92,7 +92,7 @@ export class Picture {
   }
 
   #resize(): void {
-    this.#place();
+    this.#align();
     if (this.#size.width < 1) return;
     this.#onSize(this.#size);
     // Setting a canvas's size clears it: paint in the same frame, so that it never shows empty.

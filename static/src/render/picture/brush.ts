@@ -1,4 +1,7 @@
-/** What both pictures are painted with: the robot, its beams, the pointer. World metres in, canvas pixels out. */
+/**
+ * Painting functions of the pictures: the robot, its beams, the pointer. Input in world metres, output in canvas
+ * pixels.
+ */
 
 import { along, type Beam, bearingOf } from "../../grid/beams";
 import { fromLattice } from "../../grid/lattice";
@@ -19,9 +22,9 @@ export interface Brush {
   readonly inks: Inks;
 }
 
-/** Put one unit at one CSS pixel; null where the browser gives no context. Nothing is cleared. */
+/** A brush whose unit is one CSS pixel; null if the browser gives no context. The canvas is not cleared. */
 export function brushOn(canvas: HTMLCanvasElement, size: Size, ratio: number, view: View, inks: Inks): Brush | null {
-  // Read frequently: every paint goes from the processor's memory into a texture.
+  // Read frequently: every painted canvas is copied from main memory to a texture.
   const ctx = canvas.getContext("2d", { willReadFrequently: true });
   if (!ctx) return null;
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -30,10 +33,10 @@ export function brushOn(canvas: HTMLCanvasElement, size: Size, ratio: number, vi
 
 const place = ({ view, size }: Brush, [x, y]: Point): Point => toScreen(view, size, x, y);
 
-/** Radius of the drawn robot in CSS pixels: never so small that it cannot be seen and grabbed. */
+/** Radius of the drawn robot in CSS pixels, with a minimum so that it can be seen and dragged. */
 export const robotPx = (view: View): number => Math.max(SMALLEST_ROBOT_PX, ROBOT_RADIUS / view.scale);
 
-/** The ends of all beams on the screen, x and y by turns; beams without return, or beyond `rangeMax`, are NaN. */
+/** The endpoints of all beams on the screen as x, y pairs; NaN for beams without a return or beyond `rangeMax`. */
 function endpoints(brush: Brush, from: Pose, frame: Frame, rangeMax: number): Float32Array {
   const ends = new Float32Array(2 * frame.ranges.length);
   for (let i = 0; i < frame.ranges.length; i++) {
@@ -49,7 +52,9 @@ function endpoints(brush: Brush, from: Pose, frame: Frame, rangeMax: number): Fl
   return ends;
 }
 
-/** All beams of a scan: a line each, a dot of `dotPx` at each reading. `strength` 0 … 1 fades them after the scan. */
+/**
+ * All beams of a scan: a line for each, a dot of `dotPx` at each reading. `strength` 0 … 1 fades them after the scan.
+ */
 export function paintBeams(
   brush: Brush,
   from: Pose,
@@ -61,7 +66,7 @@ export function paintBeams(
   const { ctx, inks } = brush;
   const ends = endpoints(brush, from, frame, rangeMax);
   const [sx, sy] = place(brush, [from[0], from[1]]);
-  // On a dense scan every n-th line is enough to be seen as beams; every reading keeps its dot.
+  // Of a dense scan only every n-th line is drawn; every reading has its dot.
   const every = Math.max(1, Math.round(frame.ranges.length / 180));
   if (frame.beam_width) paintCones(brush, from, frame, ends, frame.beam_width, strength);
   ctx.beginPath();
@@ -85,7 +90,7 @@ export function paintBeams(
   ctx.globalAlpha = 1;
 }
 
-/** What sonars hear: somewhere on each arc is the nearest thing. */
+/** The cones of sonars: the nearest surface is somewhere on each arc. */
 function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, width: number, strength: number): void {
   const { ctx, view, inks } = brush;
   const [sx, sy] = place(brush, [from[0], from[1]]);
@@ -94,7 +99,7 @@ function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, 
   ctx.lineWidth = 2;
   for (let i = 0; i < frame.ranges.length; i++) {
     if (Number.isNaN(ends[2 * i] as number)) continue;
-    // On the screen y goes down, and angles go the other way round.
+    // On the screen y points down, so angles are clockwise.
     const axis = -(from[2] + bearingOf(frame, i));
     const radius = (frame.ranges[i] as number) / view.scale;
     ctx.beginPath();
@@ -107,7 +112,7 @@ function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, 
   }
 }
 
-/** The one beam that is looked at. */
+/** The inspected beam. */
 export function paintBeam(brush: Brush, from: Pose, beam: Beam, rangeMax: number): void {
   const { ctx, inks } = brush;
   const returned = beam.range !== null && beam.range <= rangeMax;
@@ -143,7 +148,7 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   }
   ctx.beginPath();
   ctx.arc(x, y, radius, 0, 2 * Math.PI);
-  // Seen from near it would hide the cells under it.
+  // When zoomed in it would hide the cells under it.
   ctx.globalAlpha = radius > NEAR_PX ? 0.3 : 1;
   ctx.fillStyle = inks.robotFill;
   ctx.fill();
@@ -151,7 +156,7 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   ctx.lineWidth = 2;
   ctx.strokeStyle = inks.robot;
   ctx.stroke();
-  // The way it faces: a wedge from the middle to the rim. Screen y points down.
+  // The heading: a wedge from the centre to the rim. Screen y points down.
   const c = Math.cos(pose[2]);
   const s = -Math.sin(pose[2]);
   ctx.beginPath();
@@ -167,7 +172,7 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   ctx.stroke();
 }
 
-/** The place that is looked at, in the picture that the pointer is not in as well. */
+/** A crosshair at the inspected point, which is shown in all pictures. */
 export function paintCrosshair(brush: Brush, point: Point): void {
   const { ctx, inks } = brush;
   const [x, y] = place(brush, point);
@@ -191,7 +196,7 @@ export function paintCrosshair(brush: Brush, point: Point): void {
   }
 }
 
-/** A cell of the grid. Below a few pixels its outline grows, so that the place is still seen. */
+/** The outline of a cell. For cells of a few pixels it is larger than the cell, so that it can be seen. */
 export function paintCell(brush: Brush, geometry: Geometry, row: number, col: number, style: string): void {
   const { ctx, inks } = brush;
   const grow = Math.max(0, (6 * brush.view.scale) / geometry.resolution - 1) / 2;
@@ -213,7 +218,7 @@ export function paintCell(brush: Brush, geometry: Geometry, row: number, col: nu
   ctx.stroke();
 }
 
-/** Rings that spread where the robot was put down. Says whether they still do. */
+/** Rings that spread from the point to which the robot was moved; returns false when the animation is over. */
 export function paintRipple(brush: Brush, point: Point, age: number): boolean {
   if (age < 0 || age >= RIPPLE_MS) return false;
   const { ctx, inks } = brush;
@@ -245,7 +250,7 @@ export function tracePolygon(brush: Brush, points: readonly Point[]): void {
   brush.ctx.closePath();
 }
 
-/** The way of a log's robot: solid as far as it has come, faint ahead. */
+/** The path of a log's robot: solid up to pose `done`, faint beyond. */
 export function paintPath(brush: Brush, poses: readonly Point[], done: number): void {
   const { ctx, inks } = brush;
   const near = 1.5 * brush.view.scale;

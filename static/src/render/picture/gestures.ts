@@ -1,21 +1,21 @@
-/** Pointers on a picture: tap, drag the robot, pan, pinch, wheel. What they mean is told to the handlers. */
+/** Pointer gestures on a picture: tap, drag the robot, pan, pinch, wheel. */
 
 export interface Gestures {
-  /** Whether a drag that begins here takes the robot along. `reach` is how far off a finger may be, pixels. */
+  /** Whether a drag that begins here drags the robot. `reach` is the tolerance in pixels. */
   grabs(x: number, y: number, reach: number): boolean;
   tap(x: number, y: number): void;
-  /** A question about a place: a click with Shift or Alt, a finger that rests. */
+  /** A request to explain a cell: a click with Shift or Alt, or a long press. */
   ask(x: number, y: number): void;
   doubleTap(): void;
-  /** The robot is dragged; null when it is let go. */
+  /** The robot is dragged; null when it is released. */
   carry(at: readonly [x: number, y: number] | null): void;
   /** Whether a drag that begins here is a stroke of a tool. */
   draws(): boolean;
-  /** A stroke so far, and whether it is done; without an end it was broken off. */
+  /** A stroke so far, and whether it is done; `to` is null if it was cancelled. */
   stroke(from: readonly [x: number, y: number], to: readonly [x: number, y: number] | null, isDone: boolean): void;
   pan(dx: number, dy: number): void;
   zoom(x: number, y: number, factor: number): void;
-  /** Where a mouse rests or a finger touches; null when it has left. */
+  /** The position of the mouse or the touch; null when the mouse has left. */
   hover(at: readonly [x: number, y: number] | null): void;
 }
 
@@ -33,8 +33,8 @@ interface Contact {
 type Mode = "idle" | "pressed" | "robot" | "stroke" | "pan" | "pinch" | "asked";
 
 /**
- * Listen to a picture; the result stops it. The element has `touch-action: pan-y`: one finger that moves up or down
- * scrolls the page, unless it holds the robot; two fingers always belong to the picture.
+ * Handle the gestures on a picture; the returned function stops it. The element has `touch-action: pan-y`: one finger
+ * that moves up or down scrolls the page, unless it drags the robot; two fingers always move the picture.
  */
 export function listen(element: HTMLElement, gestures: Gestures): () => void {
   const contacts = new Map<number, Contact>();
@@ -95,7 +95,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       const slop = event.pointerType === "mouse" ? SLOP_MOUSE : SLOP_TOUCH;
       if (Math.hypot(at.x - start.x, at.y - start.y) < slop) return;
       clearTimeout(resting);
-      // A finger that sets out upwards or downwards scrolls the page: the browser is about to take it away.
+      // A finger that starts upwards or downwards scrolls the page: the browser will cancel the pointer.
       if (event.pointerType === "touch" && Math.abs(at.y - start.y) > Math.abs(at.x - start.x)) return;
       mode = "pan";
       element.dataset.mode = mode;
@@ -146,7 +146,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (contacts.size === 0) settle();
   };
 
-  // A finger that rests would bring up the browser's menu.
+  // A long press would open the browser's menu.
   const menu = (event: Event): void => {
     if ((event as PointerEvent).pointerType === "touch" || mode === "asked") event.preventDefault();
   };
@@ -162,7 +162,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     gestures.zoom(at.x, at.y, Math.exp(-Math.max(-240, Math.min(240, pixels)) * (event.ctrlKey ? 0.01 : 0.002)));
   };
 
-  // The only place that can keep the browser from scrolling when a finger takes the robot.
+  // Only a touch event's handler can prevent scrolling while a finger drags the robot.
   const touch = (event: TouchEvent): void => {
     const first = event.touches[0];
     if (!first) return;

@@ -1,14 +1,24 @@
 import { computed } from "@preact/signals";
 import { tokenRgb } from "../../style/colour";
+import { fromLab, mixed, toLab } from "../../style/oklab";
 import { isDark } from "../../ui/theme";
 
-/** A colour token with an opacity, as a canvas takes it. */
+/** A colour token with an opacity, as a CSS colour. */
 const ink = (token: `--${string}`, alpha = 1): string => {
   const [red, green, blue] = tokenRgb(token);
   return `rgb(${red} ${green} ${blue} / ${alpha})`;
 };
 
-/** The colours of the pictures in the theme of the moment. */
+/** Shades in which the values of points and edges are told apart. */
+export const SHADES = 16;
+
+/** The colours of the shades, from little to much. */
+function shades(): readonly string[] {
+  const [low, high] = [toLab(tokenRgb("--miss")), toLab(tokenRgb("--hit"))];
+  return Array.from({ length: SHADES }, (_, i) => `rgb(${fromLab(mixed(low, high, i / (SHADES - 1))).join(" ")})`);
+}
+
+/** The colours of the pictures in the current theme. */
 export const inks = computed(() => {
   void isDark.value;
   return {
@@ -25,6 +35,7 @@ export const inks = computed(() => {
     miss: ink("--miss"),
     prior: ink("--prior"),
     trail: ink("--robot", 0.7),
+    shades: shades(),
   };
 });
 

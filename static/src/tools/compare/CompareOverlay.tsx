@@ -1,4 +1,4 @@
-/** What lies over the one picture of two maps: whose part is whose, and the divider between them. */
+/** Overlay on the picture of two maps: the names of the maps and the divider between them. */
 
 import { useId, useRef } from "preact/hooks";
 import type { Comparison } from "./comparison";
@@ -6,9 +6,9 @@ import "./compare.css";
 
 interface CompareOverlayProps {
   readonly comparison: Comparison;
-  /** What A and B are, in a few words. */
+  /** Short labels of A and B. */
   readonly names: { readonly a: string; readonly b: string };
-  /** Why the two have no cells in common, and so neither difference nor sum; null where they have. */
+  /** Why difference and sum cannot be computed; null if they can. */
   readonly refused: string | null;
 }
 
@@ -36,7 +36,7 @@ export function CompareOverlay({ comparison, names, refused }: CompareOverlayPro
       <b>{look === "merge" ? "A + B" : "B − A"}</b>
     </span>
   ) : (
-    <p class="compare-refused">{why} Swipe and blink show both all the same.</p>
+    <p class="compare-refused">{why} Swipe and blink can still show both maps.</p>
   );
 }
 
@@ -55,7 +55,7 @@ const inside = (at: number): number => Math.min(1, Math.max(0, at));
 
 function Divider({ comparison }: { readonly comparison: Comparison }) {
   const line = useRef<HTMLDivElement>(null);
-  const says = useId();
+  const id = useId();
   const { divider } = comparison;
   const percent = Math.round(100 * divider.value);
   const drag = (event: PointerEvent): void => {
@@ -70,7 +70,7 @@ function Divider({ comparison }: { readonly comparison: Comparison }) {
       role="slider"
       tabIndex={0}
       aria-label="Divider between A, on the left, and B"
-      aria-describedby={says}
+      aria-describedby={id}
       aria-valuemin={0}
       aria-valuemax={100}
       aria-valuenow={percent}
@@ -95,8 +95,8 @@ function Divider({ comparison }: { readonly comparison: Comparison }) {
       }}
     >
       <span class="compare-grip" aria-hidden="true" />
-      <span id={says} hidden>
-        Left of it the picture shows A, right of it B.
+      <span id={id} hidden>
+        The picture shows A to the left of the divider and B to the right.
       </span>
     </div>
   );

@@ -1,4 +1,4 @@
-/** What the colours of a difference mean. */
+/** Legend of the colours of a difference. */
 
 import { useEffect, useRef } from "preact/hooks";
 import { differenceColour, differenceColours, spanOf, strengthOf } from "../../render/map/difference";
@@ -28,7 +28,7 @@ export function Legend({ comparison }: { readonly comparison: Comparison }) {
   const ends = [-span, ...TICKS.filter((tick) => Math.abs(tick) < 0.5 * span), span];
   return (
     <div class="compare-legend">
-      <span>Log-odds of B − A: blue is freer in B, orange more occupied</span>
+      <span>Log-odds of B − A: blue is more free in B, orange more occupied</span>
       <canvas ref={canvas} class="compare-ramp" width={255} height={1} />
       <div class="compare-ticks" aria-hidden="true">
         {ends.map((tick) => (

@@ -1,4 +1,4 @@
-/** How two maps differ, in numbers; what counts cells shows them in the picture. */
+/** Measures of the difference of two maps; a count of cells is a button that shows them in the picture. */
 
 import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
@@ -12,20 +12,20 @@ const STATES: readonly CellState[] = ["free", "occupied", "unknown"];
 
 const HOW = {
   states:
-    "Each cell of the smallest grid that holds both maps is counted once: occupied above p 0.65, free below 0.25, unknown between and where nothing was observed.",
+    "Each cell of the smallest grid that contains both maps is counted once: occupied above p 0.65, free below 0.25, unknown in between and where nothing was observed.",
   entropy:
-    "H(p) = −p log₂ p − (1 − p) log₂ (1 − p), summed over the cells that either map has observed; one that a map lacks counts with its prior.",
+    "H(p) = −p log₂ p − (1 − p) log₂ (1 − p), summed over the cells that at least one map has observed; a cell that one map has not observed counts with its prior.",
   contrast:
-    "The mean step of p across all edges between neighbouring observed cells of which one is more likely occupied than not and the other is not: 1 is as sharp as can be.",
-  only: "Cells that beams touched in one of the maps and in the other never.",
+    "The mean difference of p over all pairs of neighbouring observed cells of which one has p above 0.5 and the other does not; the maximum is 1.",
+  only: "Cells that were observed in one map and never in the other.",
   mean: "The mean of |ℓ of B − ℓ of A| over the cells that both maps have observed.",
-  most: "The greatest |ℓ of B − ℓ of A| of a cell that both maps have observed. Press to go there.",
+  most: "The greatest |ℓ of B − ℓ of A| of a cell that both maps have observed. Press to show it.",
 };
 
 interface NumbersProps {
   readonly comparison: Comparison;
   readonly numbers: Counted | null;
-  /** Why there are none. */
+  /** Why there are no numbers. */
   readonly refused: string | null;
   readonly onGo: (place: Point) => void;
 }
@@ -43,7 +43,7 @@ export function Numbers({ comparison, numbers, refused, onGo }: NumbersProps) {
       <div class="compare-states">
         <table>
           <caption>
-            Cells by state, press one to see them
+            Cells by state; press a number to show them
             <About text={HOW.states} about="the states" />
           </caption>
           <thead>
@@ -78,7 +78,7 @@ export function Numbers({ comparison, numbers, refused, onGo }: NumbersProps) {
           </tr>
         </thead>
         <tbody>
-          <Row title="Known only in it" how={HOW.only}>
+          <Row title="Known only in this map" how={HOW.only}>
             <td>{marks("only a", numbers?.only[0], "known only in A")}</td>
             <td>{marks("only b", numbers?.only[1], "known only in B")}</td>
           </Row>
@@ -151,7 +151,7 @@ interface MarkProps {
   readonly quiet: boolean;
 }
 
-/** How many cells; pressed it shows them in the picture. */
+/** A count of cells; when pressed, the cells are marked in the picture. */
 function Mark({ comparison, marked, count: n, about, quiet }: MarkProps) {
   const now = comparison.marked.value;
   const isOn = JSON.stringify(now) === JSON.stringify(marked);

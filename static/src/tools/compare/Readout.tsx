@@ -1,9 +1,10 @@
-/** The cell that is looked at in both maps. */
+/** The values of the inspected cell in both maps. */
 
 import { computed, effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, stateAt } from "../../grid/cellValues";
 import type { MapPicture } from "../../render/map/mapPicture";
+import { MAP, SECOND_MAP } from "../../store/layers";
 import { cellIn } from "../../store/sessionState";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -12,14 +13,18 @@ import { signed } from "../../ui/numbers";
 import type { CellMessage, CellState } from "../../wire/protocol";
 import "../readout/readout.css";
 
-/** A cell of one of the maps; without log-odds where it was never observed, null outside the map. */
-interface Held {
+/** A cell of one of the maps; `logOdds` is null if it was never observed. */
+interface CellReading {
   readonly logOdds: number | null;
   readonly state: CellState | "never observed";
 }
 
-/** What a map holds at a place: the server's exact value, as long as it is the one that is shown. */
-function heldAt(map: MapPicture | null, place: readonly [number, number], exact: CellMessage | null): Held | null {
+/** The cell of a map at a point: with the server's exact value if that is up to date. Null outside the map. */
+function cellAt(
+  map: MapPicture | null,
+  place: readonly [number, number],
+  exact: CellMessage | null,
+): CellReading | null {
   const cell = cellIn(map, place);
   if (!map || !cell) return null;
   const { geometry } = map;
@@ -27,19 +32,19 @@ function heldAt(map: MapPicture | null, place: readonly [number, number], exact:
   if (byte === 0) return { logOdds: null, state: "never observed" };
   const coarse = logOddsAt(byte, geometry);
   const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
-  const step = (geometry.log_odds_max - geometry.log_odds_min) / 254;
+  const step = (geometry.high - geometry.low) / 254;
   const logOdds = isExact && Math.abs(exact.log_odds - coarse) <= step ? exact.log_odds : coarse;
   return { logOdds, state: stateAt(byte, geometry) };
 }
 
-const value = (held: Held | null): string => (held?.logOdds == null ? "–" : signed(held.logOdds, 2));
+const value = (cell: CellReading | null): string => (cell?.logOdds == null ? "–" : signed(cell.logOdds, 2));
 
-/** How often exact values are asked for while they change. */
-const ASK_MS = 150;
+/** Interval between requests for exact values while they change. */
+const REQUEST_MS = 150;
 
 interface CompareReadoutProps {
   readonly store: Store;
-  /** The log-odds prior where the sum of both maps is looked at; null where it is their difference. */
+  /** The log-odds prior if the sum of both maps is shown; null if their difference is. */
   readonly summedOver: number | null;
 }
 
@@ -53,31 +58,31 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
         const cell = store.cell.value;
         return {
           cell,
-          a: heldAt(store.second.value?.map.value ?? null, place, store.inspectedSecond.value),
-          b: heldAt(store.map.value, place, store.inspected.value),
+          a: cellAt(store.second.value?.map.value ?? null, place, store.inspectedSecond.value),
+          b: cellAt(store.map.value, place, store.inspected.value),
         };
       }),
     [store],
   );
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    const asked = { first: "", second: "" };
+    const asked: Record<string, string> = {};
     const ask = effect(() => {
       void both.value;
       timer ??= setTimeout(() => {
         timer = undefined;
         const place = store.probe.peek();
         if (!place) return;
-        for (const which of ["first", "second"] as const) {
-          const map = which === "first" ? store.map.peek() : (store.second.peek()?.map.peek() ?? null);
+        for (const layer of [MAP, SECOND_MAP]) {
+          const map = store.layers.grid(layer).map.peek();
           const cell = cellIn(map, place);
           if (!map || !cell) continue;
           const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
-          if (question === asked[which]) continue;
-          asked[which] = question;
-          store.inspect(cell, which);
+          if (question === asked[layer]) continue;
+          asked[layer] = question;
+          store.inspect(cell, layer);
         }
-      }, ASK_MS);
+      }, REQUEST_MS);
     });
     return () => {
       clearTimeout(timer);
@@ -95,7 +100,7 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
         : a.logOdds + b.logOdds - summedOver;
   const states = now ? `${a?.state ?? "outside A"} → ${b?.state ?? "outside B"}` : "point at a cell";
   const place = store.pinned.value;
-  // Said when it becomes another cell, not each time that its value changes.
+  // Announced when another cell is inspected, not each time that its value changes.
   const at = now?.cell ? `${now.cell.row} ${now.cell.col}` : "";
   const words = useMemo(
     () =>

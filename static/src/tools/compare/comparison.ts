@@ -7,10 +7,10 @@ import type { MapPicture } from "../../render/map/mapPicture";
 import { mergedCodes } from "../../render/map/merged";
 import type { Layer } from "../../render/map/renderer";
 import { toScreen } from "../../render/view";
-import type { SecondMap } from "../../store/secondMap";
+import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
-import type { Point, Which } from "../../wire/protocol";
+import type { Point } from "../../wire/protocol";
 import { whyNoMerge } from "./merging";
 
 /** A left and B right of a divider; A and B by turns; what B has otherwise; the evidence of both in one map. */
@@ -45,14 +45,12 @@ export class Comparison {
   /** The log-odds prior, which their sum counts once, while it is looked at; null otherwise. */
   readonly summedOver: ReadonlySignal<number | null>;
   readonly #store: Store;
-  readonly #connect: () => SecondMap;
   readonly #difference: ReadonlySignal<Derived | null>;
   readonly #merge: ReadonlySignal<Derived | null>;
   readonly #marks: ReadonlySignal<Derived | null>;
 
-  constructor(store: Store, connect: () => SecondMap) {
+  constructor(store: Store) {
     this.#store = store;
-    this.#connect = connect;
     this.isOn = computed(() => store.compared.value !== null);
     this.pair = computed(() => {
       const a = store.second.value?.map.value;
@@ -99,15 +97,14 @@ export class Comparison {
     const stops = [
       effect(() => {
         if (!this.isOn.value) return;
-        const second = this.#connect();
-        second.start();
-        store.second.value = second.shown;
+        const leave = store.layers.subscribe(SECOND_MAP);
+        store.second.value = store.layers.grid(SECOND_MAP);
         return () => {
-          second.stop();
+          leave();
           store.second.value = null;
           store.comparison.value = null;
           store.inspectedSecond.value = null;
-          if (store.askedMap.peek() === "second") store.ask(store.asked.peek(), "first");
+          if (store.askedMap.peek() === SECOND_MAP) store.ask(store.asked.peek(), MAP);
         };
       }),
       effect(() => {
@@ -117,13 +114,13 @@ export class Comparison {
         return () => clearInterval(timer);
       }),
     ];
-    store.whichAt = (point) => this.whichAt(point);
+    store.mapAt = (point) => this.mapAt(point);
     return () => {
       for (const stop of stops) stop();
       this.#difference.peek()?.dispose();
       this.#merge.peek()?.dispose();
       this.#marks.peek()?.dispose();
-      store.whichAt = null;
+      store.mapAt = null;
     };
   }
 
@@ -139,12 +136,12 @@ export class Comparison {
     return this.look.peek() === "swipe" ? this.divider.peek() : 0;
   }
 
-  /** The map that is seen at a place of the world. */
-  whichAt(point: Point): Which {
+  /** The layer of the map that is seen at a place of the world. */
+  mapAt(point: Point): string {
     const view = this.#store.view.peek();
     const size = [...this.#store.pictures.values()][0];
-    if (!view || !size) return "first";
-    return toScreen(view, size, point[0], point[1])[0] < this.share * size.width ? "second" : "first";
+    if (!view || !size) return MAP;
+    return toScreen(view, size, point[0], point[1])[0] < this.share * size.width ? SECOND_MAP : MAP;
   }
 
   /** Read every signal that the picture shows. */
@@ -161,15 +158,22 @@ export class Comparison {
     const difference = this.#difference.peek();
     const merge = this.#merge.peek();
     if (difference && place) {
-      layers.push({ map: { geometry: place.geometry, cells: difference.update() }, palette: DIFFERENCE });
+      layers.push({
+        map: { geometry: place.geometry, cells: difference.update(), style: b.style },
+        palette: DIFFERENCE,
+      });
     } else if (merge && place) {
-      layers.push({ map: { geometry: place.geometry, cells: merge.update() } });
+      layers.push({ map: { geometry: place.geometry, cells: merge.update(), style: b.style } });
     } else {
       layers.push({ map: b, part: [this.share, 1], glows: true }, { map: a, part: [0, this.share] });
     }
     const marks = this.#marks.peek();
     if (marks && place)
-      layers.push({ map: { geometry: place.geometry, cells: marks.update() }, palette: MARKS, blends: true });
+      layers.push({
+        map: { geometry: place.geometry, cells: marks.update(), style: b.style },
+        palette: MARKS,
+        blends: true,
+      });
     return layers;
   }
 

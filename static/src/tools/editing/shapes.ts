@@ -1,6 +1,6 @@
 /** The shapes that the editing tools draw into a world, and the solids that they erase. */
 
-import type { Drawn, Edits, Point, WorldMessage } from "../../wire/protocol";
+import type { DrawnSolid, Edits, Point, WorldMessage } from "../../wire/protocol";
 
 /** Corners lie on multiples of this, metres. */
 const SNAP = 0.05;
@@ -13,7 +13,7 @@ const THICKNESS = 0.12;
 const centimetres = (metres: number): number => Math.round(metres / SNAP) * Math.round(SNAP * 100);
 
 /** What a stroke from one place to another draws; null for one too short, or too thin, to be anything. */
-export function shapeOfStroke(kind: "wall" | "box", from: Point, to: Point): Drawn | null {
+export function shapeOfStroke(kind: "wall" | "box", from: Point, to: Point): DrawnSolid | null {
   let [x, y] = to;
   const dx = x - from[0];
   const dy = y - from[1];
@@ -21,14 +21,14 @@ export function shapeOfStroke(kind: "wall" | "box", from: Point, to: Point): Dra
     if (Math.abs(dy) < Math.abs(dx) * Math.tan(STRAIGHT)) y = from[1];
     else if (Math.abs(dx) < Math.abs(dy) * Math.tan(STRAIGHT)) x = from[0];
   }
-  const made: Drawn = [kind, ...[from[0], from[1], x, y].map(centimetres)] as unknown as Drawn;
+  const made: DrawnSolid = [kind, ...[from[0], from[1], x, y].map(centimetres)] as unknown as DrawnSolid;
   const width = Math.abs(made[3] - made[1]) / 100;
   const height = Math.abs(made[4] - made[2]) / 100;
   return (kind === "wall" ? Math.hypot(width, height) : Math.min(width, height)) < LEAST ? null : made;
 }
 
 /** The outline of what was drawn, as mapper/simulation/edits.py makes it. */
-export function outline([kind, ...corners]: Drawn): readonly Point[] {
+export function outline([kind, ...corners]: DrawnSolid): readonly Point[] {
   const [x0, y0, x1, y1] = corners.map((value) => value / 100) as [number, number, number, number];
   if (kind === "box") {
     return [

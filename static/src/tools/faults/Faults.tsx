@@ -1,4 +1,4 @@
-/** What goes wrong: one switch each, and what to look for; right and wrong side by side. */
+/** Faults: one switch for each, what to look for, and the correct map for comparison. */
 
 import { computed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
@@ -10,27 +10,27 @@ import "./faults.css";
 
 const NO_FAULTS: Values = {};
 
-/** The faults that are on, of those that were switched on: a slider or an undo may have ended some. */
-const wrongNow = (store: Store) =>
+/** The active faults: those that were switched on and that no slider and no undo has ended. */
+const activeNow = (store: Store) =>
   computed(() => stillActive(store.activeFaults.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
 
 export function Faults({ store }: { readonly store: Store }) {
   const hello = store.hello.value;
-  const wrong = useMemo(() => wrongNow(store), [store]);
+  const wrong = useMemo(() => activeNow(store), [store]);
   if (!hello) return null;
   const beside = store.compared.value !== null && !store.compared.value.with_faults;
   const turn = (fault: Fault, wanted: boolean): void => {
-    // Whether the robot has heard of a switch of a moment ago does not matter to the next one.
+    // The state of the robot may be older than the previous switch, so it is not used here.
     const known = stillActive(store.activeFaults.peek(), store.mapping.values.peek(), null);
     const next = switchFault(known, fault, wanted, store.mapping.values.peek());
     store.activeFaults.value = next.wrong;
     store.setTogether(`fault ${fault.name}`, next.values, next.robot);
     if (beside) store.send({ type: "compare", values: correctValues(next.wrong) });
   };
-  const beBeside = (wanted: boolean): void =>
+  const showCorrectMap = (wanted: boolean): void =>
     store.send({ type: "compare", values: wanted ? correctValues(wrong.peek()) : null });
   const faults = availableFaults(hello.parameters.table);
-  const told = faults.filter((fault) => wrong.value.on.includes(fault.name));
+  const active = faults.filter((fault) => wrong.value.on.includes(fault.name));
   return (
     <div class="faults">
       <div class="faults-chips">
@@ -55,16 +55,16 @@ export function Faults({ store }: { readonly store: Store }) {
           role="switch"
           class="fault-chip right"
           aria-checked={beside}
-          onClick={() => beBeside(!beside)}
+          onClick={() => showCorrectMap(!beside)}
         >
           Show the correct map
         </button>
       </div>
-      <div class="faults-told" role="status">
-        {told.length === 0 && !beside && (
+      <div class="faults-note" role="status">
+        {active.length === 0 && !beside && (
           <p>Switch a fault on to see its effect on the map. Switching it off restores the settings.</p>
         )}
-        {told.map((fault) => (
+        {active.map((fault) => (
           <p key={fault.name}>
             <b>Look for:</b> {fault.look}{" "}
             <span class="faults-sets">{sentence(fault, wrong.value.before, hello.parameters.table)}</span>
@@ -83,16 +83,16 @@ export function Faults({ store }: { readonly store: Store }) {
 
 type Labels = readonly { readonly name: string; readonly label: string; readonly unit: string }[];
 
-/** What the switch has changed, and what it gives back. */
+/** The parameters that a fault has changed, with their present and previous values. */
 function sentence(fault: Fault, before: Values, table: Labels): string {
   const row = (name: string): Labels[number] | undefined => table.find((one) => one.name === name);
-  const told = (name: string, value: Value | undefined): string => {
+  const text = (name: string, value: Value | undefined): string => {
     if (typeof value === "boolean") return value ? "on" : "off";
     const unit = row(name)?.unit;
     return `${readable(String(value))}${unit ? ` ${unit}` : ""}`;
   };
   const changes = Object.entries(fault.sets).map(
-    ([name, value]) => `${row(name)?.label ?? name} is ${told(name, value)}, was ${told(name, before[name])}`,
+    ([name, value]) => `${row(name)?.label ?? name} is ${text(name, value)}, was ${text(name, before[name])}`,
   );
   return changes.length > 0 ? `(${changes.join("; ")}.)` : "";
 }

@@ -1,4 +1,6 @@
-/** What goes wrong: for each fault what it sets, and what to look for. One switch sets it and gives back what was there. */
+/**
+ * Faults: the parameters that each of them sets, and what to look for. Switching a fault off restores the parameters.
+ */
 
 import type { ActiveFaults } from "../../store/activeFaults";
 import type { Parameter, Value, Values } from "../../wire/protocol";
@@ -12,7 +14,7 @@ export interface Fault {
   readonly sets: Values;
   /** Faults of the robot itself. */
   readonly robot?: Values;
-  /** What the map made right has instead, where that is not what was there before. */
+  /** Parameters of the correct map, where they are not those from before the fault. */
   readonly right?: Values;
 }
 
@@ -66,7 +68,7 @@ export const FAULTS: readonly Fault[] = [
 
 const named = (name: string): Fault | undefined => FAULTS.find((fault) => fault.name === name);
 
-/** The faults that the mapper's table can make: a choice that it does not know yet is left out. */
+/** The faults that can be made with the parameters of a table. */
 export function availableFaults(table: readonly Parameter[]): readonly Fault[] {
   return FAULTS.filter((fault) =>
     Object.entries(fault.sets).every(([name, value]) => {
@@ -76,7 +78,9 @@ export function availableFaults(table: readonly Parameter[]): readonly Fault[] {
   );
 }
 
-/** Whether a fault that was switched on still holds: a slider may have ended it. Null: the robot is not asked. */
+/**
+ * Whether a fault is still active: a slider may have ended it. With `robot` null, faults of the robot count as active.
+ */
 export function isOn(wrong: ActiveFaults, fault: Fault, values: Values, robot: Values | null): boolean {
   return (
     wrong.on.includes(fault.name) &&
@@ -85,12 +89,12 @@ export function isOn(wrong: ActiveFaults, fault: Fault, values: Values, robot: V
   );
 }
 
-/** Whether a fault that was switched on later has the parameter now. */
+/** Whether a fault that was switched on later also sets the parameter. */
 function isTaken(wrong: ActiveFaults, fault: Fault, name: string): boolean {
   return wrong.on.slice(wrong.on.indexOf(fault.name) + 1).some((other) => name in (named(other)?.sets ?? {}));
 }
 
-/** Of the faults that were switched on those that still hold. */
+/** The faults that are still active. */
 export function stillActive(wrong: ActiveFaults, values: Values, robot: Values | null): ActiveFaults {
   const on = wrong.on.filter((name) =>
     FAULTS.some((fault) => fault.name === name && isOn(wrong, fault, values, robot)),
@@ -104,7 +108,7 @@ interface FaultSwitch {
   readonly robot: Values;
 }
 
-/** Switch a fault on or off: what holds then, and what has to be set for it. */
+/** Switch a fault on or off: the faults that are then active, and the parameters to set. */
 export function switchFault(wrong: ActiveFaults, fault: Fault, wanted: boolean, values: Values): FaultSwitch {
   const others = wrong.on.filter((name) => name !== fault.name);
   const on = wanted ? [...others, fault.name] : others;
@@ -124,7 +128,7 @@ export function switchFault(wrong: ActiveFaults, fault: Fault, wanted: boolean, 
   return { wrong: { on, before }, values: set, robot };
 }
 
-/** What the map made right has otherwise than the map with the faults that are on. */
+/** The parameters in which the correct map differs from the map with the active faults. */
 export function correctValues(wrong: ActiveFaults): Values {
   const right: Record<string, Value> = {};
   for (const name of wrong.on) {

@@ -32,11 +32,11 @@ interface PanelProps {
   readonly table: readonly Parameter[];
   readonly values: ReadonlySignal<Values>;
   readonly set: (name: string, value: Value) => void;
-  /** Groups that start open; the first one does anyway. */
+  /** Groups that are open at first, in addition to the first group. */
   readonly open?: readonly string[];
 }
 
-/** Every parameter of a table as a control, by group; rows that do not concern the model of the moment are hidden. */
+/** Every parameter of a table as a control, by group; rows that do not apply to the current model are hidden. */
 export function ParameterPanel({ table, values, set, open = [] }: PanelProps) {
   const now = values.value;
   return (
@@ -68,7 +68,7 @@ interface ControlProps {
   readonly set: (name: string, value: Value) => void;
 }
 
-/** A control is made anew where something of its own changed: while one moves under the hand the others cost nothing. */
+/** A control is rendered only when its own values change: while one is dragged, the others are not rendered. */
 function Control({ row, values, set }: ControlProps) {
   const value = values[row.name] ?? row.initial;
   const disabled = !isEnabled(row, values);

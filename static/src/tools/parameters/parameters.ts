@@ -1,16 +1,16 @@
-/** Which rows of a parameter table a panel shows, and within which bounds; the table is the mapper's. */
+/** The rows of the mapper's parameter table that a panel shows, and their bounds. */
 
 import type { Range } from "../../ui/numbers";
 import type { Parameter, Values } from "../../wire/protocol";
 
-/** A row shows when it concerns the model, or the kind of sensor, of the moment and there is something to choose. */
+/** Whether a row is shown: it applies to the current model or kind of sensor, and a choice has at least two options. */
 export function isShown(row: Parameter, values: Values): boolean {
   if (row.kind === "choice" && row.choices.length < 2) return false;
   const model = values.model ?? values.kind;
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }
 
-/** The limits of the clamp do nothing while it is off, nor does the way along a beam where each scan counts once. */
+/** Whether a row has an effect: the clamp's limits only while it is on, the traversal only with the update per beam. */
 export function isEnabled(row: Parameter, values: Values): boolean {
   if (row.name === "traversal") return values.update !== "per_scan";
   return !(values.clamp === false && (row.name === "log_odds_min" || row.name === "log_odds_max"));
@@ -21,7 +21,7 @@ const numeric = (values: Values, name: string, otherwise: number): number => {
   return typeof value === "number" ? value : otherwise;
 };
 
-/** The bounds of a number row, narrowed where the step window demands p_free ≤ prior ≤ p_occ. */
+/** The bounds of a number row; for the step window narrowed so that p_free ≤ prior ≤ p_occ. */
 export function boundsOf(row: Parameter, values: Values): Range {
   const range = { low: row.low, high: row.high, step: row.step };
   if (values.model !== "step_window") return range;
@@ -47,7 +47,7 @@ export function boundsOf(row: Parameter, values: Values): Range {
   }
 }
 
-/** A choice's name as people read it: per_beam → per beam. */
+/** The label of a choice: per_beam → per beam. */
 export function readable(choice: string): string {
   return choice.replaceAll("_", " ");
 }

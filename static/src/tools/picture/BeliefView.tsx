@@ -1,4 +1,4 @@
-/** What the robot believes: its map, cell by cell, as it fills in. */
+/** The view of the robot's map. */
 
 import { signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
@@ -13,13 +13,14 @@ import {
   paintRobot,
 } from "../../render/picture/brush";
 import { inks } from "../../render/picture/inks";
+import { paintLayer } from "../../render/picture/overlays";
 import type { Picture } from "../../render/picture/Picture";
-import { pulse } from "../../render/picture/pulse";
+import { scanFade } from "../../render/picture/scanFade";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
-import { paintWalk } from "../steps/paint";
+import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
 import { LinkedPicture } from "./LinkedPicture";
@@ -27,9 +28,9 @@ import { mapSurface } from "./mapSurface";
 
 interface BeliefViewProps {
   readonly store: Store;
-  /** What a click on the map does; without it the cell is pinned, and looked at until the next click. */
+  /** Called on a click on the map; without it a click pins the cell. */
   readonly onTap?: (point: Point) => void;
-  /** Hears of the picture, for whoever wants to read its pixels. */
+  /** Called with the picture. */
   readonly onPicture?: (picture: Picture) => void;
   /** Shows a second map in the same picture. */
   readonly comparison?: Comparison;
@@ -47,17 +48,17 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
   return (
     <LinkedPicture
       store={store}
-      label="The robot's map. Shift and arrow keys move the cell cursor, question mark asks why its cell is what it is, Escape lets it go; plus and minus zoom, 0 shows everything."
+      label="The robot's map. Shift and arrow keys move the cell cursor, question mark explains the value of its cell, Escape removes the cursor; plus and minus zoom, 0 shows everything."
       onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
       {...(onPicture ? { onPicture } : {})}
       setUp={(canvas, invalidate) => {
-        const beat = pulse();
+        const fade = scanFade();
         const surface = mapSurface(
           store,
           canvas,
           invalidate,
           () => comparison?.layers() ?? [{ map: store.map.peek(), glows: true }],
-          (brush, now) => paintOverlay(store, brush, beat, now, comparison?.ownPart() ?? [0, 1]),
+          (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
         const glow = surface.renderer?.glow;
@@ -68,6 +69,7 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
           watch: () => {
             void store.map.value;
             void store.mapVersion.value;
+            void store.layers.contents.value;
             void store.beliefFrame.value;
             void store.trajectory.value;
             void store.cell.value;
@@ -92,11 +94,11 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
   );
 }
 
-/** `part` of the picture's width is where the way and the beams are painted. */
+/** The path and the beams are painted between the fractions `from` and `to` of the picture's width. */
 function paintOverlay(
   store: Store,
   brush: Brush,
-  beat: ReturnType<typeof pulse>,
+  fade: ReturnType<typeof scanFade>,
   now: number,
   [from, to]: readonly [from: number, to: number],
 ): boolean {
@@ -105,7 +107,8 @@ function paintOverlay(
   ctx.beginPath();
   ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
   ctx.clip();
-  const moves = paintScan(store, brush, beat, now);
+  for (const content of store.layers.contents.peek()) paintLayer(brush, content);
+  const moves = paintScan(store, brush, fade, now);
   ctx.restore();
   paintWhy(store, brush);
   const cell = store.cell.peek();
@@ -117,18 +120,18 @@ function paintOverlay(
   return moves;
 }
 
-/** The way, the newest scan and the robot; true while they fade. */
-function paintScan(store: Store, brush: Brush, beat: ReturnType<typeof pulse>, now: number): boolean {
+/** Paint the path, the newest scan and the robot; true while the beams fade. */
+function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>, now: number): boolean {
   const frame = store.beliefFrame.peek();
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
-  if (store.walk.peek()) paintWalk(store, brush, true);
+  if (store.walk.peek()) paintSteps(store, brush, true);
   else if (frame && from) {
-    strength = beat(frame.index, now);
-    // Faint: the cells that the beams speak about are what there is to see here.
+    strength = fade(frame.index, now);
+    // Faint, so that the cells under the beams can be seen.
     paintBeams(brush, from, frame, frame.range_max, 0.5 * strength, 1.5);
     const beam = store.inspectedBeam.peek();
     if (beam && map && store.probe.peek()) {

@@ -1,4 +1,4 @@
-/** A picture of the world that shares view, pointer and robot with every other one of the same store. */
+/** A picture of the world that shares view, pointer and robot with the other pictures of the same store. */
 
 import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -14,7 +14,7 @@ import "./picture.css";
 
 interface LinkedPictureProps {
   readonly store: Store;
-  /** What the picture is, for who does not see it. */
+  /** Description for screen readers. */
   readonly label: string;
   /** Called once with the canvas. `paint` paints it; `watch` reads every signal that the picture shows. */
   readonly setUp: (
@@ -24,7 +24,7 @@ interface LinkedPictureProps {
   /** A tap or click on a place of the world. */
   readonly onTap: (point: readonly [number, number]) => void;
   readonly onPicture?: (picture: Picture) => void;
-  /** Whether the tools that change the world work here. */
+  /** Whether the editing tools work in this picture. */
   readonly draws?: boolean;
   readonly children?: ComponentChildren;
 }
@@ -65,7 +65,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           const view = store.view.peek();
           const pose = store.frame.peek()?.pose;
           if (draws && store.editing.tool.peek() !== "robot") return false;
-          if (!view || !pose || store.hello.peek()?.kind !== "world") return false;
+          if (!view || !pose || !store.isDriven.peek()) return false;
           const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
           return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;
         },

@@ -1,19 +1,14 @@
 /** The second map of the same recording, at the same places of the picture as the first. */
 
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
 import { type Brush, paintCell, paintCrosshair, paintRobot } from "../../render/picture/brush";
 import { inks } from "../../render/picture/inks";
-import { connectSecond } from "../../store/secondMap";
+import { SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import type { Pose } from "../../wire/protocol";
 import { LinkedPicture } from "./LinkedPicture";
 import { mapSurface } from "./mapSurface";
-
-interface SecondMapViewProps {
-  readonly store: Store;
-  readonly session: string;
-}
 
 /** Where this map has the robot: where the first has it, or, in a map made right, where it is. */
 function robotPose(store: Store): Pose | undefined {
@@ -21,13 +16,9 @@ function robotPose(store: Store): Pose | undefined {
   return frame?.pose;
 }
 
-export function SecondMapView({ store, session }: SecondMapViewProps) {
-  const second = useMemo(() => connectSecond(session), [session]);
-  useEffect(() => {
-    second.start();
-    return () => second.stop();
-  }, [second]);
-  const { shown } = second;
+export function SecondMapView({ store }: { readonly store: Store }) {
+  useEffect(() => store.layers.subscribe(SECOND_MAP), [store]);
+  const shown = store.layers.grid(SECOND_MAP);
   return (
     <LinkedPicture
       store={store}

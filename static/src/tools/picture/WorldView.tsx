@@ -1,4 +1,4 @@
-/** The true world: what is solid, the robot in it, and what its beams meet. A click sends the robot there. */
+/** The true world: the obstacles, the robot and its beams. A click moves the robot. */
 
 import { beamAt } from "../../grid/beams";
 import { centreOf } from "../../grid/lattice";
@@ -15,13 +15,13 @@ import {
   tracePolygon,
 } from "../../render/picture/brush";
 import { inks } from "../../render/picture/inks";
-import { type Pulse, pulse } from "../../render/picture/pulse";
+import { type ScanFade, scanFade } from "../../render/picture/scanFade";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { paintEditing } from "../editing/paint";
 import { act } from "../editing/strokes";
-import { paintWalk } from "../steps/paint";
+import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { LinkedPicture } from "./LinkedPicture";
 
@@ -60,13 +60,13 @@ export function WorldView({ store }: { readonly store: Store }) {
   return (
     <LinkedPicture
       store={store}
-      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter sends the robot there, question mark asks why its cell is what it is; plus and minus zoom, 0 shows everything."
+      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter moves the robot there, question mark explains the value of its cell; plus and minus zoom, 0 shows everything."
       draws
       onTap={(point) => act(store, point)}
       setUp={(canvas, invalidate) => {
         const plan = document.createElement("canvas");
         const surface = surfaceFor(canvas, invalidate);
-        const beat: Pulse = pulse();
+        const fade: ScanFade = scanFade();
         let painted: readonly unknown[] = [];
         return {
           watch: () => {
@@ -100,7 +100,7 @@ export function WorldView({ store }: { readonly store: Store }) {
               const brush = brushOn(painting, size, ratio, view, inks.peek());
               if (!brush) return;
               brush.ctx.drawImage(plan, 0, 0, size.width, size.height);
-              moves = paintOverlay(store, brush, beat, now);
+              moves = paintOverlay(store, brush, fade, now);
             });
             return moves;
           },
@@ -114,24 +114,24 @@ function surfaceFor(canvas: HTMLCanvasElement, invalidate: () => void): Surface 
   try {
     return createSurface(canvas, invalidate);
   } catch {
-    return null; // the belief beside it says what is the matter
+    return null; // the map view shows the error
   }
 }
 
-function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boolean {
+function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): boolean {
   const frame = store.frame.peek();
   if (!frame) return false;
-  const walk = store.walk.peek();
-  if (walk) {
+  const stepping = store.walk.peek();
+  if (stepping) {
     paintRobot(brush, frame.pose, false);
-    paintWalk(store, brush, false);
+    paintSteps(store, brush, false);
     return false;
   }
-  const strength = beat(frame.index, now);
+  const strength = fade(frame.index, now);
   const from = frame.scan_pose;
   paintBeams(brush, from, frame, frame.range_max, strength);
   const inspected = store.inspectedBeam.peek();
-  const beam = inspected && beamAt(frame, inspected.index); // where it really went, however the map takes it
+  const beam = inspected && beamAt(frame, inspected.index); // the true beam, whatever faults the map is made with
   if (beam && store.probe.peek()) paintBeam(brush, from, beam, frame.range_max);
   paintWhy(store, brush);
   paintEditing(store, brush);
@@ -143,14 +143,14 @@ function paintOverlay(store: Store, brush: Brush, beat: Pulse, now: number): boo
   }
   const carried = store.carried.peek();
   paintRobot(brush, frame.pose, carried !== null);
-  if (carried) paintHand(brush.ctx, toScreen(brush.view, brush.size, ...carried), brush.inks.robot);
+  if (carried) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...carried), brush.inks.robot);
   const sent = store.teleported.peek();
   const ripples = sent !== null && !reducedMotion.peek() && paintRipple(brush, sent.point, now - sent.at);
   return ripples || strength > 0;
 }
 
-/** Where the hand is while it drags the robot: the robot itself stays out of walls. */
-function paintHand(ctx: CanvasRenderingContext2D, [x, y]: readonly [number, number], style: string): void {
+/** Mark the pointer while it drags the robot: the robot itself stays out of walls. */
+function paintDragPointer(ctx: CanvasRenderingContext2D, [x, y]: readonly [number, number], style: string): void {
   ctx.beginPath();
   ctx.arc(x, y, 15, 0, 2 * Math.PI);
   ctx.setLineDash([4, 4]);

@@ -16,15 +16,15 @@ import type { Geometry, Pose, Values } from "../../wire/protocol";
 /** Cells narrower than this are not outlined one by one. */
 const LEAST_PX = 3;
 
-/** A cell on a beam: what the beam says of it, occupied, free or (a return that was ignored) nothing. */
+/** A cell on a beam and the evidence of the beam for it: occupied, free, or none if no return is ignored. */
 export interface Crossed {
   readonly cell: Cell;
   readonly says: "hit" | "miss" | "prior";
 }
 
 /**
- * The cells of which a beam speaks and what it says, as `evidence_along_beam` of mapper/mapping/textbook.py has it; along a
- * cone's axis as along a thin beam. `rangeMax` is the greatest range of the sensor and the map; `values` are the map's.
+ * The cells on a beam and its evidence for them, as `evidence_along_beam` in mapper/mapping/textbook.py computes them;
+ * for a cone the cells on its axis. `rangeMax` is the max range of sensor and map; `values` are the map's parameters.
  */
 export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: number, values: Values): Crossed[] {
   const parameters: SensorModelParameters = {
@@ -55,7 +55,7 @@ export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: nu
   return isEndFound ? found : [...found, { cell: end, says: "hit" }];
 }
 
-/** Outline cells in the colours of what the beam says of them. */
+/** Outline cells in the colours of their evidence. */
 export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geometry, cells: readonly Crossed[]): void {
   if (geometry.resolution / view.scale < LEAST_PX) return;
   ctx.lineWidth = 1;

@@ -1,4 +1,4 @@
-/** The keyboard on a picture: drive, look at cells one by one, zoom, fit. */
+/** Keyboard control of a picture: drive, move the cell cursor, zoom, fit. */
 
 import { centreOf } from "../../grid/lattice";
 import { type Size, toScreen, zoomedAt } from "../../render/view";
@@ -31,7 +31,7 @@ const STEPS: Readonly<Record<string, readonly [row: number, col: number]>> = {
 
 const ZOOMS: Readonly<Record<string, number>> = { "+": 1.25, "=": 1.25, "-": 0.8, "−": 0.8 };
 
-/** What the two velocities of all keys that are down come to. */
+/** The sum of the velocities of all keys that are down, within the limits. */
 export function velocity(down: Iterable<string>): readonly [linear: number, angular: number] {
   let linear = 0;
   let angular = 0;
@@ -44,7 +44,7 @@ export function velocity(down: Iterable<string>): readonly [linear: number, angu
   return [Math.min(FORWARD, Math.max(BACK, linear)), Math.min(TURN, Math.max(-TURN, angular))];
 }
 
-/** Move the cell that is looked at, from the robot's where there is none. */
+/** Move the cell cursor; without a cursor it starts at the robot's cell. */
 function moveCursor(store: Store, row: number, col: number, size: Size): void {
   const map = store.map.peek();
   const pose = store.frame.peek()?.pose;
@@ -61,7 +61,7 @@ function moveCursor(store: Store, row: number, col: number, size: Size): void {
   if (x < 0 || y < 0 || x > size.width || y > size.height) store.look({ ...view, x: point[0], y: point[1] });
 }
 
-/** Listen to a focused picture; the result stops it. */
+/** Handle the keys of a focused picture; the returned function stops it. */
 export function listenToKeys(element: HTMLElement, store: Store, size: () => Size): () => void {
   const down = new Set<string>();
   let timer: ReturnType<typeof setInterval> | undefined;
@@ -79,9 +79,8 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
 
   const keydown = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const isWorld = store.hello.peek()?.kind === "world";
     const pinned = store.pinned.peek();
-    const drives = isWorld && !event.shiftKey && event.code in DRIVES;
+    const drives = store.isDriven.peek() && !event.shiftKey && event.code in DRIVES;
     const step = STEPS[event.key];
     const zoom = ZOOMS[event.key];
     const view = store.view.peek();
@@ -100,7 +99,7 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
     else if (event.key === "?") store.ask(store.probe.peek());
     else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === "robot")
       store.pinned.value = null;
-    else if (event.key === "Enter" && isWorld && pinned) act(store, pinned, true);
+    else if (event.key === "Enter" && store.isDriven.peek() && pinned) act(store, pinned, true);
     else if (event.key === "Escape" && store.editing.tool.peek() !== "robot") store.editing.take("robot");
     else if (event.key === " ") store.togglePlaying();
     else return;

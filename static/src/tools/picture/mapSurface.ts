@@ -1,4 +1,4 @@
-/** A map with a drawing over it: the canvas of every belief. */
+/** A canvas with a map and an overlay. */
 
 import { createRenderer } from "../../render/map/createRenderer";
 import type { Layer, MapRenderer } from "../../render/map/renderer";
@@ -8,13 +8,16 @@ import type { Paint } from "../../render/picture/Picture";
 import type { Store } from "../../store/store";
 
 interface MapSurface {
-  /** Null where the browser can draw nothing; `failure` says why. */
+  /** Null if the browser cannot draw; `failure` states the reason. */
   readonly renderer: MapRenderer | null;
   readonly failure: string;
   readonly paint: Paint;
 }
 
-/** Draw the `layers` in the view of `store`, and over it what `draw` paints; true while that moves by itself. */
+/**
+ * Draw the `layers` in the view of `store` and the overlay that `draw` paints; `draw` returns true while it is
+ * animated.
+ */
 export function mapSurface(
   store: Store,
   canvas: HTMLCanvasElement,

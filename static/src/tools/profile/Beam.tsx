@@ -3,10 +3,10 @@ import { ticks, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { written } from "../../ui/numbers";
 import type { Controls } from "./controls";
-import { RangeMaxFlag } from "./grips";
+import { RangeMaxFlag } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
-/** The whole beam, to scale: the sensor, the reading, the max range, and the part that the lens shows. */
+/** The whole beam, to scale: the sensor, the reading, the max range, and the part that is enlarged below. */
 export function Beam({ view, controls }: { view: ProfileView; controls: Controls }) {
   const { beam, curve } = view.layout.value;
   const scale = view.beamScale.value;
@@ -20,7 +20,7 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
   const end = noReturn ? values.range_max : z;
   const half = halfWindow(noReturn ? values.range_max : z, values);
   const freeTo = noReturn ? (values.no_return === "free" ? values.range_max : 0) : Math.max(0, z - half);
-  const knob = Math.min(x(noReturn ? Math.min(z, view.total.value) : z), beam.right);
+  const handleX = Math.min(x(noReturn ? Math.min(z, view.total.value) : z), beam.right);
   const rangeX = Math.min(x(values.range_max), beam.right);
   const lensLeft = x(start);
   const lensRight = Math.max(x(start + span), lensLeft + 3);
@@ -68,17 +68,17 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
       />
       <Handle
         label="Measured range z, on the whole beam"
-        sentence="Moves the reading along the whole beam; the lens follows."
+        sentence="Moves the reading along the whole beam; the enlarged part follows."
         axis="x"
         tone="tone-beam"
         now={noReturn ? values.range_max : z}
         low={0}
         high={view.total.value}
         text={noReturn ? "no return" : `${written(z, 2)} metres`}
-        grab={{ x: knob - 22, y: middle - 8, width: 44, height: 40 }}
+        grab={{ x: handleX - 22, y: middle - 8, width: 44, height: 40 }}
         {...controls.reading("beam")}
       >
-        <circle class="knob" cx={knob} cy={middle} r={8} />
+        <circle class="handle-mark" cx={handleX} cy={middle} r={8} />
       </Handle>
     </g>
   );

@@ -6,23 +6,23 @@ import { Handle } from "../../ui/Handle";
 import { signed, written } from "../../ui/numbers";
 import { isDark } from "../../ui/theme";
 import type { Controls } from "./controls";
-import { ReadingPill, WindowEdges } from "./grips";
 import type { Box } from "./layout";
+import { ReadingLabel, WindowEdges } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
 /** Cells narrower than this are painted in blocks, each with the increment at its middle, CSS pixels. */
 const LEAST_PX = 3;
 /** Where along the cone's edge its handle is, as a share of the reading. */
-const GRIP = 0.72;
+const HANDLE_AT = 0.72;
 
-/** Where the cone stands: the sensor at the left, its axis in the middle, one scale both ways. */
+/** The box of the cone: the sensor at the left, the axis in the middle, the same scale in both directions. */
 function placed(view: ProfileView): { readonly box: Box; readonly axis: number; readonly perMetre: number } {
   const { curve, strip } = view.layout.value;
   const box = { left: curve.left, right: curve.right, top: curve.top, bottom: strip.bottom };
   return { box, axis: (box.top + box.bottom) / 2, perMetre: (box.right - box.left) / view.reach.value };
 }
 
-/** Paint every cell of the grid around a beam along one of its rows in the colour of what it gets. */
+/** Paint the cells of a grid around the cone's axis in the colours of their increments. */
 function paintCells(canvas: HTMLCanvasElement, view: ProfileView, values: SensorModelParameters, z: number): void {
   const { box, perMetre } = placed(view);
   const ratio = devicePixelRatio;
@@ -62,7 +62,7 @@ function paintCells(canvas: HTMLCanvasElement, view: ProfileView, values: Sensor
   }
 }
 
-/** The cells under the cone, on a canvas behind the handles. */
+/** The cells of the cone, on a canvas behind the handles. */
 export function ConeCells({ view }: { readonly view: ProfileView }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const { box } = placed(view);
@@ -84,12 +84,12 @@ export function ConeCells({ view }: { readonly view: ProfileView }) {
       ref={canvas}
       style={style}
       role="img"
-      aria-label="Cells of the cone, in the colour of what they get"
+      aria-label="Cells of the cone, coloured by their increments"
     />
   );
 }
 
-/** A wide beam from above: its edges, its arc, and the handles on both. */
+/** A wide beam from above: its edges and its arc, with their handles. */
 export function Cone({ view, controls }: { readonly view: ProfileView; readonly controls: Controls }) {
   const { box, axis, perMetre } = placed(view);
   const values = view.values.value;
@@ -109,7 +109,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
     const radius = s * perMetre;
     return `M${at(s, -edge).join(" ")}A${radius} ${radius} 0 0 0 ${at(s, edge).join(" ")}`;
   };
-  const [gripX, gripY] = at(GRIP * (noReturn ? Math.min(values.range_max, view.reach.value) : z), edge);
+  const [handleX, handleY] = at(HANDLE_AT * (noReturn ? Math.min(values.range_max, view.reach.value) : z), edge);
   const degrees = (values.opening * 180) / Math.PI;
   const certain = values.model === "moravec_elfes";
   const zx = x(z);
@@ -124,7 +124,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
         </text>
       ))}
       <text class="label-miss" x={box.left + 12} y={box.top + 16}>
-        {certain ? "empty: certain up to 1" : `closer ${signed(model.miss)}`}
+        {certain ? "empty: certainty up to 1" : `closer ${signed(model.miss)}`}
       </text>
       <text class="label-hit" x={box.right - 8} y={box.top + (narrow ? 36 : 16)} text-anchor="end">
         {certain
@@ -133,18 +133,18 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       </text>
       <Handle
         label="Opening angle"
-        sentence="Opens the cone in which the echo may have arisen, or closes it."
+        sentence="Changes the opening angle of the cone."
         axis="y"
         tone="tone-robot"
         now={values.opening}
         low={controls.bounds("opening").low}
         high={controls.bounds("opening").high}
         text={`${written(degrees, 0)} degrees`}
-        grab={{ x: gripX - 22, y: gripY - 22, width: 44, height: 44 }}
-        {...controls.opening(gripX - box.left, axis - gripY)}
+        grab={{ x: handleX - 22, y: handleY - 22, width: 44, height: 44 }}
+        {...controls.opening(handleX - box.left, axis - handleY)}
       >
-        <circle class="knob" cx={gripX} cy={gripY} r={8} />
-        <text class="label-robot" x={gripX} y={gripY - 14} text-anchor="middle">
+        <circle class="handle-mark" cx={handleX} cy={handleY} r={8} />
+        <text class="label-robot" x={handleX} y={handleY - 14} text-anchor="middle">
           {`ω ${written(degrees, 0)}°`}
         </text>
       </Handle>
@@ -161,7 +161,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
             height={44}
             widest={controls.bounds("window").high / 2}
           />
-          <ReadingPill view={view} controls={controls} x={zx} y={box.bottom + 2} above={24} height={48} />
+          <ReadingLabel view={view} controls={controls} x={zx} y={box.bottom + 2} above={24} height={48} />
         </>
       )}
       {noReturn && (

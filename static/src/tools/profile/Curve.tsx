@@ -4,14 +4,14 @@ import { ticks, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { signed, written } from "../../ui/numbers";
 import type { Controls } from "./controls";
-import { RangeMaxFlag, ReadingPill, WindowEdges } from "./grips";
 import { level } from "./handles";
+import { RangeMaxFlag, ReadingLabel, WindowEdges } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
-/** Ticks of the probability axis, the most telling first: where it is crowded the later ones are left out. */
+/** Ticks of the probability axis by priority: where space is short, the later ones are left out. */
 const PROBABILITIES = [0.5, 0.2, 0.8, 0.7, 0.3, 0.9, 0.1, 0.95, 0.05, 0.6, 0.4, 0.99, 0.01];
 
-/** The two vertical axes: evidence in log-odds, and the probability of a cell that stood at the prior before. */
+/** The two vertical axes: evidence in log-odds, and the resulting probability of a cell that had its prior. */
 function Axes({ view }: { view: ProfileView }) {
   const { curve } = view.layout.value;
   const scale = view.yScale.value;
@@ -51,17 +51,17 @@ function Axes({ view }: { view: ProfileView }) {
   );
 }
 
-/** What the two levels are called in the models that name them otherwise. */
+/** Names of the two levels in the models where they differ. */
 const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: string }>> = {
   step_window: { hit: "Probability of a cell hit", miss: "Probability of a cell passed" },
   hit_counting: { hit: "Change by the first hit", miss: "Change by the first miss" },
 };
 
-/** Places from `low` to `high`, close enough for a smooth line. */
+/** Distances from `low` to `high`, close enough for a smooth line. */
 const rampPoints = (low: number, high: number): readonly number[] =>
   Array.from({ length: 49 }, (_, i) => low + ((high - low) * i) / 48);
 
-/** The profile around the reading, as a curve whose every part can be grabbed. */
+/** The profile around the reading: a curve of which every part can be dragged. */
 export function Curve({ view, controls }: { view: ProfileView; controls: Controls }) {
   const { curve, strip } = view.layout.value;
   const values = view.values.value;
@@ -84,7 +84,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const hitTo = noReturn ? freeTo : x(z + half);
   const zx = x(z);
   const narrow = view.width.value < 560;
-  // With r = 0 the profile is a needle at z; the grid gives its evidence to the whole cell that holds the endpoint.
+  // With r = 0 the profile is a line at z; in the grid the whole cell that contains the endpoint gets its evidence.
   const cell = cellIndexAt(z, values.resolution) * values.resolution;
   const hit = level("hit", values, controls.bounds);
   const miss = level("miss", values, controls.bounds);
@@ -165,14 +165,14 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
       )}
       {curve.right - hitTo > (narrow ? 160 : 190) && (
         <text class="label-prior" x={curve.right - 10} y={y0 - 9} text-anchor="end">
-          {frees ? "beyond: nothing is learnt" : "nothing is learnt"}
+          {frees ? "beyond: no evidence" : "no evidence"}
         </text>
       )}
 
       {freeTo > curve.left + 30 && (
         <Handle
           label={NAMES[values.model]?.miss ?? "Miss increment"}
-          sentence="How strongly a cell before the reading is argued to be free."
+          sentence="Strength of the evidence that a cell before the reading is free."
           axis="y"
           tone="tone-miss"
           now={miss.value}
@@ -182,7 +182,14 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           grab={{ x: curve.left, y: y(model.miss) - 20, width: Math.max(30, freeTo - curve.left - 46), height: 44 }}
           {...controls.level("miss")}
         >
-          <rect class="knob" x={(curve.left + freeTo) / 2 - 15} y={y(model.miss) - 5} width={30} height={10} rx={5} />
+          <rect
+            class="handle-mark"
+            x={(curve.left + freeTo) / 2 - 15}
+            y={y(model.miss) - 5}
+            width={30}
+            height={10}
+            rx={5}
+          />
           <text
             class="label-miss"
             x={(curve.left + freeTo) / 2}
@@ -197,7 +204,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
         <>
           <Handle
             label={NAMES[values.model]?.hit ?? "Hit increment"}
-            sentence="How strongly a cell at the reading is argued to be occupied."
+            sentence="Strength of the evidence that a cell at the reading is occupied."
             axis="y"
             tone="tone-hit"
             now={hit.value}
@@ -212,7 +219,14 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             }}
             {...controls.level("hit")}
           >
-            <rect class="knob" x={(hitFrom + hitTo) / 2 - 15} y={y(model.hit) - 5} width={30} height={10} rx={5} />
+            <rect
+              class="handle-mark"
+              x={(hitFrom + hitTo) / 2 - 15}
+              y={y(model.hit) - 5}
+              width={30}
+              height={10}
+              rx={5}
+            />
             <text
               class="label-hit"
               x={labelLeft ? Math.min(hitFrom, zx - 15) - 8 : labelFrom}
@@ -233,7 +247,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             height={edgeHeight}
             widest={widest}
           />
-          <ReadingPill view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
+          <ReadingLabel view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
           <text
             class="label-window"
             x={(hitFrom + hitTo) / 2}

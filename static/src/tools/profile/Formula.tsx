@@ -10,7 +10,7 @@ import {
 import { signed, written } from "../../ui/numbers";
 import type { ProfileView } from "./view";
 
-/** The piecewise formula with the numbers of the moment in it. */
+/** The piecewise formula with the current numbers. */
 export function Formula({ view }: { view: ProfileView }) {
   const values = view.values.value;
   const model = beamModel(values);
@@ -65,7 +65,7 @@ export function Formula({ view }: { view: ProfileView }) {
   );
 }
 
-/** Letters of a value that leave room on a phone for where it holds. */
+/** Longest text of a value that fits beside its condition on a phone, characters. */
 const SHORT = 8;
 
 interface Row {
@@ -74,7 +74,7 @@ interface Row {
   readonly where: string;
 }
 
-/** What a reading adds in each zone, and where the zone is. */
+/** The increment of a reading in each zone, and the extent of the zone. */
 function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
   const model = beamModel(values);
   const half = halfWindow(z, values);
@@ -123,7 +123,7 @@ function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
 
 const many = (count: number): string => (count === 1 ? "1 cell" : `${count} cells`);
 
-/** The same in words. */
+/** The formula in words. */
 export function InWords({ view }: { view: ProfileView }) {
   const values = view.values.value;
   const model = beamModel(values);
@@ -133,18 +133,18 @@ export function InWords({ view }: { view: ProfileView }) {
   if (!inWindow) {
     return values.no_return === "free" ? (
       <p>
-        <b class="noun-beam">No echo</b> came back within {written(values.range_max, 1)} m, and the setting “no return”
-        takes that as evidence:{" "}
+        There was <b class="noun-beam">no return</b> within {written(values.range_max, 1)} m. With the setting “no
+        return: free”,{" "}
         {isCone(values) ? "all cells of the cone" : `all ${cellIndexAt(values.range_max, values.resolution) + 1} cells`}{" "}
-        up to the max range are <b class="noun-miss">passed</b>
+        up to the max range count as <b class="noun-miss">passed</b>
         {values.model === "moravec_elfes"
-          ? ", surest near the sensor and on the axis."
+          ? ", with the greatest certainty near the sensor and on the axis."
           : ` and get ${signed(model.miss)}.`}
       </p>
     ) : (
       <p>
-        <b class="noun-beam">No echo</b> came back within {written(values.range_max, 1)} m. With “no return” on ignore,
-        the map learns nothing from this beam.
+        There was <b class="noun-beam">no return</b> within {written(values.range_max, 1)} m. With the setting “no
+        return: ignore”, this beam does not change the map.
       </p>
     );
   }
@@ -152,10 +152,10 @@ export function InWords({ view }: { view: ProfileView }) {
   if (values.model === "moravec_elfes") {
     return (
       <p>
-        An echo from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, anywhere on the arc. Closer, the cone is{" "}
-        <b class="noun-miss">probably empty</b>, surest near the sensor and on the axis. On the arc{" "}
-        <b class="noun-hit">something stands</b>: cells known to be empty are taken out, the others share one certainty
-        of 1. They are combined by the rules of 1985, no log-odds that are added.
+        The echo came from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>, from anywhere on the arc. Closer
+        than that, the cone is <b class="noun-miss">probably empty</b>, with the greatest certainty near the sensor and
+        on the axis. On the arc <b class="noun-hit">there is an obstacle</b>: cells known to be empty are excluded, the
+        others share a total certainty of 1. The certainties are combined by the rules of 1985; no log-odds are added.
       </p>
     );
   }
@@ -179,13 +179,14 @@ export function InWords({ view }: { view: ProfileView }) {
   }
   return (
     <p>
-      The beam came back from <b class="noun-beam">z = {written(view.z.value, 2)} m</b>. It{" "}
-      <b class="noun-miss">passed {many(inWindow[0])}</b>: one never seen before goes from p {p(0)} to {p(model.miss)}.
+      The reading is <b class="noun-beam">z = {written(view.z.value, 2)} m</b>. The beam{" "}
+      <b class="noun-miss">passed {many(inWindow[0])}</b>: one not observed before goes from p {p(0)} to {p(model.miss)}
+      .
       {values.model === "smooth_ramp" ? (
         <>
           {" "}
-          In the {many(hits)} around its end <b class="noun-hit">free turns into occupied</b>, up to p {p(model.hit)}{" "}
-          where it ended, and fades away.
+          In the {many(hits)} around its end the evidence changes from free to <b class="noun-hit">occupied</b>, up to p{" "}
+          {p(model.hit)} where it ended, and then decreases to 0.
         </>
       ) : (
         <>
@@ -194,7 +195,7 @@ export function InWords({ view }: { view: ProfileView }) {
           {p(model.hit)}.
         </>
       )}{" "}
-      Of what lies <b class="noun-prior">beyond</b> it says nothing.
+      It says nothing about cells <b class="noun-prior">beyond</b>.
     </p>
   );
 }

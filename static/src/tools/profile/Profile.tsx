@@ -33,18 +33,18 @@ const Cone = lazy(async () => (await import("./Cone")).Cone);
 const ConeCells = lazy(async () => (await import("./Cone")).ConeCells);
 
 interface ProfileProps {
-  /** The values of the moment, by the names of the mapper's table. */
+  /** The current values, by the names of the mapper's table. */
   readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
   readonly setParameter: (name: string, value: number) => void;
-  /** Range of the beam that is looked at, metres; null for no return, undefined where there is no beam. */
+  /** Range of the inspected beam, metres; null for no return, undefined if there is no beam. */
   readonly reading: ReadonlySignal<number | null | undefined>;
-  /** What the beam is, for the legend: "the beam straight ahead". */
+  /** Name of the beam in the legend: "the beam straight ahead". */
   readonly beamName?: string;
 }
 
 /**
- * The inverse sensor model along one beam: a curve to grab, the cells under it, its formula with live numbers.
- * It answers in the browser at once; the map follows from the server.
+ * The inverse sensor model along one beam: a curve that can be dragged, the cells below it, its formula with numbers.
+ * It is updated in the browser at once; the map follows from the server.
  */
 export function Profile({ parameters, setParameter, reading, beamName = "the beam" }: ProfileProps) {
   const view = useMemo(() => new ProfileView(parameters, reading), [parameters, reading]);
@@ -65,7 +65,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
 
   const { width, height, curve, strip } = view.layout.value;
   const hover = (event: PointerEvent): void => {
-    // Where the frame lies is not asked while a handle is dragged: the answer would cost a layout in the hand's frame.
+    // The frame's position is not read while a handle is dragged: that would force a layout in every frame of the drag.
     const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
     if (!box) return;
     const px = event.clientX - box.left;
@@ -87,11 +87,11 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
             ) : (
               <>
                 <span class="live-dot" />{" "}
-                {view.attended.value ? "a reading that waits for your hand" : `following ${beamName}`}
+                {view.hasPointer.value ? "paused while the pointer is here" : `following ${beamName}`}
               </>
             )
           ) : (
-            "reading held by you"
+            "reading set by hand"
           )}
         </span>
         {!following && reading.value !== undefined && (
@@ -119,9 +119,9 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           viewBox={`0 0 ${width} ${height}`}
           onPointerMove={hover}
           onPointerDown={hover}
-          onPointerEnter={() => view.attend(true)}
+          onPointerEnter={() => view.setPointer(true)}
           onPointerLeave={() => {
-            view.attend(false);
+            view.setPointer(false);
             view.hovered.value = null;
           }}
         >

@@ -15,7 +15,7 @@ import type { ProfileView } from "./view";
 const ZONES: readonly Zone[] = ["free", "hit", "beyond"];
 const CLASS: Record<Zone, string> = { free: "cells-miss", hit: "cells-hit", beyond: "cells-prior" };
 
-/** The same beam on a row of real cells, each in the colour of the evidence that it gets. */
+/** The same beam on a row of cells, each in the colour of its evidence. */
 export function Strip({ view }: { view: ProfileView }) {
   const id = useId();
   const { strip, curve } = view.layout.value;
@@ -30,7 +30,7 @@ export function Strip({ view }: { view: ProfileView }) {
   const first = Math.max(0, cellIndexAt(scale.low, resolution));
   const last = cellIndexAt(scale.high - 1e-9, resolution);
   const paths: Record<Zone, string> = { free: "", hit: "", beyond: "" };
-  // Where cells of a zone get different amounts each is as strong as its own.
+  // Where the cells of a zone get different increments, the opacity of each shows its own.
   const shades: { readonly d: string; readonly zone: Zone; readonly share: number }[] = [];
   for (let index = first; index <= last; index++) {
     const left = Math.max(strip.left, x(index * resolution));
@@ -115,7 +115,7 @@ export function Strip({ view }: { view: ProfileView }) {
           {`${written(tick, decimalsOf(places))}${tick === places[places.length - 1] ? " m" : ""}`}
         </text>
       ))}
-      <desc id={id}>Goes along the beam from cell to cell and says what each one gains.</desc>
+      <desc id={id}>Steps along the beam cell by cell and shows the increment of each cell.</desc>
       <rect
         class="strip-cursor"
         role="slider"
@@ -155,7 +155,7 @@ function decimalsOf(places: readonly number[]): number {
 
 const WHERE: Record<Zone, string> = { free: "passed", hit: "hit", beyond: "beyond, untouched" };
 
-/** A cell in words: where it lies and what it gets. */
+/** A cell in words: its extent and its increment. */
 export function cellText(index: number, view: ProfileView): string {
   const values = view.values.value;
   const zone = cellZone(index, view.z.value, values);

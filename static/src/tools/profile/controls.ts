@@ -12,8 +12,8 @@ import {
 } from "./handles";
 import type { HandleName, ProfileView } from "./view";
 
-/** What a handle of the figure does: the part of its properties that is not looks. */
-interface Grip {
+/** Event handlers of a handle of the figure. */
+interface HandleEvents {
   readonly onStart: () => void;
   readonly onDrag: (dx: number, dy: number, fine: boolean) => void;
   readonly onEnd: () => void;
@@ -22,18 +22,18 @@ interface Grip {
 
 export interface Controls {
   readonly bounds: Bounds;
-  reading(on: "beam" | "curve"): Grip;
-  rangeMax(on: "beam" | "curve"): Grip;
-  edge(side: "near" | "far"): Grip;
-  level(which: "hit" | "miss"): Grip;
-  /** The cone's edge, grabbed at a place so many pixels ahead of the sensor and aside. */
-  opening(ahead: number, aside: number): Grip;
+  reading(on: "beam" | "curve"): HandleEvents;
+  rangeMax(on: "beam" | "curve"): HandleEvents;
+  edge(side: "near" | "far"): HandleEvents;
+  level(which: "hit" | "miss"): HandleEvents;
+  /** The edge of the cone, dragged from a point `ahead` of and `aside` the sensor, pixels. */
+  opening(ahead: number, aside: number): HandleEvents;
 }
 
-/** Slower while Shift is held: a fifth of the pointer's way. */
+/** Ratio of the handle's movement to the pointer's: a fifth while Shift is held. */
 const gain = (fine: boolean): number => (fine ? 0.2 : 1);
 
-/** Tie the handles to the view and to the parameters, which `set` changes. */
+/** Connect the handles to the view and to the parameters, which `set` changes. */
 export function controlsFor(
   view: ProfileView,
   bounds: Bounds,
@@ -47,12 +47,12 @@ export function controlsFor(
   let atStart = 0;
   let perPixel = 0;
 
-  const grip = (
+  const handle = (
     name: HandleName,
     begin: () => void,
     onDrag: (dx: number, dy: number, fine: boolean) => void,
     onKey: (key: string, shift: boolean) => boolean,
-  ): Grip => ({
+  ): HandleEvents => ({
     onStart: () => {
       begin();
       view.held.value = name;
@@ -68,14 +68,14 @@ export function controlsFor(
     const scale = on === "beam" ? view.beamScale.peek() : view.xScale.peek();
     return (scale.high - scale.low) / (scale.to - scale.from);
   };
-  // A reading can be put a little beyond the max range, to see what a beam without return does.
+  // A reading can be dragged a little beyond the max range, to show a beam without a return.
   const readingRange = (): Range => ({ low: 0.01, high: 1.12 * view.values.peek().range_max, step: 0.01 });
   const readingNow = (): number => Math.min(view.z.peek(), readingRange().high);
 
   return {
     bounds,
     reading: (on) =>
-      grip(
+      handle(
         on === "beam" ? "z-far" : "z",
         () => {
           atStart = readingNow();
@@ -93,7 +93,7 @@ export function controlsFor(
         },
       ),
     rangeMax: (on) =>
-      grip(
+      handle(
         "range_max",
         () => {
           atStart = view.values.peek().range_max;
@@ -107,7 +107,7 @@ export function controlsFor(
         },
       ),
     edge: (side) =>
-      grip(
+      handle(
         side,
         () => {
           const half = halfWindow(view.z.peek(), view.values.peek());
@@ -120,7 +120,7 @@ export function controlsFor(
       ),
     opening: (ahead, aside) => {
       let from = { ahead, aside };
-      return grip(
+      return handle(
         "opening",
         () => {
           from = { ahead, aside };
@@ -134,7 +134,7 @@ export function controlsFor(
       );
     },
     level: (which) =>
-      grip(
+      handle(
         which,
         () => {
           atStart = beamModel(view.values.peek())[which];

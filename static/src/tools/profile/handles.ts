@@ -1,19 +1,19 @@
-/** What dragging a handle by so much evidence or so many metres does to the parameters: bounds, snapping, coupling. */
+/** The effect of dragging a handle on the parameters: bounds, snapping, coupling. */
 
 import { logOdds, probability } from "../../grid/logOdds";
 import { INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
 import { keyed, type Range, snap } from "../../ui/numbers";
 
-/** A parameter and the value that a handle gives it. */
+/** A parameter and its new value. */
 export interface Setting {
   readonly name: keyof SensorModelParameters;
   readonly value: number;
 }
 
-/** The bounds of the mapper's parameter table that the handles keep to, until the table of the session says others. */
+/** The bounds of a parameter, from the mapper's table. */
 export type Bounds = (name: keyof SensorModelParameters) => Range;
 
-/** Bounds of a level, where the step window demands p_free ≤ prior ≤ p_occ. */
+/** Bounds of a level of the step window, so that p_free ≤ prior ≤ p_occ. */
 function coupled(name: "p_free" | "p_occ", values: SensorModelParameters, bounds: Bounds): Range {
   const prior = probability(values.log_odds_prior);
   const range = bounds(name);
@@ -22,7 +22,7 @@ function coupled(name: "p_free" | "p_occ", values: SensorModelParameters, bounds
     : { ...range, low: Math.max(range.low, prior) };
 }
 
-/** The parameter behind the plateau "hit" or "miss" in the model of the moment, its bounds, and its present value. */
+/** The parameter of the level "hit" or "miss" in the current model, with its bounds and its value. */
 export function level(
   which: "hit" | "miss",
   values: SensorModelParameters,
@@ -47,14 +47,14 @@ function finer(range: Range, fine: boolean): Range {
   return fine ? { ...range, step: range.step / 5 } : range;
 }
 
-/** The value of the parameter behind a level that puts it at `evidence` log-odds. */
+/** The value of a level's parameter for which the level is at `evidence` log-odds. */
 function valueFor(which: "hit" | "miss", evidence: number, values: SensorModelParameters): number {
   const prior = probability(values.log_odds_prior);
   switch (values.model) {
     case "step_window":
       return probability(evidence + logOdds(prior));
     case "hit_counting": {
-      // What the first visit changes is ln (1 + 1 / wp): the weight that makes it so.
+      // The first visit changes ℓ by ln (1 + 1 / wp); solved for the weight w.
       const share = which === "hit" ? prior : 1 - prior;
       const change = Math.max(1e-3, which === "hit" ? evidence : -evidence);
       return 1 / (share * Math.expm1(change));
@@ -64,7 +64,7 @@ function valueFor(which: "hit" | "miss", evidence: number, values: SensorModelPa
   }
 }
 
-/** Put a plateau at `evidence` log-odds above the prior. */
+/** Move a level to `evidence` log-odds above the prior. */
 export function dragLevel(
   which: "hit" | "miss",
   evidence: number,
@@ -77,7 +77,7 @@ export function dragLevel(
   return { name, value: snap(wanted, finer(range, fine)) };
 }
 
-/** Put an edge of the window at distance `s` from the sensor: the other edge follows, the reading stays. */
+/** Move an edge of the window to distance `s` from the sensor; the other edge follows, the reading stays. */
 export function dragEdge(
   side: "near" | "far",
   s: number,
@@ -94,12 +94,12 @@ export function dragEdge(
   return { name: "window", value: snap(2 * Math.max(0, half), finer(bounds("window"), fine)) };
 }
 
-/** Put the max range at distance `s`. */
+/** Move the max range to distance `s`. */
 export function dragRangeMax(s: number, bounds: Bounds, fine = false): Setting {
   return { name: "range_max", value: snap(s, finer(bounds("range_max"), fine)) };
 }
 
-/** A level's answer to a key, or null for a key that is not its own. */
+/** The setting after a key press on a level's handle; null for other keys. */
 export function keyLevel(
   which: "hit" | "miss",
   key: string,
@@ -108,7 +108,7 @@ export function keyLevel(
   bounds: Bounds,
 ): Setting | null {
   const { name, range, value } = level(which, values, bounds);
-  // The heavier the prior, the less a first hit changes: up is more evidence, so a lighter prior.
+  // The greater the prior weight, the smaller the change by a first hit, so up must decrease the weight.
   const along = name === "prior_weight" && which === "hit" ? (OPPOSITE[key] ?? key) : key;
   const next = keyed(along, shift, value, range, range.step / 5);
   return next === null ? null : { name, value: next };
@@ -126,7 +126,7 @@ const MIRRORED: Record<string, string> = {
   ArrowRight: "ArrowLeft",
 };
 
-/** A window edge's answer to a key: the near edge moves as the arrow points, so left widens it. */
+/** The setting after a key press on a window edge; the edge moves in the arrow's direction. */
 export function keyEdge(
   side: "near" | "far",
   key: string,
@@ -141,7 +141,7 @@ export function keyEdge(
   return next === null ? null : { name, value: next };
 }
 
-/** Open the cone so far that its edge passes a place `x` ahead and `y` aside, in any unit. */
+/** The opening angle for which the cone's edge passes through a point `x` ahead and `y` aside, in any unit. */
 export function dragOpening(x: number, y: number, bounds: Bounds, fine = false): Setting {
   const range = bounds("opening");
   return { name: "opening", value: snap(2 * Math.atan2(Math.abs(y), Math.max(1e-9, x)), finer(range, fine)) };

@@ -1,6 +1,6 @@
 /**
- * Where things stand in the profile figure, in CSS pixels: the whole beam on top, under it a lens on the part around
- * the reading with the curve, and under that the cells of the same part on the same axis.
+ * Layout of the profile figure, in CSS pixels: the whole beam on top, below it the enlarged part around the reading
+ * with the curve, and below that the cells of the same part on the same axis.
  */
 
 export interface Box {
@@ -29,21 +29,21 @@ export function layoutFor(width: number): Layout {
   return { width, height: strip.bottom + 46, beam, curve, strip };
 }
 
-/** The part of the beam under the lens, in metres. */
+/** The enlarged part of the beam, in metres. */
 export interface Lens {
   readonly start: number;
   readonly span: number;
 }
 
-/** How much of the beam the lens shows: cells of about 16 px, more where the window is wider, at most all of it. */
+/** Length of the enlarged part: cells of about 16 px, longer for a wide window, at most the whole beam. */
 export function lensSpan(resolution: number, window: number, total: number, width: number): number {
   const cells = Math.min(60, Math.max(20, Math.round(width / 16)));
   return Math.min(total, Math.max(cells * resolution, 1.8 * window));
 }
 
 /**
- * Where the lens goes for a point of interest: it stays while the point is well inside, so that the cells stand still
- * under a reading that trembles, and otherwise moves to put the point right of the middle.
+ * The enlarged part that contains a point: unchanged while the point is well inside, so that the cells do not move with
+ * the noise of the reading, otherwise moved so that the point is right of the middle.
  */
 export function lensFor(point: number, span: number, total: number, before: Lens | null): Lens {
   const start = (wanted: number): number => Math.min(Math.max(0, wanted), Math.max(0, total - span));
@@ -55,7 +55,7 @@ export function lensFor(point: number, span: number, total: number, before: Lens
   return { start: start(point - 0.6 * span), span };
 }
 
-/** Move the lens just as far as keeps the point inside while it is dragged. */
+/** Move the enlarged part as little as needed to contain a point that is dragged. */
 export function lensKeeping(point: number, lens: Lens): Lens {
   const margin = 0.08 * lens.span;
   if (point < lens.start + margin) return { start: Math.max(0, point - margin), span: lens.span };

@@ -1,11 +1,10 @@
 import type { Store } from "../../store/store";
 
 /**
- * The range that the profile shows: of the beam towards the place that is looked at; where none is, of the beam with
- * a return that lies nearest to straight ahead, because a beam without return has little to show. Metres, null for no
- * return, undefined before the first scan.
+ * The range that the profile shows: of the beam towards the inspected point; without one, of the beam with a return
+ * that is nearest to straight ahead. Metres, null for no return, undefined before the first scan.
  */
-export function tellingReading(store: Store): number | null | undefined {
+export function profileReading(store: Store): number | null | undefined {
   const beam = store.inspectedBeam.value;
   if (!beam) return undefined;
   const ranges = store.frame.value?.ranges ?? [];

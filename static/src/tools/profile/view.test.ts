@@ -8,12 +8,12 @@ describe("the reading that the profile shows", () => {
     const view = new ProfileView(signal({}), reading);
     reading.value = 3;
     expect(view.z.value).toBe(3);
-    view.attend(true);
+    view.setPointer(true);
     reading.value = 4;
     expect(view.z.value).toBe(3);
-    view.attend(true); // entered again, from a handle say: it still is the reading of the first moment
+    view.setPointer(true); // entered again, from a handle say: it still is the reading of the first moment
     expect(view.z.value).toBe(3);
-    view.attend(false);
+    view.setPointer(false);
     expect(view.z.value).toBe(4);
     view.dispose();
   });
@@ -21,10 +21,10 @@ describe("the reading that the profile shows", () => {
   test("is the hand's once it was grabbed", () => {
     const reading = signal<number | null | undefined>(2);
     const view = new ProfileView(signal({}), reading);
-    view.attend(true);
+    view.setPointer(true);
     view.grabbed.value = 5;
     expect(view.z.value).toBe(5);
-    view.attend(false);
+    view.setPointer(false);
     expect(view.z.value).toBe(5);
     view.dispose();
   });

@@ -18,29 +18,29 @@ interface Extents {
   readonly down: number;
 }
 
-/** The reading of a figure that no beam feeds. */
-const RESTING_READING = 4.23;
+/** The reading of a figure without a live beam, metres. */
+const EXAMPLE_READING = 4.23;
 
-/** How much of a cone's axis has to be shown so that all of the cone up to `point` metres fits into the picture. */
+/** Length of the cone's axis for which the cone up to `point` metres fits into the picture. */
 function reachFor(point: number, values: SensorModelParameters, { curve, strip }: Layout): number {
   const shape = (curve.right - curve.left) / (strip.bottom - curve.top);
   const wide = 2.3 * (point + halfWindow(point, values)) * Math.sin(Math.min(values.opening, Math.PI) / 2) * shape;
   return Math.max(0.5, 1.2 * (point + halfWindow(point, values)), wide);
 }
 
-const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
-/** What the profile shows and how it moves there: the reading, the lens, the axes; no markup. */
+/** State of the profile: the reading, the enlarged part, the axes, and their animation; no markup. */
 export class ProfileView {
   readonly width = signal(720);
   readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value));
-  /** A reading that a hand has set, metres; null while the figure follows the beam. */
+  /** The reading that was set by dragging, metres; null while the figure follows the beam. */
   readonly grabbed = signal<number | null>(null);
   /** Index of the cell under the pointer. */
   readonly hovered = signal<number | null>(null);
   readonly held = signal<HandleName | null>(null);
-  /** Whether a pointer is on the figure: the reading then stands still, or handles would run away from the hand. */
-  readonly attended = signal(false);
+  /** Whether the pointer is on the figure: the reading is then paused, or handles would move away from the pointer. */
+  readonly hasPointer = signal(false);
   readonly values: ReadonlySignal<SensorModelParameters>;
   /** The reading shown, metres; Infinity for no return. */
   readonly z: ReadonlySignal<number>;
@@ -52,7 +52,7 @@ export class ProfileView {
   readonly reach = signal(3);
   readonly extents = signal<Extents>({ up: 1.2, down: 1.2 });
 
-  #standing: number | null | undefined;
+  #pausedReading: number | null | undefined;
   #lensWanted: Lens | null = null;
   #extentsWanted: Extents = { up: 1.2, down: 1.2 };
   #frame = 0;
@@ -64,20 +64,20 @@ export class ProfileView {
   ) {
     this.values = computed(() => ({ ...INITIAL_PARAMETERS, ...(parameters.value as Partial<SensorModelParameters>) }));
     this.z = computed(() => {
-      const live = this.attended.value ? this.#standing : this.reading.value;
+      const live = this.hasPointer.value ? this.#pausedReading : this.reading.value;
       const values = this.values.value;
       if (this.grabbed.value !== null) return effectiveReading(this.grabbed.value, values);
-      if (live === undefined) return Math.min(RESTING_READING, 0.6 * values.range_max);
+      if (live === undefined) return Math.min(EXAMPLE_READING, 0.6 * values.range_max);
       return effectiveReading(live ?? Number.POSITIVE_INFINITY, values);
     });
     this.noReturn = computed(() => isNoReturn(this.z.value, this.values.value));
     this.#stops = [effect(() => this.#followTotal()), effect(() => this.#aim())];
   }
 
-  /** A pointer comes to the figure or leaves it. */
-  attend(here: boolean): void {
-    if (here && !this.attended.peek()) this.#standing = this.reading.peek();
-    this.attended.value = here;
+  /** The pointer enters or leaves the figure. */
+  setPointer(isOver: boolean): void {
+    if (isOver && !this.hasPointer.peek()) this.#pausedReading = this.reading.peek();
+    this.hasPointer.value = isOver;
   }
 
   dispose(): void {
@@ -106,7 +106,7 @@ export class ProfileView {
     return { low: 0, high: this.total.value, from: left, to: right };
   });
 
-  // An axis that grew while one of its own handles is dragged would run away from the hand.
+  // The axis must not grow while one of its own handles is dragged: the handle would move away from the pointer.
   #followTotal(): void {
     const wanted = Math.max(1.25 * this.values.value.range_max, 1);
     if (this.held.value === null) this.total.value = wanted;
@@ -152,10 +152,10 @@ export class ProfileView {
       near(shownLens.span, lens.span, lens.span) &&
       near(shownExtents.up, up, up) &&
       near(shownExtents.down, down, down);
-    // Where the reading has left the lens, easing after it would show a part of the beam where it is not.
+    // If the reading is outside the enlarged part, an animation would show a part of the beam without it.
     const point = this.noReturn.peek() ? this.values.peek().range_max : this.z.peek();
     const far = point < shownLens.start || point > shownLens.start + shownLens.span;
-    if (there || calm.matches) {
+    if (there || reducedMotion.matches) {
       if (shownLens !== lens) this.lens.value = lens;
       if (shownExtents !== this.#extentsWanted) this.extents.value = this.#extentsWanted;
       return;

@@ -1,4 +1,4 @@
-/** The cell that is looked at, in numbers. */
+/** The values of the inspected cell. */
 
 import { computed, effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
@@ -11,7 +11,7 @@ import { signed, written } from "../../ui/numbers";
 import type { CellState } from "../../wire/protocol";
 import "./readout.css";
 
-/** What is believed of the cell that is looked at. */
+/** The texts for the inspected cell. */
 interface Reading {
   readonly row: string;
   readonly col: string;
@@ -33,7 +33,7 @@ function readingOf(store: Store): ReadonlySignal<Reading> {
     if (byte === 0) return { ...place, logOdds: "–", p: "–", state: "never observed" };
     const { geometry } = map;
     const coarse = logOddsAt(byte, geometry);
-    // The server's exact value, as long as it is the one that is shown.
+    // The server's exact value, if it is up to date.
     const exact = store.inspected.value;
     const isExact = exact?.row === cell.row && exact.col === cell.col && exact.epoch === geometry.epoch;
     const isSame = isExact && Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 1;
@@ -42,8 +42,8 @@ function readingOf(store: Store): ReadonlySignal<Reading> {
   });
 }
 
-/** How often the exact value of a cell is asked for while it changes. */
-const ASK_MS = 150;
+/** Interval between requests for the exact value of a cell while it changes. */
+const REQUEST_MS = 150;
 
 /** A cell in words. */
 function wordsOf({ row, col, state, logOdds, p }: Reading): string {
@@ -52,14 +52,14 @@ function wordsOf({ row, col, state, logOdds, p }: Reading): string {
   return `Row ${row}, column ${col}: ${state}${value}`;
 }
 
-/** Says the cell that is looked at when it becomes another one, not each time that its value changes. */
-function Voice({ reading }: { readonly reading: ReadonlySignal<Reading> }) {
+/** Announces the inspected cell when it becomes another one, not each time that its value changes. */
+function CellAnnouncement({ reading }: { readonly reading: ReadonlySignal<Reading> }) {
   const place = useMemo(() => computed(() => `${reading.value.row} ${reading.value.col}`), [reading]);
   void place.value;
   return <LiveRegion text={wordsOf(reading.peek())} />;
 }
 
-/** The cell that is looked at, in numbers, in a place that does not jump, and spoken. */
+/** The values of the inspected cell, as text of constant layout and for screen readers. */
 export function Readout({ store }: { readonly store: Store }) {
   const reading = useMemo(() => readingOf(store), [store]);
   useEffect(() => {
@@ -77,7 +77,7 @@ export function Readout({ store }: { readonly store: Store }) {
         if (question === asked) return;
         asked = question;
         store.inspect(cell);
-      }, ASK_MS);
+      }, REQUEST_MS);
     });
     return () => {
       clearTimeout(timer);
@@ -115,12 +115,12 @@ export function Readout({ store }: { readonly store: Store }) {
         </div>
       </dl>
       <WhyButton store={store} />
-      <Voice reading={reading} />
+      <CellAnnouncement reading={reading} />
     </div>
   );
 }
 
-/** Asks why the cell that is held is what it is. */
+/** A button that opens the explanation of the pinned cell. */
 function WhyButton({ store }: { readonly store: Store }) {
   const isNowhere = useMemo(() => computed(() => !store.pinned.value || !store.cell.value), [store]);
   return (

@@ -7,16 +7,16 @@ import type { Walk } from "../../store/walk";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import { key } from "./model";
-import { endStaleWalk, step, UNITS, type Unit, valuesNow } from "./stepping";
+import { endStaleSteps, step, UNITS, type Unit, valuesNow } from "./stepping";
 import { viewWithCell, zoomedInScale } from "./zoomToCell";
 import "./steps.css";
 
 const unit = signal<Unit>("scan");
 
-/** Back and on by a cell, a beam, a scan or a second. */
+/** Buttons to step back and forward by a cell, a beam, a scan or a second. */
 export function Steps({ store }: { readonly store: Store | null }) {
   const off = !store?.isReady.value;
-  useEffect(() => (store ? endStaleWalk(store) : undefined), [store]);
+  useEffect(() => (store ? endStaleSteps(store) : undefined), [store]);
   const go = (by: 1 | -1): void => {
     if (store) void step(store, unit.peek(), by);
   };
@@ -43,41 +43,41 @@ export function Steps({ store }: { readonly store: Store | null }) {
   );
 }
 
-/** What the step of the moment did, in numbers: the beam, the cell, Bresenham's error term, the update. */
+/** The current step in numbers: the beam, the cell, Bresenham's error term, the update. */
 export function StepNote({ store }: { readonly store: Store }) {
-  const walk = store.walk.value;
+  const stepping = store.walk.value;
   void store.inspected.value;
   void store.mapVersion.value;
-  if (!walk) return null;
+  if (!stepping) return null;
   return (
     <div class="steps-note">
-      <p role="status">{walk.done === 0 ? beginning(walk) : <Told store={store} walk={walk} />}</p>
-      <Closely store={store} />
+      <p role="status">{stepping.done === 0 ? startText(stepping) : <StepText store={store} stepping={stepping} />}</p>
+      <ZoomToggle store={store} />
     </div>
   );
 }
 
-/** The size that every picture of the view has at least. */
+/** The smallest width and the smallest height of the pictures. */
 const smallest = (sizes: readonly Size[]): Size => ({
   width: Math.min(...sizes.map(({ width }) => width)),
   height: Math.min(...sizes.map(({ height }) => height)),
 });
 
-/** Brings both pictures near to the cell of the moment, and gives back what they showed when it or the walk is over. */
-function Closely({ store }: { readonly store: Store }) {
+/** A toggle that zooms both pictures to the current cell; the view is restored when it is off or the stepping ends. */
+function ZoomToggle({ store }: { readonly store: Store }) {
   const isOn = useSignal(false);
   useSignalEffect(() => {
     if (!isOn.value) return;
     const before = store.viewHeld.peek() ? store.view.peek() : null;
     let isFirst = true;
     const stop = effect(() => {
-      const walk = store.walk.value;
+      const stepping = store.walk.value;
       const view = store.view.peek();
-      const now = walk?.steps[Math.max(0, walk.done - 1)];
-      if (!walk || !view || !now) return;
-      const near = isFirst ? { ...view, scale: zoomedInScale(walk.geometry) } : view;
+      const now = stepping?.steps[Math.max(0, stepping.done - 1)];
+      if (!stepping || !view || !now) return;
+      const near = isFirst ? { ...view, scale: zoomedInScale(stepping.geometry) } : view;
       isFirst = false;
-      store.look(viewWithCell(near, smallest([...store.pictures.values()]), walk.geometry, now.cell));
+      store.look(viewWithCell(near, smallest([...store.pictures.values()]), stepping.geometry, now.cell));
     });
     return () => {
       stop();
@@ -98,28 +98,28 @@ function Closely({ store }: { readonly store: Store }) {
   );
 }
 
-const beginning = ({ steps, frame }: Walk): string =>
-  `The newest scan was taken out of the map: ${frame.ranges.length} beams, ${steps.length} cells to update.`;
+const startText = ({ steps, frame }: Walk): string =>
+  `The newest scan was removed from the map: ${frame.ranges.length} beams, ${steps.length} cells to update.`;
 
-function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
-  const now = walk.steps[walk.done - 1];
+function StepText({ store, stepping }: { readonly store: Store; readonly stepping: Walk }) {
+  const now = stepping.steps[stepping.done - 1];
   if (!now) return null;
-  const held = (done: number): number | undefined => valuesNow(store, { ...walk, done }).get(key(now.cell));
-  const after = held(walk.done) ?? 0;
-  const before = [...walk.steps.slice(0, walk.done - 1)].some((one) => key(one.cell) === key(now.cell))
-    ? (held(walk.done - 1) ?? 0)
-    : undoneOf(store, walk, after);
-  const sum = bayesFilter(before, now.evidence, { ...walk.config, clamp: false });
+  const held = (done: number): number | undefined => valuesNow(store, { ...stepping, done }).get(key(now.cell));
+  const after = held(stepping.done) ?? 0;
+  const before = [...stepping.steps.slice(0, stepping.done - 1)].some((one) => key(one.cell) === key(now.cell))
+    ? (held(stepping.done - 1) ?? 0)
+    : valueBeforeFirstUpdate(store, stepping, after);
+  const sum = bayesFilter(before, now.evidence, { ...stepping.config, clamp: false });
   const clamped = Math.abs(sum - after) > 1e-4;
   return (
     <>
       <span>
-        Beam <b>{now.beam + 1}</b> of {walk.frame.ranges.length}, cell <b>{now.place + 1}</b> of {now.of}.
+        Beam <b>{now.beam + 1}</b> of {stepping.frame.ranges.length}, cell <b>{now.place + 1}</b> of {now.of}.
       </span>{" "}
       <span>
         {now.nabla === null
-          ? "Bresenham ends here."
-          : `Error term ∇ ${signed(now.nabla, 0)}: ${now.nabla >= 0 ? "not below 0, so the next cell is a diagonal one on" : "below 0, so straight on"}.`}
+          ? "Last cell of Bresenham’s line."
+          : `Error term ∇ ${signed(now.nabla, 0)}: ${now.nabla >= 0 ? "not negative, so the next step is diagonal" : "negative, so the next step is straight"}.`}
       </span>{" "}
       <span class={now.isHit ? "noun-hit" : "noun-miss"}>
         {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}
@@ -130,10 +130,10 @@ function Told({ store, walk }: { readonly store: Store; readonly walk: Walk }) {
   );
 }
 
-/** What a cell that this step touched for the first time held before it: what lies beneath. */
-function undoneOf(store: Store, walk: Walk, after: number): number {
-  const now = walk.steps[walk.done - 1];
+/** The log-odds, before this step, of a cell that no earlier step has updated. */
+function valueBeforeFirstUpdate(store: Store, stepping: Walk, after: number): number {
+  const now = stepping.steps[stepping.done - 1];
   if (!now) return after;
-  const one = { ...walk, steps: [{ ...now, evidence: 0 }], done: 1 };
+  const one = { ...stepping, steps: [{ ...now, evidence: 0 }], done: 1 };
   return valuesNow(store, one).get(key(now.cell)) ?? after;
 }

@@ -5,17 +5,18 @@ import type { Store } from "../../store/store";
 import type { Walk } from "../../store/walk";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 import { key, lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";
-import { valueBeforeWalk } from "./stepping";
+import { valueBeforeSteps } from "./stepping";
 
 const GEOMETRY: Geometry = {
   type: "geometry",
+  layer: 1,
   epoch: 1,
   resolution: 0.1,
   rows: 60,
   cols: 60,
   origin: [-3, -3, 0],
-  log_odds_min: -2,
-  log_odds_max: 3.5,
+  low: -2,
+  high: 3.5,
   tile: 64,
 };
 const POSE: Pose = [0.03, -0.04, 0.4];
@@ -28,7 +29,7 @@ const frame = {
   range_max: 10,
 } as unknown as Frame;
 
-const walkOf = (values: Values, done?: number): Walk => {
+const steppingOf = (values: Values, done?: number): Walk => {
   const config = lessonConfig(values);
   const steps = stepsOfScan(frame, POSE, GEOMETRY, config);
   return { frame, pose: POSE, geometry: GEOMETRY, config, steps, index: 1, done: done ?? steps.length };
@@ -41,58 +42,58 @@ test.each([
   { clamp: false },
   { model: "step_window", p_occ: 0.8, p_free: 0.3 },
 ])("all steps together are the scan as the textbook's twin has it: %o", (changes) => {
-  const walk = walkOf({ ...VALUES, ...changes } as Values);
+  const stepping = steppingOf({ ...VALUES, ...changes } as Values);
   const grid = emptyGrid(GEOMETRY);
   const ranges = Float32Array.from(frame.ranges, (range) => range ?? Number.POSITIVE_INFINITY);
-  const updates = updatePerBeam(grid, { ...frame, ranges, range_min: 0 }, POSE, walk.config);
-  expect(walk.steps).toHaveLength(updates);
-  const held = valuesAfterSteps(walk, () => 0);
+  const updates = updatePerBeam(grid, { ...frame, ranges, range_min: 0 }, POSE, stepping.config);
+  expect(stepping.steps).toHaveLength(updates);
+  const held = valuesAfterSteps(stepping, () => 0);
   expect(held.size).toBe(grid.observed.reduce((sum, one) => sum + one, 0));
-  for (const { cell } of walk.steps) {
+  for (const { cell } of stepping.steps) {
     expect(held.get(key(cell))).toBeCloseTo(grid.logOdds[indexOf(GEOMETRY, cell)] as number, 6);
   }
 });
 
 test("a reading that is no return is a hit at the max range where the map takes it so", () => {
-  const walk = walkOf({ ...VALUES, no_return: "hit" });
-  const beam = walk.steps.filter((one) => one.beam === 3);
+  const stepping = steppingOf({ ...VALUES, no_return: "hit" });
+  const beam = stepping.steps.filter((one) => one.beam === 3);
   expect(beam.some((one) => one.isHit)).toBe(true);
-  expect(walkOf(VALUES).steps.filter((one) => one.beam === 3)).toEqual([]);
+  expect(steppingOf(VALUES).steps.filter((one) => one.beam === 3)).toEqual([]);
 });
 
 test("the error term is Bresenham's, and the last cell of a line has none", () => {
-  const { steps } = walkOf({ ...VALUES, window: 0 });
+  const { steps } = steppingOf({ ...VALUES, window: 0 });
   const beam = steps.filter((one) => one.beam === 11);
   expect(beam.at(-1)).toMatchObject({ nabla: null, isHit: true });
   for (const one of beam.slice(0, -1)) expect(Number.isInteger(one.nabla)).toBe(true);
 });
 
 test("on and back by a cell and by a beam", () => {
-  const walk = walkOf(VALUES, 0);
-  expect(moved(walk, "cell", 1)).toBe(1);
-  expect(moved(walk, "cell", -1)).toBe(0);
-  const first = moved(walk, "beam", 1);
-  expect(walk.steps[first - 1]?.beam).toBe(walk.steps[0]?.beam);
-  expect(walk.steps[first]?.beam).not.toBe(walk.steps[0]?.beam);
-  expect(moved({ ...walk, done: first }, "beam", -1)).toBe(0);
-  expect(moved({ ...walk, done: walk.steps.length }, "cell", 1)).toBe(walk.steps.length);
+  const stepping = steppingOf(VALUES, 0);
+  expect(moved(stepping, "cell", 1)).toBe(1);
+  expect(moved(stepping, "cell", -1)).toBe(0);
+  const first = moved(stepping, "beam", 1);
+  expect(stepping.steps[first - 1]?.beam).toBe(stepping.steps[0]?.beam);
+  expect(stepping.steps[first]?.beam).not.toBe(stepping.steps[0]?.beam);
+  expect(moved({ ...stepping, done: first }, "beam", -1)).toBe(0);
+  expect(moved({ ...stepping, done: stepping.steps.length }, "cell", 1)).toBe(stepping.steps.length);
 });
 
 test("what has no order of cells says so", () => {
   expect(whyNoSteps(VALUES)).toBeNull();
   for (const change of [{ model: "sonar_cone" }, { update: "per_scan" }, { traversal: "amanatides_woo" }]) {
-    expect(whyNoSteps({ ...VALUES, ...change })).toMatch(/^Cell by cell .*\.$/);
+    expect(whyNoSteps({ ...VALUES, ...change })).toMatch(/^Steps by cell .*\.$/);
   }
 });
 
 test("what a byte cannot say the server's answer does, as long as it is about the same byte", () => {
-  const geometry = { epoch: 3, log_odds_min: -10, log_odds_max: 10 };
+  const geometry = { epoch: 3, low: -10, high: 10 };
   const told = (byte: number, log_odds: number): number => {
     const store = {
       map: { peek: () => ({ geometry, cells: { at: () => byte } }) },
       inspected: { peek: () => ({ row: 2, col: 5, epoch: 3, log_odds }) },
     } as unknown as Store;
-    return valueBeforeWalk(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Walk, { row: 2, col: 5 });
+    return valueBeforeSteps(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Walk, { row: 2, col: 5 });
   };
   expect(told(1, -103.25)).toBe(-103.25); // without a clamp a cell goes beyond what the picture tells apart
   expect(told(255, 34)).toBe(34);

@@ -1,6 +1,6 @@
 /**
- * One scan, cell by cell: every update that the core makes of it, in its order, as `mapper/mapping/textbook.py` has it
- * (update_per_beam on Bresenham's line). Only for what is a sum along thin beams; the other ways have no such order.
+ * One scan, cell by cell: every update that the mapper makes with it, in the same order, as `update_per_beam` in
+ * `mapper/mapping/textbook.py` does with Bresenham's line. Only for models that add log-odds along thin beams.
  */
 
 import { bresenhamSteps } from "../../grid/bresenhamSteps";
@@ -11,18 +11,19 @@ import { bayesFilter, cellsAlong, evidenceOfBeam } from "../../grid/textbook";
 import type { Step, Walk } from "../../store/walk";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 
-/** Why the scan cannot be shown cell by cell; null where it can. */
+/** Why steps by cell and beam are not possible; null if they are. */
 export function whyNoSteps(values: Values): string | null {
   if (values.model !== "fixed_increments" && values.model !== "step_window") {
-    return "Cell by cell is for the thin beams of fixed increments and the step window; choose one of these models.";
+    return "Steps by cell and beam need thin beams: choose the model fixed increments or step window.";
   }
   if (values.update !== "per_beam")
-    return "Cell by cell is for the update per beam: per scan there is no order of beams.";
-  if (values.traversal !== "bresenham") return "Cell by cell follows Bresenham's line; choose it as the traversal.";
+    return "Steps by cell and beam need the update per beam: with the update per scan the beams have no order.";
+  if (values.traversal !== "bresenham")
+    return "Steps by cell and beam follow Bresenham's line: choose bresenham as the traversal.";
   return null;
 }
 
-/** The parameters as the twin of the textbook takes them: a step window as the increments that it comes to. */
+/** The parameters for the TypeScript version of the textbook; a step window as its two increments. */
 export function lessonConfig(values: Values): MappingConfig {
   const config = { ...INITIAL_CONFIG, ...values } as unknown as MappingConfig;
   const model = beamModel({ ...INITIAL_PARAMETERS, ...(values as Partial<SensorModelParameters>) });
@@ -32,7 +33,7 @@ export function lessonConfig(values: Values): MappingConfig {
 /** Every update of one scan, in order. */
 export function stepsOfScan(frame: Frame, pose: Pose, geometry: Geometry, config: MappingConfig): readonly Step[] {
   const greatest = Math.min(frame.range_max, config.range_max);
-  // Where no return is taken for a hit it comes from the max range; null is no return on the wire.
+  // A no return that counts as a hit is a reading of the max range; null is no return on the wire.
   const none = config.no_return === "hit" ? greatest : Number.POSITIVE_INFINITY;
   const ranges = Float32Array.from(frame.ranges, (range) => (range === null || range > greatest ? none : range));
   const scan = { ...frame, ranges, range_min: 0, range_max: frame.range_max };
@@ -55,20 +56,20 @@ export function stepsOfScan(frame: Frame, pose: Pose, geometry: Geometry, config
 
 export const key = ({ row, col }: Cell): string => `${row} ${col}`;
 
-/** The log-odds of each cell that the first `done` steps touched, from what the map held `before`. */
-export function valuesAfterSteps(walk: Walk, before: (cell: Cell) => number): ReadonlyMap<string, number> {
+/** The log-odds of each cell that the first `done` steps updated; `before` gives its value before the first step. */
+export function valuesAfterSteps(stepping: Walk, before: (cell: Cell) => number): ReadonlyMap<string, number> {
   const held = new Map<string, number>();
-  for (let n = 0; n < walk.done; n++) {
-    const { cell, evidence } = walk.steps[n] as Step;
+  for (let n = 0; n < stepping.done; n++) {
+    const { cell, evidence } = stepping.steps[n] as Step;
     const name = key(cell);
-    held.set(name, bayesFilter(held.get(name) ?? before(cell), evidence, walk.config));
+    held.set(name, bayesFilter(held.get(name) ?? before(cell), evidence, stepping.config));
   }
   return held;
 }
 
-/** How many steps are done after going on, or back, by a cell or by a beam. */
-export function moved(walk: Walk, unit: "cell" | "beam", by: 1 | -1): number {
-  const { steps, done } = walk;
+/** The number of steps done after moving forward or back by a cell or by a beam. */
+export function moved(stepping: Walk, unit: "cell" | "beam", by: 1 | -1): number {
+  const { steps, done } = stepping;
   if (unit === "cell") return Math.min(steps.length, Math.max(0, done + by));
   if (by === 1) {
     const beam = steps[done]?.beam;

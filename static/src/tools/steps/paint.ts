@@ -1,4 +1,4 @@
-/** A scan that is put into the map cell by cell: the cells it has touched, its beam, and the cell of the moment. */
+/** Painting of a scan that is added to the map cell by cell: the updated cells, the current beam and cell. */
 
 import { beamAt } from "../../grid/beams";
 import { byteAt } from "../../grid/cellValues";
@@ -10,16 +10,16 @@ import type { Store } from "../../store/store";
 import { paintBeamCells } from "../picture/beamCells";
 import { valuesNow } from "./stepping";
 
-/** Paint the touched cells as the map will show them, where `onMap`, and the beam and its cells. */
-export function paintWalk(store: Store, brush: Brush, onMap: boolean): void {
-  const walk = store.walk.peek();
-  if (!walk) return;
-  const { geometry, frame, pose, steps, done } = walk;
+/** Paint the current beam and its cells; with `onMap` also the updated cells in the map's colours. */
+export function paintSteps(store: Store, brush: Brush, onMap: boolean): void {
+  const stepping = store.walk.peek();
+  if (!stepping) return;
+  const { geometry, frame, pose, steps, done } = stepping;
   const { ctx, view, size, inks } = brush;
   if (onMap) {
     const colours = palette(geometry, mapColours());
     const px = geometry.resolution / view.scale;
-    for (const [name, logOdds] of valuesNow(store, walk)) {
+    for (const [name, logOdds] of valuesNow(store, stepping)) {
       const [row, col] = name.split(" ").map(Number) as [number, number];
       const byte = Math.round(Math.min(255, Math.max(1, byteAt(logOdds, geometry))));
       const [x, y] = toScreen(view, size, ...fromLattice(geometry, col, row + 1));

@@ -1,4 +1,4 @@
-/** Step by step: on and back by a cell or a beam of the newest scan, by a scan, by a second. */
+/** Stepping forward and back by a cell or a beam of the newest scan, by a scan, or by a second. */
 
 import { effect } from "@preact/signals";
 import { logOddsAt, shownByteAt } from "../../grid/cellValues";
@@ -11,10 +11,10 @@ import { lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "
 export const UNITS = ["cell", "beam", "scan", "second"] as const;
 export type Unit = (typeof UNITS)[number];
 
-/** How long an answer may take before the step is given up. */
-const PATIENCE_MS = 4000;
+/** Timeout of the server's answer to a step. */
+const TIMEOUT_MS = 4000;
 
-/** Wait until the map holds another number of scans; false where none comes. */
+/** Wait until the number of scans in the map changes; false after the timeout. */
 function indexChanged(store: Store): Promise<boolean> {
   const before = store.frame.peek()?.index;
   return new Promise((resolve) => {
@@ -23,14 +23,14 @@ function indexChanged(store: Store): Promise<boolean> {
       queueMicrotask(() => stop());
       resolve(result);
     };
-    const timer = setTimeout(() => done(false), PATIENCE_MS);
+    const timer = setTimeout(() => done(false), TIMEOUT_MS);
     const stop = effect(() => {
       if (store.frame.value?.index !== before) done(true);
     });
   });
 }
 
-/** Take the newest scan out of the map, to be put back cell by cell; `onwards` takes a scan first. */
+/** Remove the newest scan from the map, to add it again cell by cell; with `onwards` a new scan is made first. */
 async function begin(store: Store, onwards: boolean): Promise<Walk | null> {
   const why = whyNoSteps(store.mapping.values.peek());
   if (why) {
@@ -55,63 +55,63 @@ async function begin(store: Store, onwards: boolean): Promise<Walk | null> {
 
 let busy = false;
 
-/** Go a step on or back. Steps that come while one waits for the server are dropped. */
+/** Step forward or back. Steps that are requested while one waits for the server are dropped. */
 export async function step(store: Store, unit: Unit, by: 1 | -1): Promise<void> {
   if (busy) return;
-  const walk = store.walk.peek();
+  const stepping = store.walk.peek();
   if (unit === "scan" || unit === "second") {
     const scans = unit === "scan" ? 1 : Math.round(Number(store.sensor.values.peek().scan_rate ?? 10));
-    // A scan that was walked through is in the map as far as the eye goes: on means the rest of it.
+    // A scan whose cells were stepped through is displayed as if it were in the map: forward adds it.
     store.walk.value = null;
     store.send({ type: "step", scans: by * scans });
     return;
   }
-  if (walk && by === 1 && walk.done === walk.steps.length) {
+  if (stepping && by === 1 && stepping.done === stepping.steps.length) {
     store.walk.value = null;
     store.send({ type: "step", scans: 1 });
     return;
   }
   busy = true;
   try {
-    const from = walk ?? (await begin(store, by === 1));
+    const from = stepping ?? (await begin(store, by === 1));
     if (from) store.walk.value = { ...from, done: moved(from, unit, by) };
   } finally {
     busy = false;
   }
 }
 
-/** What the map beneath a walk holds of a cell; the prior where it was never seen. */
-export function valueBeforeWalk(store: Store, { geometry, config }: Walk, { row, col }: Cell): number {
+/** The log-odds of a cell in the map without the scan that is stepped through; the prior if it was never observed. */
+export function valueBeforeSteps(store: Store, { geometry, config }: Walk, { row, col }: Cell): number {
   const byte = store.map.peek()?.cells.at(row, col) ?? 0;
   if (byte === 0) return config.log_odds_prior;
   const exact = store.inspected.peek();
   if (exact?.row === row && exact.col === col && exact.epoch === store.map.peek()?.geometry.epoch) {
-    // Of the cell that the server was asked about more is known than a byte says, while it is still the same byte; the
-    // first and the last byte stand for all that lies beyond them, where nothing is clamped.
+    // The exact value from the server is used while it agrees with the cell's byte. Without a clamp the first and the
+    // last byte stand for all values beyond them.
     if (Math.abs(shownByteAt(exact.log_odds, geometry) - byte) <= 0.51) return exact.log_odds;
   }
   return logOddsAt(byte, geometry);
 }
 
-/** What every cell that the walk has touched holds now. */
-export const valuesNow = (store: Store, walk: Walk): ReadonlyMap<string, number> =>
-  valuesAfterSteps(walk, (cell) => valueBeforeWalk(store, walk, cell));
+/** The current log-odds of every cell that the steps have updated. */
+export const valuesNow = (store: Store, stepping: Walk): ReadonlyMap<string, number> =>
+  valuesAfterSteps(stepping, (cell) => valueBeforeSteps(store, stepping, cell));
 
-/** End the walk when time goes on, or the map beneath becomes another; the result stops that. */
-export function endStaleWalk(store: Store): () => void {
+/** End the stepping when the session advances or the map changes; the returned function stops this. */
+export function endStaleSteps(store: Store): () => void {
   const stops = [
     effect(() => {
       const frame = store.frame.value;
-      const walk = store.walk.peek();
-      if (walk && frame && (frame.index !== walk.index || frame.playing)) store.walk.value = null;
+      const stepping = store.walk.peek();
+      if (stepping && frame && (frame.index !== stepping.index || frame.playing)) store.walk.value = null;
     }),
     effect(() => {
       void store.mapping.values.value;
       if (store.walk.peek()) store.walk.value = null;
     }),
     effect(() => {
-      const walk = store.walk.value;
-      const cell = walk?.steps[walk.done - 1]?.cell;
+      const stepping = store.walk.value;
+      const cell = stepping?.steps[stepping.done - 1]?.cell;
       if (cell) store.inspect(cell);
     }),
   ];

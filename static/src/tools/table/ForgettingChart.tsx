@@ -16,16 +16,16 @@ const TICK_PX = 80;
 interface ForgettingChartProps {
   readonly points: readonly Point[];
   readonly guess: number;
-  readonly told: Forgetting | null;
+  readonly forgetting: Forgetting | null;
 }
 
-/** The share of the table's cells that each map holds free, over the scans since it was removed; the guess as a line. */
-export function ForgettingChart({ points, guess, told }: ForgettingChartProps) {
+/** The share of the table's cells that are free in each map, over the scans since its removal; the guess as a line. */
+export function ForgettingChart({ points, guess, forgetting }: ForgettingChartProps) {
   const box = useRef<HTMLDivElement>(null);
   const width = useWidth(box, 560).value;
   const right = width - RIGHT;
   const last = points.at(-1)?.scans ?? 0;
-  const most = Math.max(20, guess * 1.15, last * 1.05, (told?.without_clamp ?? 0) * 1.15);
+  const most = Math.max(20, guess * 1.15, last * 1.05, (forgetting?.without_clamp ?? 0) * 1.15);
   const x = (scans: number): number => LEFT + (scans / most) * (right - LEFT);
   const y = (share: number): number => BOTTOM - share * (BOTTOM - TOP);
   const path = (share: (point: Point) => number): string =>

@@ -1,4 +1,4 @@
-/** Predict first: how many scans does the map need to forget a table that is carried away? */
+/** The moving table: the visitor guesses how many scans the map needs to forget a table that is removed. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
@@ -12,10 +12,10 @@ import { ForgettingChart } from "./ForgettingChart";
 import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
 import "./table.css";
 
-/** Scans that the map has to see the table before it goes. */
-const ENOUGH = 20;
+/** Least number of scans with the table before it can be removed. */
+const LEAST_SCANS = 20;
 const FIRST_GUESS = 40;
-const HURRY = 4;
+const FAST = 4;
 
 type Stage = "idle" | "standing" | "gone";
 
@@ -24,21 +24,20 @@ export function MovingTable({ store }: { readonly store: Store }) {
   const since = useSignal(0);
   const guess = useSignal<number | null>(null);
   const points = useSignal<readonly Point[]>([]);
-  const told = store.forgetting.value;
+  const forgetting = store.forgetting.value;
 
   useSignalEffect(() => {
     const news = store.forgetting.value;
     if (news) points.value = grown(points.peek(), news);
     else if (stage.peek() === "gone" && points.peek().length > 0) stage.value = "idle";
-    // What takes long is played faster, and the pace given back when it is over.
-    if (news?.with_clamp && !news.without_clamp && store.speed.peek() === 1)
-      store.send({ type: "speed", value: HURRY });
-    if (news?.without_clamp && store.speed.peek() === HURRY) store.send({ type: "speed", value: 1 });
+    // The long wait for the map without the clamp is played faster.
+    if (news?.with_clamp && !news.without_clamp && store.speed.peek() === 1) store.send({ type: "speed", value: FAST });
+    if (news?.without_clamp && store.speed.peek() === FAST) store.send({ type: "speed", value: 1 });
   });
 
-  // Who wants less motion gets scans by the score.
+  // With reduced motion the session is paused and advances by 20 scans at a time.
   const goOn = (): void => {
-    store.send(reducedMotion.peek() ? { type: "step", scans: ENOUGH } : { type: "play" });
+    store.send(reducedMotion.peek() ? { type: "step", scans: LEAST_SCANS } : { type: "play" });
   };
   const setUp = (): void => {
     const frame = store.frame.peek();
@@ -56,7 +55,7 @@ export function MovingTable({ store }: { readonly store: Store }) {
     points.value = [];
     stage.value = "standing";
   };
-  const takeAway = (): void => {
+  const removeTable = (): void => {
     const edits = store.world.peek()?.edits;
     if (!edits) return;
     store.edit({ added: edits.added.slice(0, -1), erased: edits.erased }, true);
@@ -92,20 +91,20 @@ export function MovingTable({ store }: { readonly store: Store }) {
         onGuess={(n) => {
           guess.value = n;
         }}
-        onGo={takeAway}
+        onRemove={removeTable}
       />
     );
   }
   return (
     <div class="table-figure">
-      <ForgettingChart points={points.value} guess={guess.value ?? 0} told={told} />
-      <Outcome store={store} told={told} guess={guess.value ?? 0} />
-      {reducedMotion.value && !told?.without_clamp && (
+      <ForgettingChart points={points.value} guess={guess.value ?? 0} forgetting={forgetting} />
+      <Outcome store={store} forgetting={forgetting} guess={guess.value ?? 0} />
+      {reducedMotion.value && !forgetting?.without_clamp && (
         <Button icon="stepForward" onClick={goOn}>
-          Forward {ENOUGH} scans
+          Forward {LEAST_SCANS} scans
         </Button>
       )}
-      <Button onClick={finish}>{told?.without_clamp ? "Continue" : "Stop and continue"}</Button>
+      <Button onClick={finish}>{forgetting?.without_clamp ? "Continue" : "Stop and continue"}</Button>
     </div>
   );
 }
@@ -115,10 +114,10 @@ interface StandingProps {
   readonly since: number;
   readonly guess: number | null;
   readonly onGuess: (guess: number) => void;
-  readonly onGo: () => void;
+  readonly onRemove: () => void;
 }
 
-function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
+function Standing({ store, since, guess, onGuess, onRemove }: StandingProps) {
   const seen = Math.max(0, (store.frame.value?.index ?? since) - since);
   return (
     <div class="table-figure">
@@ -141,7 +140,7 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
         tone="accent"
         onInput={onGuess}
       />
-      <Button kind="primary" disabled={guess === null || seen < ENOUGH} onClick={onGo}>
+      <Button kind="primary" disabled={guess === null || seen < LEAST_SCANS} onClick={onRemove}>
         Remove the table
       </Button>
       {guess === null && <p class="table-note">Move the slider to make a guess first.</p>}
@@ -151,15 +150,15 @@ function Standing({ store, since, guess, onGuess, onGo }: StandingProps) {
 
 function Outcome({
   store,
-  told,
+  forgetting,
   guess,
 }: {
   readonly store: Store;
-  readonly told: Forgetting | null;
+  readonly forgetting: Forgetting | null;
   readonly guess: number;
 }) {
   const values = store.mapping.values.value;
-  const { with_clamp: clamped, without_clamp: free } = told ?? { with_clamp: null, without_clamp: null };
+  const { with_clamp: clamped, without_clamp: free } = forgetting ?? { with_clamp: null, without_clamp: null };
   const passes = passesToForget(values);
   return (
     <div class="table-outcome" role="status">

@@ -1,20 +1,20 @@
-/** The moving table: where it can stand, and what the arithmetic of one cell says of how long a map remembers it. */
+/** The moving table: where it can be placed, and how many beams a cell needs to become free again. */
 
 import { along } from "../../grid/beams";
 import { type CellParameters, readingsUntil } from "../../grid/cellUpdate";
 import { INITIAL_PARAMETERS } from "../../grid/sensorModel";
 import { FREE } from "../../render/chart/LogOddsBackground";
-import type { Drawn, Forgetting, Frame, Values } from "../../wire/protocol";
+import type { DrawnSolid, Forgetting, Frame, Values } from "../../wire/protocol";
 
-/** Side of the table and how far its middle stands from the robot, metres. */
+/** Side of the table and distances of its centre from the robot, metres. */
 const SIDE = 0.6;
 const DISTANCES = [1.6, 1.3, 1.0];
-/** Free space that is left behind the table, so that beams pass where it stood. */
+/** Free space behind the table, so that beams pass through its cells once it is removed; metres. */
 const BEHIND = 0.3;
 const BEARINGS = 36;
 
-/** A table before the robot, where the newest scan sees floor all around it: as straight ahead as can be. */
-export function placeOf(frame: Frame): Drawn | null {
+/** A table in front of the robot in free space of the newest scan, as near to straight ahead as possible; or null. */
+export function placeOf(frame: Frame): DrawnSolid | null {
   const bearings = Array.from(
     { length: BEARINGS },
     (_, i) => ((i + 1) >> 1) * (i % 2 ? -1 : 1) * ((2 * Math.PI) / BEARINGS),
@@ -31,7 +31,7 @@ export function placeOf(frame: Frame): Drawn | null {
   return null;
 }
 
-/** Whether every beam that would meet the table, wherever it is turned, now sees beyond it. */
+/** Whether every beam that could hit the table, in any orientation of it, has a range beyond it. */
 function isOpen(frame: Frame, bearing: number, distance: number): boolean {
   const radius = (SIDE / 2) * Math.SQRT2;
   const half = Math.asin(Math.min(1, (radius + 0.1) / distance));
@@ -46,8 +46,8 @@ function isOpen(frame: Frame, bearing: number, distance: number): boolean {
 }
 
 /**
- * How often a cell at the upper clamp has to be passed until it is free: the arithmetic of one cell. Null where it never
- * is, or where the model keeps no sum.
+ * Number of misses until a cell at the upper clamp is free. Null if it never becomes free, or if the model does not add
+ * log-odds.
  */
 export function passesToForget(values: Values): number | null {
   const limits = { log_odds_min: -2, log_odds_max: 3.5 };
@@ -61,11 +61,11 @@ export function passesToForget(values: Values): number | null {
   return isSum ? readingsUntil("miss", config.log_odds_max, FREE, config) : null;
 }
 
-/** Why the map without the clamp took as long as it did, or has not forgotten yet. */
+/** Why the map without the clamp needs more scans, or fewer. */
 export const withoutClamp = (clamped: number, free: number | null): string =>
   free !== null && free < clamped
-    ? "Without the clamp it was quicker this time: before the table came, that map had seen free floor there for so long that it hardly came to believe in the table."
-    : "Without the clamp as much has to be argued away as was ever argued for.";
+    ? "Without the clamp it was faster this time: before the table was added, the cells had been observed as free for so long that they hardly became occupied."
+    : "Without the clamp, the misses must outweigh all the hits that the table has added.";
 
 export interface Point {
   readonly scans: number;
@@ -73,18 +73,18 @@ export interface Point {
   readonly without: number;
 }
 
-/** What has been told so far, one point for each scan; a new count begins anew. */
-export function grown(points: readonly Point[], told: Forgetting): readonly Point[] {
+/** The points so far, one for each scan; a new experiment starts a new list. */
+export function grown(points: readonly Point[], message: Forgetting): readonly Point[] {
   const last = points.at(-1);
-  const point = { scans: told.scans, withClamp: told.free_with_clamp, without: told.free_without_clamp };
-  if (told.scans === 0) return [];
-  // When both have forgotten everything there is no more to see.
-  if (last && last.withClamp >= 1 && last.without >= 1 && told.scans > last.scans) return points;
-  if (!last || told.scans > last.scans) return [...points, point];
-  return told.scans < last.scans ? [point] : points;
+  const point = { scans: message.scans, withClamp: message.free_with_clamp, without: message.free_without_clamp };
+  if (message.scans === 0) return [];
+  // Both maps have forgotten everything: no more points.
+  if (last && last.withClamp >= 1 && last.without >= 1 && message.scans > last.scans) return points;
+  if (!last || message.scans > last.scans) return [...points, point];
+  return message.scans < last.scans ? [point] : points;
 }
 
-/** How near a guess came, in words. */
+/** The quality of a guess in words. */
 export function verdict(guess: number, outcome: number): string {
   if (Math.abs(guess - outcome) <= Math.max(2, 0.2 * outcome)) return "You were right.";
   const ratio = Math.max(guess / outcome, outcome / guess);

@@ -1,21 +1,21 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
 import { toPixel, toValue } from "../../render/chart/scale";
-import type { Touch, WhyMessage } from "../../wire/protocol";
+import type { Contribution, WhyMessage } from "../../wire/protocol";
 import { logOddsCurve } from "./model";
 
 const WIDTH = 400;
 const HEIGHT = 150;
-/** Touches that lie closer than this are marked on the edges instead of on the line. */
+/** Updates that are closer than this are marked at the edges instead of on the line. */
 const ROOMY_PX = 7;
 
 interface ChartProps {
   readonly why: WhyMessage;
-  readonly touch: ReadonlySignal<Touch | null>;
+  readonly touch: ReadonlySignal<Contribution | null>;
   readonly onTouch: (n: number) => void;
 }
 
-/** The running log-odds of one cell over its touches; the pointer chooses one. */
+/** The log-odds of one cell over its updates; the pointer selects one. */
 export function Chart({ why, touch, onTouch }: ChartProps) {
   const story = logOddsCurve(why);
   const limits = [why.log_odds_min, why.log_odds_max].filter((limit) => limit !== null);
@@ -60,7 +60,7 @@ export function Chart({ why, touch, onTouch }: ChartProps) {
         </>
       )}
       {isRoomy &&
-        why.touches.map(({ n, hit, log_odds }) => (
+        why.contributions.map(({ n, hit, log_odds }) => (
           <circle key={n} class={hit ? "dot-hit" : "dot-miss"} cx={x(n)} cy={y(log_odds)} r={2.5} />
         ))}
       {at && <circle class={`why-dot ${at.hit ? "dot-hit" : "dot-miss"}`} cx={x(at.n)} cy={y(at.log_odds)} r={5} />}
@@ -68,9 +68,9 @@ export function Chart({ why, touch, onTouch }: ChartProps) {
   );
 }
 
-/** A tick for each touch of one kind along an edge: where the clamp holds, the line alone does not show them. */
+/** A tick for each hit, or each miss, along an edge: at the clamp the line alone does not show them. */
 function rug(why: WhyMessage, hits: boolean, x: (n: number) => number, top: number): string {
   let path = "";
-  for (const { n, hit } of why.touches) if (hit === hits) path += `M${x(n)} ${top}v5`;
+  for (const { n, hit } of why.contributions) if (hit === hits) path += `M${x(n)} ${top}v5`;
   return path;
 }

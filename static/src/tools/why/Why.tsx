@@ -1,11 +1,12 @@
-/** Why a cell is what it is: every beam that touched it, and what each of them added. */
+/** Explanation of a cell's value: the beams that updated it and the increment of each. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
+import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
-import type { Touch, Value, Which, WhyMessage } from "../../wire/protocol";
+import type { Contribution, Value, WhyMessage } from "../../wire/protocol";
 import { Chart } from "./Chart";
 import { describe, equation, sentence, updateOf, verdict } from "./model";
 import { pollWhy } from "./queries";
@@ -13,23 +14,23 @@ import "./why.css";
 
 interface WhyProps {
   readonly store: Store;
-  /** The side of the window at which the panel lies where there is room for both. */
+  /** The side of the window for the panel on wide screens. */
   readonly side: "left" | "right";
 }
 
-/** Opens when a cell is asked about, and stays at the edge of the window: nothing on the page moves. */
+/** Opens when the explanation of a cell is requested, at the edge of the window, so that nothing on the page moves. */
 export function Why({ store, side }: WhyProps) {
   const isOpen = useMemo(() => computed(() => store.asked.value !== null), [store]);
   return isOpen.value ? <Panel store={store} side={side} /> : null;
 }
 
 function Panel({ store, side }: WhyProps) {
-  const scrub = useRef<HTMLInputElement>(null);
+  const slider = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const before = document.activeElement;
-    // Whoever came by the keyboard goes on with it; a mouse keeps the picture.
+    // If it was opened by keyboard, the focus moves to the slider; with a mouse it stays on the picture.
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
-    if (byKeys) scrub.current?.focus({ preventScroll: true });
+    if (byKeys) slider.current?.focus({ preventScroll: true });
     const closeOn = (event: KeyboardEvent): void => {
       if (event.key === "Escape" && !event.defaultPrevented) store.ask(null);
     };
@@ -61,40 +62,40 @@ function Panel({ store, side }: WhyProps) {
           bare
           options={MAPS}
           value={store.askedMap.value}
-          onChange={(which) => store.ask(store.asked.peek(), which as Which)}
+          onChange={(layer) => store.ask(store.asked.peek(), layer)}
         />
       )}
       <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
-      <Spoken store={store} hitWindow={hitWindow} />
-      <Story store={store} hitWindow={hitWindow} scrub={scrub} />
+      <Announcement store={store} hitWindow={hitWindow} />
+      <UpdateHistory store={store} hitWindow={hitWindow} slider={slider} />
     </section>
   );
 }
 
 const OUTSIDE = "This place is outside the map.";
 
-/** The newest touch, where the answer tells of it. */
-function newestOf(why: WhyMessage): Touch | null {
-  const last = why.touches[why.touches.length - 1];
+/** The newest update, if the answer contains it. */
+function newestOf(why: WhyMessage): Contribution | null {
+  const last = why.contributions[why.contributions.length - 1];
   return last && last.n === why.total ? last : null;
 }
 
-/** The two maps of a comparison, as the page names them. */
+/** The two maps of a comparison. */
 const MAPS = [
-  { value: "second", label: "In A" },
-  { value: "first", label: "In B" },
+  { value: SECOND_MAP, label: "In A" },
+  { value: MAP, label: "In B" },
 ];
 
-/** A parameter of the map that is asked about. */
+/** A parameter of the map of the explained cell. */
 function parameterOf(store: Store, name: string): Value | undefined {
-  const kept = store.askedMap.value === "second" ? store.compared.value?.values[name] : undefined;
+  const kept = store.askedMap.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
   return kept ?? store.mapping.values.value[name];
 }
 
 const useHitWindow = (store: Store): ReadonlySignal<number> =>
   useMemo(() => computed(() => Number(parameterOf(store, "window") ?? 0)), [store]);
 
-/** What stands before the numbers of an update: the rule, or, where a model keeps no sum, what they are. */
+/** The label of an update's numbers: the update rule, or, if the model does not add log-odds, what they are. */
 function ruleOf(store: Store, why: WhyMessage | null): string {
   const model = parameterOf(store, "model");
   if (model === "hit_counting") return "ℓ of the counts, and its change:";
@@ -102,15 +103,15 @@ function ruleOf(store: Store, why: WhyMessage | null): string {
   return why && why.log_odds_max === null && why.log_odds_min === null ? "ℓ ← ℓ + Δ" : "ℓ ← clamp(ℓ + Δ)";
 }
 
-/** The sentence, said once for each cell and not again with each beam. */
-function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
+/** The sentence for screen readers, announced once for each cell and not again with each beam. */
+function Announcement({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
   const spoken = useMemo(() => signal(""), []);
   useEffect(() => {
     let said = "";
     return effect(() => {
       const why = store.why.value;
       if (!why) return;
-      const place = `${why.map} ${why.epoch} ${why.row} ${why.col}`;
+      const place = `${why.layer} ${why.epoch} ${why.row} ${why.col}`;
       if (place === said) return;
       said = place;
       spoken.value = sentence(why, newestOf(why), hitWindow.peek());
@@ -123,34 +124,34 @@ function Spoken({ store, hitWindow }: { readonly store: Store; readonly hitWindo
   );
 }
 
-interface StoryProps {
+interface UpdateHistoryProps {
   readonly store: Store;
   readonly hitWindow: ReadonlySignal<number>;
-  readonly scrub: { current: HTMLInputElement | null };
+  readonly slider: { current: HTMLInputElement | null };
 }
 
-function Story({ store, hitWindow, scrub }: StoryProps) {
+function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
   const id = useId();
   const why = store.why.value;
   const touch = store.touch.value;
   const total = why?.total ?? 0;
   const n = Math.min(store.touched.value ?? total, total);
   const choose = (to: number): void => {
-    // The newest goes on being the newest.
+    // null follows the newest update.
     store.touched.value = to >= total ? null : Math.max(1, to);
   };
   const update = why && touch && updateOf(why, touch.n);
-  // Of another log than the session's a scan cannot be gone to.
-  const isElsewhere = store.askedMap.value === "second" && Boolean(store.compared.value?.log);
+  // The session cannot seek to a scan of another log.
+  const isElsewhere = store.askedMap.value === SECOND_MAP && Boolean(store.compared.value?.log);
   const isLog = store.hello.value?.kind === "log" && !isElsewhere;
   return (
-    <div class="why-story" hidden={why !== null && total === 0}>
+    <div class="why-history" hidden={why !== null && total === 0}>
       {why && <Chart why={why} touch={store.touch} onTouch={choose} />}
       {!why && <div class="why-chart" />}
-      <div class="why-scrub">
+      <div class="why-slider">
         <Button kind="quiet" icon="stepBack" label="Previous beam" disabled={n <= 1} onClick={() => choose(n - 1)} />
         <input
-          ref={scrub}
+          ref={slider}
           type="range"
           aria-label="Beams through this cell"
           aria-describedby={id}
@@ -196,7 +197,7 @@ function Story({ store, hitWindow, scrub }: StoryProps) {
   );
 }
 
-function TouchWords({ touch, hitWindow }: { readonly touch: Touch; readonly hitWindow: number }) {
+function TouchWords({ touch, hitWindow }: { readonly touch: Contribution; readonly hitWindow: number }) {
   const reading = touch.range === null ? "no return" : `${touch.range.toFixed(2)} m`;
   return (
     <>

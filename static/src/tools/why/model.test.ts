@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Touch, WhyMessage } from "../../wire/protocol";
+import type { Contribution, WhyMessage } from "../../wire/protocol";
 import { equation, logOddsCurve, sentence, stateOf, updateOf } from "./model";
 import { untilFor } from "./queries";
 
@@ -8,7 +8,7 @@ const HIGH = 3.5;
 
 function whyOf(hits: readonly boolean[], more: Partial<WhyMessage> = {}): WhyMessage {
   let log_odds = more.prior ?? 0;
-  const touches = hits.map((hit, i): Touch => {
+  const contributions = hits.map((hit, i): Contribution => {
     const increment = hit ? 0.85 : -0.4;
     log_odds = Math.min(HIGH, Math.max(LOW, log_odds + increment));
     const seen = { scan: 10 * i + 4, stamp: i, beam: 90, pose: [0, 0, 0], bearing: 0.1, range: 3.21 } as const;
@@ -27,14 +27,15 @@ function whyOf(hits: readonly boolean[], more: Partial<WhyMessage> = {}): WhyMes
     per_scan: false,
     total: hits.length,
     hits: hits.filter(Boolean).length,
-    first_scan: touches[0]?.scan ?? null,
-    curve: touches.map((touch) => [touch.n, touch.log_odds]),
-    touches,
+    first_scan: contributions[0]?.scan ?? null,
+    curve: contributions.map((touch) => [touch.n, touch.log_odds]),
+    contributions,
+    layer: "map",
     ...more,
   };
 }
 
-const last = (why: WhyMessage): Touch | null => why.touches.at(-1) ?? null;
+const last = (why: WhyMessage): Contribution | null => why.contributions.at(-1) ?? null;
 
 describe("the sentence", () => {
   it("tells the state, the counts and the last beam", () => {
@@ -46,7 +47,7 @@ describe("the sentence", () => {
 
   it("speaks of a window, of one beam, and of a beam without return", () => {
     const why = whyOf([true, false, false, false, false, false, false]);
-    const silent = { ...(last(why) as Touch), range: null };
+    const silent = { ...(last(why) as Contribution), range: null };
     expect(sentence(why, silent, 0.2)).toBe(
       "Free, p 0.18: 1 beam ended at or near it, 6 passed through; the last, from scan 65, passed through without return.",
     );
@@ -54,14 +55,14 @@ describe("the sentence", () => {
 
   it("says that a per-scan update counts scans", () => {
     const why = whyOf([true, true, false], { per_scan: true });
-    expect(sentence(why, last(why), 0)).toContain("each scan counts once, and 2 said occupied, 1 said free; the last");
+    expect(sentence(why, last(why), 0)).toContain("each scan counts once, 2 as a hit, 1 as a miss; the last");
   });
 
   it("says when nothing ever touched the cell", () => {
     const why = whyOf([], { prior: -0.3, log_odds: -0.3, index: 1 });
     expect(stateOf(why)).toBe("never observed");
     expect(sentence(why, null, 0)).toBe(
-      "Never observed: no beam of the 1 scan in the map touched this cell. It holds the prior, ℓ −0.30.",
+      "Never observed: no beam of the 1 scan in the map updated this cell. It has its prior value, ℓ −0.30.",
     );
   });
 });
@@ -81,7 +82,7 @@ describe("an update", () => {
 
   it("is not told where the one before it is not known", () => {
     const whole = whyOf([true, true, true, true]);
-    const why = { ...whole, touches: whole.touches.slice(2) };
+    const why = { ...whole, contributions: whole.contributions.slice(2) };
     expect(updateOf(why, 3)).toBeNull();
     expect(updateOf(why, 4)?.before).toBeCloseTo(2.55, 12);
   });

@@ -1,9 +1,9 @@
-/** What the answer to "why" says, in words and numbers. */
+/** The explanation of a cell in words and numbers. */
 
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { probability } from "../../grid/logOdds";
 import { signed, written } from "../../ui/numbers";
-import type { CellState, Touch, WhyMessage } from "../../wire/protocol";
+import type { CellState, Contribution, WhyMessage } from "../../wire/protocol";
 
 export function stateOf(why: WhyMessage): CellState | "never observed" {
   if (why.total === 0) return "never observed";
@@ -13,31 +13,33 @@ export function stateOf(why: WhyMessage): CellState | "never observed" {
 
 const beams = (n: number): string => (n === 1 ? "1 beam" : `${n} beams`);
 
-/** What a touch says of the cell: with a window, a beam that ends near it argues for occupied as well. */
-export function verdict({ hit, range }: Pick<Touch, "hit" | "range">, window: number): string {
+/**
+ * The effect of an update in words: with a hit window, a beam that ends near the cell is also evidence for occupied.
+ */
+export function verdict({ hit, range }: Pick<Contribution, "hit" | "range">, window: number): string {
   if (hit) return window > 0 ? "ended at or near it" : "ended here";
   return range === null ? "passed through without return" : "passed through";
 }
 
-/** The cell's story in one sentence. `last` is its newest touch, null where that is not told. */
-export function sentence(why: WhyMessage, last: Touch | null, window: number): string {
+/** The explanation in one sentence. `last` is the newest update, null if the answer does not contain it. */
+export function sentence(why: WhyMessage, last: Contribution | null, window: number): string {
   const value = `ℓ ${written(why.log_odds, 2)}`;
   if (why.total === 0) {
     const scans = why.index === 1 ? "the 1 scan" : `the ${why.index} scans`;
-    return `Never observed: no beam of ${scans} in the map touched this cell. It holds the prior, ${value}.`;
+    return `Never observed: no beam of ${scans} in the map updated this cell. It has its prior value, ${value}.`;
   }
   const state = stateOf(why);
   const head = `${state.charAt(0).toUpperCase()}${state.slice(1)}, p ${written(probability(why.log_odds), 2)}`;
   const misses = why.total - why.hits;
   const counts = why.per_scan
-    ? `each scan counts once, and ${why.hits} said occupied, ${misses} said free`
+    ? `each scan counts once, ${why.hits} as a hit, ${misses} as a miss`
     : `${beams(why.hits)} ${verdict({ hit: true, range: 0 }, window)}, ${misses} passed through`;
   if (!last) return `${head}: ${counts}.`;
   const reading = last.range === null ? "" : ` at ${written(last.range, 1)} m`;
   return `${head}: ${counts}; the last, from scan ${last.scan + 1}${reading}, ${verdict(last, window)}.`;
 }
 
-/** One update, number by number. */
+/** The numbers of one update. */
 export interface Update {
   readonly before: number;
   readonly increment: number;
@@ -47,11 +49,11 @@ export interface Update {
   readonly isClamped: boolean;
 }
 
-/** The update of touch `n`; null where the answer does not tell of it and of the one before. */
+/** The numbers of update `n`; null if the answer does not contain it and the one before. */
 export function updateOf(why: WhyMessage, n: number): Update | null {
-  const first = why.touches[0]?.n ?? 1;
-  const touch = why.touches[n - first];
-  const before = n === 1 ? why.prior : why.touches[n - first - 1]?.log_odds;
+  const first = why.contributions[0]?.n ?? 1;
+  const touch = why.contributions[n - first];
+  const before = n === 1 ? why.prior : why.contributions[n - first - 1]?.log_odds;
   if (!touch || before === undefined) return null;
   const sum = before + touch.increment;
   return {
@@ -69,13 +71,13 @@ export function equation({ before, increment, sum, after, isClamped }: Update): 
   return `${step} = ${written(sum, 2)}${isClamped ? ` → ${written(after, 2)}` : ""}`;
 }
 
-/** What a touch is, in a line. */
-export function describe(touch: Touch, window: number): string {
+/** An update in one line. */
+export function describe(touch: Contribution, window: number): string {
   const reading = touch.range === null ? "no return" : `${written(touch.range, 2)} m`;
   return `scan ${touch.scan + 1}, beam ${touch.beam + 1}, ${reading}: ${verdict(touch, window)}, ${signed(touch.increment)}`;
 }
 
-/** The log-odds before the first touch and after each that is told of, as [n, log-odds], thinned as it came. */
+/** The log-odds before the first update and after those in the answer's curve, as [n, log-odds]. */
 export const logOddsCurve = (why: WhyMessage): readonly (readonly [n: number, log_odds: number])[] => [
   [0, why.prior],
   ...why.curve,

@@ -1,4 +1,4 @@
-/** The beams that touched the cell that is explained: all of them faintly, the one that is looked at in full. */
+/** The beams that updated the explained cell: all of them faint, the selected one in full. */
 
 import { centreOf } from "../../grid/lattice";
 import { type Brush, paintBeam, paintCell } from "../../render/picture/brush";
@@ -16,7 +16,7 @@ export function paintWhy(store: Store, brush: Brush): void {
   const [x, y] = toScreen(view, size, ...centreOf(map.geometry, cell));
   for (const kind of ["miss", "hit"] as const) {
     ctx.beginPath();
-    for (const { hit, pose } of why?.touches ?? []) {
+    for (const { hit, pose } of why?.contributions ?? []) {
       if (hit !== (kind === "hit")) continue;
       ctx.moveTo(...toScreen(view, size, pose[0], pose[1]));
       ctx.lineTo(x, y);
@@ -28,7 +28,7 @@ export function paintWhy(store: Store, brush: Brush): void {
   }
   ctx.globalAlpha = 1;
   if (touch) {
-    // In the colour of what it says, so that it is not taken for a beam of the newest scan.
+    // In the colour of a hit or a miss, to distinguish it from the beams of the newest scan.
     const beam = inks[touch.hit ? "hit" : "miss"];
     const own = { ...brush, inks: { ...inks, beam } };
     paintBeam(own, touch.pose, { ...touch, index: touch.beam }, frame.range_max);

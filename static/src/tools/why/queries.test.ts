@@ -5,13 +5,14 @@ import { pollWhy } from "./queries";
 
 const GEOMETRY: Geometry = {
   type: "geometry",
+  layer: 1,
   epoch: 1,
   resolution: 0.1,
   rows: 64,
   cols: 64,
   origin: [0, 0, 0],
-  log_odds_min: -2,
-  log_odds_max: 3.5,
+  low: -2,
+  high: 3.5,
   tile: 64,
 };
 
@@ -21,7 +22,10 @@ let stop: () => void;
 
 const frame = (index: number): void => store.receive({ type: "frame", index, ranges: [] } as unknown as Frame);
 const answer = (more: Partial<WhyMessage> = {}): void =>
-  store.receive({ type: "why", row: 5, col: 12, epoch: 1, total: 1000, touches: [], ...more } as unknown as WhyMessage);
+  store.receive({
+    ...{ type: "why", row: 5, col: 12, epoch: 1, layer: "map", total: 1000, contributions: [] },
+    ...more,
+  } as unknown as WhyMessage);
 
 /** Let time pass in steps of an animation frame or so. */
 function pass(ms: number, each: (i: number) => void = () => undefined): void {
@@ -38,6 +42,8 @@ beforeEach(() => {
     if (command.type === "why") sent.push(command);
     return true;
   });
+  const info = { id: 1, name: "map", kind: "grid", title: "Map", style: "belief", columns: [] } as const;
+  store.receive({ type: "layers", layers: [info] });
   store.receive(GEOMETRY);
   stop = pollWhy(store);
 });
@@ -52,7 +58,7 @@ test("a cell is asked about at once, and not again while nothing happens", () =>
   expect(sent).toEqual([]);
   store.ask([1.25, 0.55]);
   pass(5000);
-  expect(sent).toEqual([{ type: "why", row: 5, col: 12, epoch: 1 }]);
+  expect(sent).toEqual([{ type: "why", row: 5, col: 12, epoch: 1, layer: "map" }]);
 });
 
 test("while the robot walks once a second, while parameters change at most three times", () => {
@@ -74,11 +80,11 @@ test("an old touch brings the question about its window, another cell a new one"
   answer();
   store.touched.value = 42;
   pass(200);
-  expect(sent.at(-1)).toEqual({ type: "why", row: 5, col: 12, epoch: 1, until: 200 });
+  expect(sent.at(-1)).toEqual({ type: "why", row: 5, col: 12, epoch: 1, layer: "map", until: 200 });
   store.ask([1.25, 0.65]);
   pass(200);
   expect(store.why.value).toBeNull();
-  expect(sent.at(-1)).toEqual({ type: "why", row: 6, col: 12, epoch: 1 });
+  expect(sent.at(-1)).toEqual({ type: "why", row: 6, col: 12, epoch: 1, layer: "map" });
   answer(); // late, about the cell before
   expect(store.why.value).toBeNull();
   answer({ row: 6 });

@@ -1,18 +1,18 @@
-/** Asks the server why, again and again while somebody wants to know and what there is to tell may have changed. */
+/** Requests the explanation of a cell from the server, repeatedly while it is shown and may have changed. */
 
 import { effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 
-/** Between two questions: about another touch, about a cell that changed, about one that only time went on for. */
+/** Least time between requests: for another update, for a cell that changed, for an unchanged cell in a new scan. */
 const TOUCH_MS = 120;
 const CHANGED_MS = 350;
-const CALM_MS = 1000;
+const UNCHANGED_MS = 1000;
 
-/** The server tells of this many touches at once; a question is about one of its windows. */
+/** The server sends at most this many updates; a request is for a window of them. */
 const WINDOW = 300;
 const STEP = 100;
 
-/** The last touch to ask for so that touch `n` and the one before it are told; undefined for the newest ones. */
+/** The last update to request so that the answer contains update `n` and the one before; undefined for the newest. */
 export function untilFor(n: number | null, total: number): number | undefined {
   if (n === null || n > total - WINDOW + STEP) return undefined;
   return (Math.ceil(n / STEP) + 1) * STEP;
@@ -24,7 +24,7 @@ interface Question {
   readonly index: number;
 }
 
-/** Keep the answer of the store up to date; the result stops it. */
+/** Keep the explanation in the store up to date; the returned function stops it. */
 export function pollWhy(store: Store): () => void {
   let last: Question = { place: "", content: [], index: -1 };
   let lastAt = Number.NEGATIVE_INFINITY;
@@ -33,13 +33,13 @@ export function pollWhy(store: Store): () => void {
   const question = (): (Question & { readonly send: () => void }) | null => {
     const cell = store.askedCell.peek();
     const map = store.askedPicture.peek();
-    const which = store.askedMap.peek();
+    const layer = store.askedMap.peek();
     const epoch = map?.geometry.epoch ?? -1;
     if (!cell || !map || epoch < 0) return null;
     const until = untilFor(store.touched.peek(), store.why.peek()?.total ?? 0);
     const { row, col } = cell;
     return {
-      place: `${which} ${epoch} ${row} ${col} ${until}`,
+      place: `${layer} ${epoch} ${row} ${col} ${until}`,
       content: [map.cells.at(row, col), store.mapping.values.peek()],
       index: store.frame.peek()?.index ?? 0,
       send: () =>
@@ -48,15 +48,15 @@ export function pollWhy(store: Store): () => void {
           row,
           col,
           epoch,
+          layer,
           ...(until === undefined ? {} : { until }),
-          ...(which === "second" ? { map: which } : {}),
         }),
     };
   };
   const waitFor = (next: Question): number | null => {
     if (next.place !== last.place) return TOUCH_MS;
     if (next.content.some((part, i) => part !== last.content[i])) return CHANGED_MS;
-    return next.index === last.index ? null : CALM_MS;
+    return next.index === last.index ? null : UNCHANGED_MS;
   };
   const send = (): void => {
     const next = question();

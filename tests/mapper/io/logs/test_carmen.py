@@ -73,7 +73,7 @@ def test_zero_negative_and_nan_readings_are_no_measurement_and_noted(tmp_path):
 
 
 def test_the_mount_comes_from_param_and_the_robot_pose_from_it(tmp_path):
-    # A robot at (1, 2) that looks along y, with its laser 0.3 m ahead: the laser stands at (1, 2.3).
+    # A robot at (1, 2) that looks along y, with its laser 0.3 m ahead: the laser is at (1, 2.3).
     half = math.pi / 2
     log = written(
         tmp_path, "PARAM robot_frontlaser_offset 0.3 nohost 0", flaser([1.0] * 4, (1.0, 2.3, half), (1.0, 2.0, half))
@@ -215,7 +215,7 @@ def test_other_messages_are_ignored_and_counted(tmp_path):
 def test_largest_readings_that_pile_up_are_noted(tmp_path):
     readings = [1.0 + 0.01 * i for i in range(170)] + [50.0] * 10
     log = written(tmp_path, *(flaser(readings, (0, 0, 0)) for _ in range(3)))
-    assert any("30 readings lie at the largest value, 50.00 m" in note for note in log.notes)
+    assert any("30 readings are at the largest value, 50.00 m" in note for note in log.notes)
     assert np.isfinite(log.ranges).all()
 
 

@@ -188,7 +188,7 @@ def test_poses_of_another_time_are_left_out_and_those_that_end_early_noted(tmp_p
     log = open_log(written(tmp_path, said, "mcap"))
     np.testing.assert_array_equal(log.trajectory("odom").poses[:, 0], [0.0, 1.0, 2.0, 2.0, 2.0])
     assert list(log.trajectories) == ["odom"]
-    assert any("2 scans lie before the first or after the last pose of odom" in note for note in log.notes)
+    assert any("2 scans are before the first or after the last pose of odom" in note for note in log.notes)
     assert any("clockless are from another time" in note for note in log.notes)
 
 

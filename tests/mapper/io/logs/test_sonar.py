@@ -69,16 +69,16 @@ def test_the_bearings_assumed_fit_the_real_ring_best(data_file: Callable[[str], 
 
 def test_a_sonar_log_calls_for_cones(tmp_path: Path) -> None:
     log = open_log(folder(tmp_path))
-    suited = sensor_defaults(log.beam_width)
-    assert suited["model"] == "sonar_cone"
-    assert suited["opening"] == pytest.approx(log.beam_width)
+    defaults = sensor_defaults(log.beam_width)
+    assert defaults["model"] == "sonar_cone"
+    assert defaults["opening"] == pytest.approx(log.beam_width)
     assert "window" not in sensor_defaults(log.beam_width, {"model": "fixed_increments"})
 
 
 @pytest.mark.parametrize(
     ("readings", "poses", "words"),
     [
-        (READINGS, None, "beside measurement.txt there is no poses.txt"),
+        (READINGS, None, "next to measurement.txt there is no poses.txt"),
         (READINGS, POSES[:11], "2 rounds of readings and 1 poses"),
         (READINGS, POSES.replace("1200", "1201"), "the same times"),
         (READINGS + "1400 1 2 3\n", POSES, "Line 3 of measurement.txt has 4 numbers, not 5"),

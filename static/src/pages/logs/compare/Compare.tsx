@@ -1,4 +1,4 @@
-/** Choose what a log's map is compared with, and how to look at both; and how they differ, in numbers. */
+/** The comparison of a log's map with another map: choice of the other map, display, and measures of the difference. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
@@ -14,13 +14,13 @@ import { Toggle } from "../../../ui/Toggle";
 import type { Compared, LogInfo } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
 import { logs, watch } from "../library";
-import { compareNoMore, compareWith, differing, type Kind, kindOf, type Other } from "./sides";
+import { compareWith, differing, endComparison, type Kind, kindOf, type Other } from "./sides";
 
 interface CompareProps {
   readonly store: Store;
   readonly session: string;
   readonly comparison: Comparison;
-  /** Who came by a link sees no other logs. */
+  /** A visitor with a shared link sees no other logs. */
   readonly isGuest: boolean;
 }
 
@@ -31,7 +31,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const busy = useSignal(false);
   const wish = useSignal<Kind>("settings");
   useSignalEffect(() => {
-    // A link, or somebody else, has chosen.
+    // Also a link or another visitor can make the choice.
     const now = store.compared.value;
     if (now) wish.value = kindOf(now);
   });
@@ -112,7 +112,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
                     Difference (png)
                   </Button>
-                  <Button icon="close" onClick={() => void ask(() => compareNoMore(session))}>
+                  <Button icon="close" onClick={() => void ask(() => endComparison(session))}>
                     End comparison
                   </Button>
                 </div>
@@ -203,7 +203,7 @@ function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly ow
   );
 }
 
-/** What A has otherwise, and the way back to it. */
+/** The parameters in which A and B differ, and a button that sets B to A. */
 function Sides({ store, compared }: { readonly store: Store; readonly compared: Compared }) {
   const table = store.hello.value?.parameters.table ?? [];
   const rows = differing(table, compared, store.mapping.values.value);
@@ -243,7 +243,7 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
   );
 }
 
-/** What a sum of two maps is, and when it is one of evidence that is independent. */
+/** Explanation of the merged map, and when its evidence is independent. */
 function Merge({ compared }: { readonly compared: Compared }) {
   return (
     <p class="quiet">
@@ -260,7 +260,7 @@ function Blinking({ comparison }: { readonly comparison: Comparison }) {
   return (
     <>
       <Toggle
-        label="By itself"
+        label="Automatic"
         checked={comparison.blinks.value}
         onChange={(on) => {
           comparison.blinks.value = on;

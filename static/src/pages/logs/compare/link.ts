@@ -1,4 +1,4 @@
-/** The comparison in the address: who opens it sees both maps as they were, in this session or in a new one. */
+/** The comparison in the address, so that it can be restored in this session or in a new one. */
 
 import { computed, effect } from "@preact/signals";
 import type { Marked } from "../../../render/map/difference";
@@ -7,22 +7,22 @@ import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../tools/compa
 import type { Parameter, Value, Values } from "../../../wire/protocol";
 import { compareWith, type Other } from "./sides";
 
-/** What the address carries after `#compare=`, as JSON. */
+/** The JSON value after `#compare=` in the address. */
 export interface Linked {
   readonly look: Look;
-  /** Where the divider is, in hundredths. */
+  /** Position of the divider, percent of the width. */
   readonly at?: number;
   readonly every?: number;
   readonly mark?: Marked;
-  /** The other side; of its parameters only those that are not as at first. */
+  /** The other map; of its parameters only those that differ from the defaults. */
   readonly a: Other;
-  /** The side that the sliders move, likewise. */
+  /** The map that the sliders change, likewise. */
   readonly b: { readonly values: Values; readonly trajectory: string; readonly index?: number };
 }
 
 const MARK = "#compare=";
 
-/** What the address says; null for nothing, or what cannot be read. */
+/** The comparison in a fragment; null if there is none or it is invalid. */
 export function linkFromAddress(fragment: string): Linked | null {
   if (!fragment.startsWith(MARK)) return null;
   try {
@@ -43,13 +43,13 @@ export function changed(table: readonly Parameter[], values: Values): Values {
   return Object.fromEntries(rows.map((row) => [row.name, values[row.name] as Value]));
 }
 
-/** All values, those that are left out as the table has them. */
+/** All values; those that are missing have their defaults. */
 export const whole = (table: readonly Parameter[], values: Values): Values => ({
   ...Object.fromEntries(table.map((row) => [row.name, row.initial])),
   ...values,
 });
 
-/** How the maps are looked at now. */
+/** The current comparison. */
 function linkedOf(store: Store, comparison: Comparison): Linked | null {
   const compared = store.compared.value;
   const table = store.hello.value?.parameters.table;
@@ -77,10 +77,10 @@ function linkedOf(store: Store, comparison: Comparison): Linked | null {
   };
 }
 
-/** How long after a change the address follows. */
+/** Delay from a change to the update of the address. */
 const SETTLE_MS = 400;
 
-/** Let the address follow what is compared; the result stops it. */
+/** Keep the address up to date with the comparison; the returned function stops it. */
 export function keepAddress(store: Store, comparison: Comparison): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const fragment = computed(() => {
@@ -101,7 +101,7 @@ export function keepAddress(store: Store, comparison: Comparison): () => void {
   };
 }
 
-/** Look as the address says. A session that compares already goes on; another is brought to where the link was made. */
+/** Restore the comparison of a link. A session that already compares keeps its maps; in another both are set up. */
 export async function restore(
   session: string,
   store: Store,

@@ -1,14 +1,14 @@
-/** What a log's map is compared with: in words, and as the server is told. */
+/** The other map of a comparison: labels, and requests to the server. */
 
 import { readable } from "../../../tools/parameters/parameters";
 import { written } from "../../../ui/numbers";
 import type { Compared, Parameter, Value, Values } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
 
-/** What the other side has otherwise: parameters that are kept, other poses, or another log. */
+/** How the other map differs: saved parameters, other poses, or another log. */
 export type Kind = "settings" | "poses" | "log";
 
-/** The other side, as `PUT /api/sessions/{id}/compare` takes it. */
+/** The other map, as in the body of `PUT /api/sessions/{id}/compare`. */
 export interface Other {
   readonly values?: Values;
   readonly trajectory?: string | null;
@@ -21,7 +21,7 @@ export function kindOf(compared: Compared): Kind {
   return Object.keys(compared.values).length > 0 ? "settings" : "poses";
 }
 
-/** What A and B are, in a few words for a corner of the picture. */
+/** Short labels of A and B for the corners of the picture. */
 export function names(compared: Compared, trajectory: string, title: string): { a: string; b: string } {
   const poses = trajectoryLabel(compared.trajectory ?? "");
   switch (kindOf(compared)) {
@@ -30,7 +30,7 @@ export function names(compared: Compared, trajectory: string, title: string): { 
     case "poses":
       return { a: poses, b: trajectoryLabel(trajectory) };
     case "settings":
-      return { a: "as kept", b: "as set now" };
+      return { a: "saved settings", b: "current settings" };
   }
 }
 
@@ -41,9 +41,9 @@ interface Differing {
   readonly b: string;
 }
 
-/** The parameters that A has otherwise than B. */
+/** The parameters in which A and B differ. */
 export function differing(table: readonly Parameter[], compared: Compared, values: Values): readonly Differing[] {
-  const told = (row: Parameter, value: Value): string => {
+  const text = (row: Parameter, value: Value): string => {
     if (typeof value === "boolean") return value ? "on" : "off";
     if (typeof value === "string") return readable(value);
     return `${written(value, 3).replace(/\.?0+$/, "")}${row.unit ? ` ${row.unit}` : ""}`;
@@ -52,7 +52,7 @@ export function differing(table: readonly Parameter[], compared: Compared, value
     const a = compared.values[row.name];
     const b = values[row.name];
     if (a === undefined || b === undefined || a === b) return [];
-    return [{ name: row.name, label: row.label, a: told(row, a), b: told(row, b) }];
+    return [{ name: row.name, label: row.label, a: text(row, a), b: text(row, b) }];
   });
 }
 
@@ -68,7 +68,7 @@ async function refusal(answer: Response): Promise<string> {
   }
 }
 
-/** Compare with another side; resolves to the sentence of what is in the way, or null. */
+/** Start or change the comparison; resolves to an error message, or null. */
 export async function compareWith(session: string, other: Other): Promise<string | null> {
   try {
     const headers = { "Content-Type": "application/json" };
@@ -79,8 +79,8 @@ export async function compareWith(session: string, other: Other): Promise<string
   }
 }
 
-/** Compare no longer; resolves to the sentence of what is in the way, or null. */
-export async function compareNoMore(session: string): Promise<string | null> {
+/** End the comparison; resolves to an error message, or null. */
+export async function endComparison(session: string): Promise<string | null> {
   try {
     const answer = await fetch(address(session), { method: "DELETE" });
     return answer.ok ? null : await refusal(answer);

@@ -1,6 +1,5 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { connectSecond } from "../../../store/secondMap";
 import type { Store } from "../../../store/store";
 import { CompareOverlay } from "../../../tools/compare/CompareOverlay";
 import { Comparison } from "../../../tools/compare/comparison";
@@ -10,7 +9,7 @@ import { names } from "./sides";
 
 /** Both maps of a comparison in the one picture, as the address says while it says so. */
 export function useComparison(session: string, store: Store): Comparison {
-  const comparison = useMemo(() => new Comparison(store, () => connectSecond(session)), [session, store]);
+  const comparison = useMemo(() => new Comparison(store), [store]);
   useEffect(() => {
     const stops = [comparison.start()];
     const linked = linkFromAddress(location.hash);

@@ -1,0 +1,103 @@
+"""The drawers of one scene: one for each drawing that the model has at present."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import structlog
+import viser
+
+from server.scenes.drawer import Drawer, DrawerContext
+from server.scenes.drawers import Drawers
+from server.scenes.panel import VisibilitySwitches
+from server.scenes.reading import Reading, SceneState
+from server.scenes.viser_server import ViserServer
+from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing
+
+SHARE = 0.1  #: of the time that one drawing may take at most,
+QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take some milliseconds
+
+_log = structlog.get_logger(__name__)
+
+
+class SceneContents:
+    """Shows the drawings of each state. :meth:`show` is called from threads, one call at a time."""
+
+    def __init__(
+        self,
+        server: ViserServer,
+        drawers: Drawers,
+        context: DrawerContext,
+        switches: VisibilitySwitches,
+        session: str,
+    ) -> None:
+        self._server = server
+        self._types = drawers
+        self._context = context
+        self._switches = switches
+        self._session = session  #: for the log
+        self._drawers: dict[str, Drawer[Any, Any]] = {}
+        self._due: dict[str, float] = {}  #: when each drawing may be drawn again
+        self._refused: set[str] = set()
+
+    def due(self, drawing: Drawing) -> bool:
+        """Return whether a drawing may be drawn now."""
+        return self._due.get(drawing.name, 0.0) <= time.monotonic()
+
+    def draw_all_now(self) -> None:
+        """Let every drawing be due."""
+        self._due.clear()
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        return any(drawer.unsettled for drawer in self._drawers.values())
+
+    def show(self, state: SceneState) -> float | None:
+        """Draw what changed. Return in how many seconds the first drawing is due that was not read, None for none."""
+        readings = [reading for reading in state.readings if self._is_allowed(reading.drawing)]
+        present = {reading.drawing.name: self._types[type(reading.drawing)] for reading in readings}
+        gone = [name for name, drawer in self._drawers.items() if present.get(name) is not type(drawer)]
+        for name in gone:
+            self._drawers.pop(name).remove()
+            self._due.pop(name, None)
+        known = len(self._drawers)
+        for reading in readings:
+            if reading.content is not None:
+                self._show_one(reading)
+        if gone or len(self._drawers) > known:
+            self._switches.set_nodes(self._nodes())
+        late = [self._due.get(one.drawing.name, 0.0) for one in readings if one.content is None]
+        return max(min(late) - time.monotonic(), 0.0) if late else None
+
+    def _show_one(self, reading: Reading) -> None:
+        drawing, started = reading.drawing, time.monotonic()
+        with self._server.atomic():
+            drawer = self._drawers.get(drawing.name)
+            if drawer is None:
+                drawer = self._drawers[drawing.name] = self._types[type(drawing)](self._context, drawing)
+            drawer.show(reading.content)
+        took = reading.seconds + time.monotonic() - started
+        if took < QUICK_S:
+            took = 0.0
+        self._due[drawing.name] = started + max(1.0 / drawer.max_hz, took / SHARE)
+
+    def _is_allowed(self, drawing: Drawing) -> bool:
+        """Return whether a drawing is small enough to be sent; log once that it is not."""
+        if drawing.nbytes <= MAX_DRAWING_BYTES:
+            self._refused.discard(drawing.name)
+            return True
+        if drawing.name not in self._refused:
+            self._refused.add(drawing.name)
+            _log.warning(
+                "drawing too large for the 3D view",
+                session=self._session,
+                drawing=drawing.name,
+                bytes=drawing.nbytes,
+                limit=MAX_DRAWING_BYTES,
+            )
+        return False
+
+    def _nodes(self) -> list[tuple[str, viser.SceneNodeHandle]]:
+        return [(label, node) for drawer in self._drawers.values() for label, node in drawer.labels.items() if label]

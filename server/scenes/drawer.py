@@ -1,0 +1,87 @@
+"""The base class of drawers: a drawer shows one drawing with viser and sends only what changed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar, cast
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from server.sessions.drawings import Drawing, PlacedDrawing, Point, Quaternion
+
+DrawingT = TypeVar("DrawingT", bound=Drawing)
+ContentT = TypeVar("ContentT")
+
+GizmoMoved = Callable[[str, Point, Quaternion], None]  #: name of the drawing, position and rotation
+
+
+@dataclass(frozen=True, slots=True)
+class DrawerContext:
+    """What a drawer needs: viser's scene, and the function to call when a gizmo was moved (any thread)."""
+
+    scene: viser.SceneApi
+    gizmo_moved: GizmoMoved
+
+
+class Drawer(ABC, Generic[DrawingT, ContentT]):
+    """Draws the drawings of one name, one after the other, with viser.
+
+    :meth:`read` returns what is to be drawn of a drawing and :meth:`show` draws it; the drawer compares it with what it
+    showed before. All calls come from threads, one at a time. A drawer puts its nodes under ``frame``, whose name is
+    that of the drawing.
+    """
+
+    reads_live_arrays: ClassVar[bool] = False
+    """Whether drawings hold arrays that the session goes on writing: :meth:`read` is then called with the session's
+    lock held, and has to copy."""
+    max_hz: ClassVar[float] = 15.0
+    """How often a second the drawing is read and shown at most. Less often where that would take more than a tenth of
+    the time."""
+
+    def __init__(self, context: DrawerContext, drawing: DrawingT) -> None:
+        self.context = context
+        self.scene = context.scene
+        self.path = f"/{drawing.name}"
+        self.frame = context.scene.add_frame(self.path, show_axes=False)
+        self.labels: dict[str, viser.SceneNodeHandle] = {drawing.label: self.frame}
+        """What each switch shows and hides."""
+
+    @classmethod
+    def read(cls, drawing: DrawingT) -> ContentT:
+        """Return what is to be drawn."""
+        return cast("ContentT", drawing)
+
+    @abstractmethod
+    def show(self, content: ContentT) -> None:
+        """Draw ``content``: send what differs from what was shown before."""
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        return False
+
+    def remove(self) -> None:
+        """Remove everything from the scene."""
+        self.frame.remove()
+
+    def place(self, drawing: PlacedDrawing) -> None:
+        """Move the frame to where the drawing is; viser sends only changes."""
+        self.frame.position = drawing.position
+        self.frame.wxyz = drawing.wxyz
+
+
+def yaw_wxyz(yaw: float) -> Quaternion:
+    """Return the rotation by ``yaw`` radians about z as a unit quaternion."""
+    return (float(np.cos(yaw / 2)), 0.0, 0.0, float(np.sin(yaw / 2)))
+
+
+def same_array(
+    a: NDArray[Any] | tuple[int, ...],
+    b: NDArray[Any] | tuple[int, ...],
+) -> bool:
+    """Return whether two arrays are equal, at once where they are the same object."""
+    return a is b or np.array_equal(a, b)

@@ -1,0 +1,33 @@
+"""One file for each type of drawing: how it is drawn with viser. A new one is added to :data:`DRAWERS`."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from server.scenes.drawer import Drawer
+from server.scenes.drawers.gizmo import GizmoDrawer
+from server.scenes.drawers.grid_columns import GridColumnsDrawer
+from server.scenes.drawers.image import ImageDrawer
+from server.scenes.drawers.mesh import MeshDrawer
+from server.scenes.drawers.path import PathDrawer
+from server.scenes.drawers.points import PointsDrawer
+from server.scenes.drawers.robot_body import RobotBodyDrawer
+from server.scenes.drawers.segments import SegmentsDrawer
+from server.scenes.drawers.walls import WallsDrawer
+from server.sessions import drawings
+
+Drawers = Mapping[type[drawings.Drawing], type[Drawer[Any, Any]]]
+
+DRAWERS: Drawers = MappingProxyType(
+    {
+        drawings.Gizmo: GizmoDrawer,
+        drawings.GridColumns: GridColumnsDrawer,
+        drawings.Image: ImageDrawer,
+        drawings.Mesh: MeshDrawer,
+        drawings.Path: PathDrawer,
+        drawings.Points: PointsDrawer,
+        drawings.RobotBody: RobotBodyDrawer,
+        drawings.Segments: SegmentsDrawer,
+        drawings.Walls: WallsDrawer,
+    }
+)

@@ -1,0 +1,33 @@
+"""An image."""
+
+from __future__ import annotations
+
+import viser
+
+from server.scenes.drawer import Drawer, same_array
+from server.sessions.drawings import Image
+
+
+class ImageDrawer(Drawer[Image, Image]):
+    """Sends the pixels as PNG, and only where they changed; an image that moves sends its pose."""
+
+    _shown: Image | None = None
+    _node: viser.ImageHandle | None = None
+
+    def show(self, content: Image) -> None:
+        """Draw the image."""
+        self.place(content)
+        old, self._shown = self._shown, content
+        if old is None or self._node is None or (old.width, old.height) != (content.width, content.height):
+            self._node = self.scene.add_image(
+                f"{self.path}/image",
+                content.pixels,
+                content.width,
+                content.height,
+                format="png",
+                cast_shadow=False,
+                # viser's images have their first row at the smallest y of their own frame: half a turn about x.
+                wxyz=(0.0, 1.0, 0.0, 0.0),
+            )
+        elif not same_array(old.pixels, content.pixels):
+            self._node.image = content.pixels

@@ -1,0 +1,45 @@
+"""A triangle mesh."""
+
+from __future__ import annotations
+
+import viser
+
+from server.scenes.drawer import Drawer, same_array
+from server.sessions.drawings import Mesh
+
+
+class MeshDrawer(Drawer[Mesh, Mesh]):
+    """Sends vertices and faces in one message, and only where the mesh changed; a mesh that moves sends its pose."""
+
+    _shown: Mesh | None = None
+    _node: viser.MeshHandle | None = None
+
+    def show(self, content: Mesh) -> None:
+        """Draw the mesh."""
+        self.place(content)
+        old, self._shown = self._shown, content
+        if old is not None and _equal(old, content):
+            return
+        if len(content.faces):
+            # The node is made anew, since its vertices and faces have to arrive together.
+            self._node = self.scene.add_mesh_simple(
+                f"{self.path}/mesh",
+                content.vertices,
+                content.faces,
+                color=content.color,
+                opacity=content.opacity,
+                flat_shading=content.flat_shading,
+                side="double" if content.two_sided else "front",
+                cast_shadow=False,
+            )
+        elif self._node is not None:
+            self._node.remove()
+            self._node = None
+
+
+def _equal(a: Mesh, b: Mesh) -> bool:
+    return (
+        (a.color, a.opacity, a.flat_shading, a.two_sided) == (b.color, b.opacity, b.flat_shading, b.two_sided)
+        and same_array(a.vertices, b.vertices)
+        and same_array(a.faces, b.faces)
+    )

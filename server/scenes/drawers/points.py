@@ -1,0 +1,33 @@
+"""A point cloud."""
+
+from __future__ import annotations
+
+from server.scenes.drawer import Drawer, same_array
+from server.sessions.drawings import Points
+
+
+class PointsDrawer(Drawer[Points, Points]):
+    """Sends points and colours in one message, and only where they changed; a cloud that moves sends its pose."""
+
+    _shown: Points | None = None
+
+    def show(self, content: Points) -> None:
+        """Draw the points."""
+        self.place(content)
+        old, self._shown = self._shown, content
+        if (
+            old is not None
+            and old.size == content.size
+            and same_array(old.points, content.points)
+            and same_array(old.colors, content.colors)
+        ):
+            return
+        self.scene.add_point_cloud(
+            f"{self.path}/points",
+            content.points,
+            content.colors,
+            point_size=content.size,
+            point_shape="circle",
+            point_shading="flat",
+            precision="float32",  # viser's own float16 is 3 cm off at 50 m
+        )

@@ -1,0 +1,93 @@
+"""The geometry of a map in 3D: columns for occupied cells, an image for the floor. NumPy only.
+
+The height of a column grows with p_occ; the floor shows p_occ as a colour and is transparent in unobserved cells.
+Large grids are drawn at a lower resolution, which bounds the cost of the scene.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
+from server.scenes.shapes import Mesh, boxes
+
+MAX_SIDE = 1024  #: cells a side that are drawn; a larger grid is drawn by blocks of cells
+STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
+HEIGHTS = np.array([0.0, 0.2, 0.35, 0.45, 0.5])  #: metres of a column of level 0 … 4
+# The floor's colours at p_occ = 0, 0.5 and 1: free, undecided, occupied.
+_FLOOR_P = (0.0, 0.5, 1.0)
+_FLOOR_RGB = np.array([(191, 220, 243), (241, 238, 230), (201, 104, 42)], dtype=np.float64)
+_FLOOR = np.column_stack([np.interp(np.linspace(0, 1, 256), _FLOOR_P, _FLOOR_RGB[:, i]) for i in range(3)])
+
+
+@dataclass(frozen=True, slots=True)
+class MapLevels:
+    """What is drawn of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
+
+    Row 0 lies at the smallest y. A cell is ``cell`` metres wide.
+    """
+
+    levels: NDArray[np.uint8]
+    floor: NDArray[np.uint8]
+    cell: float
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height in metres."""
+        return self.levels.shape[1] * self.cell, self.levels.shape[0] * self.cell
+
+
+def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: NDArray[np.bool_]) -> MapLevels:
+    """Return what is drawn of the log-odds ``values`` and ``observed`` (rows, cols).
+
+    A block of cells has the log-odds of its most occupied cell, so that thin walls stay.
+    """
+    block = -(-max(geometry.shape) // MAX_SIDE)
+    seen = np.where(observed, values, np.float32(-np.inf))
+    if block > 1:
+        rows, cols = (-(-side // block) for side in geometry.shape)
+        whole = np.full((rows * block, cols * block), -np.inf, dtype=np.float32)
+        whole[: geometry.rows, : geometry.cols] = seen
+        seen = whole.reshape(rows, block, cols, block).max(axis=(1, 3))
+    levels = np.zeros(seen.shape, dtype=np.uint8)
+    for step in STEPS:
+        levels += seen > step
+    unseen = np.isneginf(seen)
+    # Unseen cells are transparent, in the colour of free ones, so that smoothing gives the floor no dark rim.
+    p_occ = 1.0 / (1.0 + np.exp(-np.where(unseen, np.float32(-8.0), seen)))
+    floor = np.empty((*seen.shape, 4), dtype=np.uint8)
+    floor[..., :3] = _FLOOR.astype(np.uint8)[(p_occ * 255.0).astype(np.uint8)]
+    floor[..., 3] = np.where(unseen, 0, 255)
+    return MapLevels(levels, floor, geometry.resolution * block)
+
+
+def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list[tuple[int, int]]:
+    """Return the tiles (row, col) of 64 × 64 cells in which two pictures' levels differ; all with any, without old."""
+    different = new != 0 if old is None or old.shape != new.shape else new != old
+    rows, cols = (-(-side // TILE) for side in new.shape)
+    whole = np.zeros((rows * TILE, cols * TILE), dtype=np.bool_)
+    whole[: new.shape[0], : new.shape[1]] = different
+    return [(int(r), int(c)) for r, c in np.argwhere(whole.reshape(rows, TILE, cols, TILE).any(axis=(1, 3)))]
+
+
+def tile_columns(levels: NDArray[np.uint8], tile: tuple[int, int], cell: float) -> Mesh:
+    """Return the columns of one tile as boxes in metres from cell (0, 0)'s corner; runs of equal level are one box."""
+    row, col = tile[0] * TILE, tile[1] * TILE
+    part = levels[row : row + TILE, col : col + TILE]
+    along, across = _runs(part), _runs(part.T)
+    runs = across[:, [1, 0, 3, 2, 4]] if len(across) < len(along) else along
+    low = np.column_stack([(runs[:, 1] + col) * cell, (runs[:, 0] + row) * cell, np.zeros(len(runs))])
+    high = np.column_stack([(runs[:, 3] + col) * cell, (runs[:, 2] + row) * cell, HEIGHTS[runs[:, 4]]])
+    return boxes(low, high)
+
+
+def _runs(part: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """Return the runs of equal level along rows (n, 5): row0, col0, row1, col1 (half-open), level."""
+    padded = np.pad(part, ((0, 0), (1, 1)))
+    edge = padded[:, 1:] != padded[:, :-1]
+    row, first = np.nonzero(edge & (padded[:, 1:] != 0))
+    _, last = np.nonzero(edge & (padded[:, :-1] != 0))
+    return np.column_stack([row, first, row + 1, last, part[row, first]]).astype(np.int64)

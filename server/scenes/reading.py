@@ -1,0 +1,61 @@
+"""What a scene shows of a session: values that later ticks do not change."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from server.scenes.drawers import Drawers
+from server.sessions import SessionHost
+from server.sessions.drawings import Drawing
+from server.sessions.scene_controls import SceneControls
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was read of one drawing, in ``seconds``.
+
+    ``content`` is what its drawer returned, None where the drawing is not due yet.
+    """
+
+    drawing: Drawing
+    content: Any | None
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SceneState:
+    """The state of a session between two ticks, read at ``read_at``, seconds of :func:`time.monotonic`."""
+
+    read_at: float
+    readings: tuple[Reading, ...]
+    controls: SceneControls
+
+
+async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Drawing], bool]) -> SceneState:
+    """Read the state of a session under its lock (event loop). Arrays that the session writes are read on a thread.
+
+    Raises :class:`ValueError` where two drawings have one name, :class:`KeyError` for a drawing without a drawer.
+    """
+    async with session.still():
+        read_at = time.monotonic()
+        drawings, controls = session.model.drawings(), session.model.controls()
+        if len({drawing.name for drawing in drawings}) < len(drawings):
+            raise ValueError(f"two drawings have one name: {sorted(drawing.name for drawing in drawings)}")
+        wanted = [drawing for drawing in drawings if due(drawing)]
+        live = [drawing for drawing in wanted if drawers[type(drawing)].reads_live_arrays]
+        read = await asyncio.to_thread(_read, live, drawers) if live else {}
+    read |= _read([drawing for drawing in wanted if drawing.name not in read], drawers)
+    return SceneState(read_at, tuple(read.get(one.name, Reading(one, None)) for one in drawings), controls)
+
+
+def _read(drawings: list[Drawing], drawers: Drawers) -> dict[str, Reading]:
+    readings = {}
+    for drawing in drawings:
+        started = time.monotonic()
+        content = drawers[type(drawing)].read(drawing)
+        readings[drawing.name] = Reading(drawing, content, time.monotonic() - started)
+    return readings

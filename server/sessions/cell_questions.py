@@ -1,0 +1,90 @@
+"""The commands that ask about one cell of a map: its state (``inspect``), and what it was made of (``why``)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import structlog
+
+from mapper.core.errors import MapperError
+from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import MappingConfig
+from server.sessions.messages import cell_message
+from server.sessions.tick import TickResult, error_message
+from server.sessions.why import Source, why_message
+from server.stream.hub import Client
+from server.stream.layers import GridLayer
+from server.stream.protocol import ProtocolError, integer, text
+
+_log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedMap:
+    """A map about whose cells can be asked: its layer, what it is made of, and how many scans are in it."""
+
+    layer: GridLayer
+    grid: OccupancyGrid
+    config: MappingConfig
+    sources: Callable[[], Sequence[Source]]
+    index: int
+
+
+class CellQuestions:
+    """Answers questions about the cells of the maps that ``maps`` returns, the first one being meant by default."""
+
+    def __init__(self, maps: Callable[[], Sequence[ExplainedMap]]) -> None:
+        self._maps = maps
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+        """Answer ``command`` if it is a question, and return whether it is.
+
+        Of each client's "why" in one tick only the newest is answered, from the map that the tick leaves. Raises
+        :class:`ProtocolError`.
+        """
+        match command["type"]:
+            case "inspect":
+                asked = self._map_of(command)
+                row, col, epoch = _cell_of(command, asked)
+                result.answer(cell_message(asked.grid, row, col, epoch) | {"layer": asked.layer.name})
+            case "why":
+                client = result.client
+                result.questions[client] = lambda: self._explain(client, command, result)
+            case _:
+                return False
+        return True
+
+    def _map_of(self, command: dict[str, Any]) -> ExplainedMap:
+        maps = self._maps()
+        name = text(command, "layer") if "layer" in command else maps[0].layer.name
+        for one in maps:
+            if one.layer.name == name:
+                return one
+        raise ProtocolError("command.layer", f"There is no map {name!r:.80} to ask about.")
+
+    def _explain(self, client: Client | None, command: dict[str, Any], result: TickResult) -> None:
+        try:
+            asked = self._map_of(command)
+            row, col, epoch = _cell_of(command, asked)
+            until = None if command.get("until") is None else integer(command, "until")
+            about = {"row": row, "col": col, "epoch": epoch, "index": asked.index}
+            answer = why_message(asked.grid, asked.sources(), asked.config, about, until)
+            result.answers.append((client, answer | {"layer": asked.layer.name}))
+        except (ProtocolError, MapperError) as error:
+            result.refuse(client, error)
+        except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
+            _log.exception("a command failed", command="why")
+            result.answers.append((client, error_message("internal", "The cell could not be explained.")))
+
+
+def _cell_of(command: dict[str, Any], asked: ExplainedMap) -> tuple[int, int, int]:
+    """Return the row, the column and the epoch of the cell that a command names. Raises :class:`ProtocolError`."""
+    row, col, epoch = (integer(command, key) for key in ("row", "col", "epoch"))
+    now = asked.layer.epoch
+    if epoch != now:
+        raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {now}.")
+    if not asked.grid.geometry.contains((row, col)):
+        raise ProtocolError("command.cell", f"Cell ({row}, {col}) lies outside the map.")
+    return row, col, epoch

@@ -1,0 +1,225 @@
+"""What a model shows in 3D, as plain data. How each is drawn is in ``server.scenes.drawers``.
+
+Positions are in metres in the map frame, x forward, y left, z up; rotations are unit quaternions (w, x, y, z). A
+drawing is known by its ``name``: the next drawing of the same name replaces it, and the parts that did not change are
+not sent again. Arrays must not be written after they were put into a drawing, unless its class says otherwise: a model
+that changes them puts a new array into the next drawing. An array that is the same object is not even compared.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import GridGeometry
+
+MAX_DRAWING_BYTES = 64 << 20  #: bytes of the arrays of one drawing, which reach the browser in one message
+
+Color = tuple[int, int, int]  #: red, green, blue, 0 to 255
+Point = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+Pose = tuple[float, float, float]  #: x, y, yaw
+
+_NAME = re.compile(r"[a-z0-9_-]{1,100}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Drawing:
+    """What all drawings have.
+
+    ``name`` is unique among the drawings of a model: 1 to 100 of a–z, 0–9, ``_`` and ``-``. ``label`` names the switch
+    that shows and hides the drawing, together with all others of the same label; "" for no switch. Raises
+    :class:`ValueError` for another name.
+    """
+
+    name: str
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            raise ValueError(f"a drawing cannot be named {self.name!r}")
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the arrays that are sent in one message; at most :data:`MAX_DRAWING_BYTES` are drawn."""
+        return 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlacedDrawing(Drawing):
+    """A drawing in a frame of its own: ``position`` and ``wxyz`` are T_map_drawing."""
+
+    position: Point = (0.0, 0.0, 0.0)
+    wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mesh(PlacedDrawing):
+    """Triangles: ``vertices`` (V, 3) float32, ``faces`` (F, 3) uint32, counter-clockwise seen from outside.
+
+    ``opacity`` is 0 to 1, None for opaque. Raises :class:`ValueError` for other shapes or types.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    color: Color = (150, 160, 178)
+    opacity: float | None = None
+    flat_shading: bool = True
+    two_sided: bool = False
+
+    def __post_init__(self) -> None:
+        Drawing.__post_init__(self)
+        _check("vertices", self.vertices, "f4", (None, 3))
+        _check("faces", self.faces, "u4", (None, 3))
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the vertices and faces."""
+        return self.vertices.nbytes + self.faces.nbytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Points(PlacedDrawing):
+    """A point cloud: ``points`` (n, 3) float32; ``colors`` (n, 3) uint8, or one colour for all.
+
+    A point is drawn ``size`` metres wide. Raises :class:`ValueError` for other shapes or types.
+    """
+
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8] | Color = (71, 78, 96)
+    size: float = 0.05
+
+    def __post_init__(self) -> None:
+        Drawing.__post_init__(self)
+        _check("points", self.points, "f4", (None, 3))
+        if isinstance(self.colors, np.ndarray):
+            _check("colors", self.colors, "u1", self.points.shape)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the points and their colours."""
+        return self.points.nbytes + (self.colors.nbytes if isinstance(self.colors, np.ndarray) else 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Segments(PlacedDrawing):
+    """Straight lines: ``points`` (n, 2, 3) float32, the two ends of each; ``colors`` of each end, (n, 2, 3) uint8, or
+    one colour for all.
+
+    ``width`` is in pixels, or in metres where ``unit`` is "world". Raises :class:`ValueError` for other shapes or
+    types.
+    """
+
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8] | Color = (71, 78, 96)
+    width: float = 1.0
+    unit: Literal["screen", "world"] = "screen"
+
+    def __post_init__(self) -> None:
+        Drawing.__post_init__(self)
+        _check("points", self.points, "f4", (None, 2, 3))
+        if isinstance(self.colors, np.ndarray):
+            _check("colors", self.colors, "u1", self.points.shape)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the ends and their colours."""
+        return self.points.nbytes + (self.colors.nbytes if isinstance(self.colors, np.ndarray) else 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Image(PlacedDrawing):
+    """An image in the x-y plane of its frame, its centre at the origin, its top row at the greatest y.
+
+    ``pixels`` (rows, cols, 3 or 4) uint8 are RGB or RGBA; the image is ``width`` times ``height`` metres large. Raises
+    :class:`ValueError` for other shapes or types.
+    """
+
+    pixels: NDArray[np.uint8]
+    width: float
+    height: float
+
+    def __post_init__(self) -> None:
+        Drawing.__post_init__(self)
+        _check("pixels", self.pixels, "u1", (None, None, self.pixels.shape[-1]))
+        if self.pixels.shape[-1] not in (3, 4):
+            raise ValueError(f"pixels have 3 or 4 channels, not {self.pixels.shape[-1]}")
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the pixels; they are sent as PNG."""
+        return self.pixels.nbytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Gizmo(PlacedDrawing):
+    """Handles by which a person moves and turns a frame; each move calls the model's ``on_gizmo_moved``.
+
+    The gizmo stays where it was moved to until the model shows it there. If the model does not, it returns after 1.5 s.
+    ``axes`` says along and about which of x, y and z it can be moved and turned, ``turns`` whether it can be turned,
+    ``moves`` whether it can be moved. An arrow is ``scale`` metres long.
+    """
+
+    scale: float = 1.0
+    axes: tuple[bool, bool, bool] = (True, True, True)
+    moves: bool = True
+    turns: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GridColumns(Drawing):
+    """An occupancy grid: its floor coloured by p_occ, and a column on each occupied cell.
+
+    ``log_odds`` float32 and ``observed`` bool are (rows, cols); they may be the session's own, which it writes: they
+    are read between two ticks.
+    """
+
+    geometry: GridGeometry
+    log_odds: NDArray[np.float32]
+    observed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Walls(Drawing):
+    """The solids of a simulated world, as low walls, and its ground.
+
+    ``solids`` are simple polygons (n, 2), counter-clockwise; the same object as long as they do not change. ``bounds``
+    are x_min, y_min, x_max, y_max of the ground.
+    """
+
+    solids: Sequence[NDArray[np.float64]]
+    bounds: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RobotBody(Drawing):
+    """A robot on the floor at ``pose``, T_map_base, and the beams of its newest scan, which move with it.
+
+    ``beams`` (n, 2, 3) float32 are the ends of each beam in the base frame. ``beams_label`` names their switch.
+    """
+
+    pose: Pose
+    beams: NDArray[np.float32]
+    beams_label: str = "Beams"
+    radius: float = 0.25
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Path(Drawing):
+    """A path on the floor along ``poses`` (n, 3 or 2), x and y first; long ones are drawn with fewer points."""
+
+    poses: NDArray[np.float64]
+    color: Color = (71, 78, 96)
+
+
+def _check(name: str, array: NDArray[Any], dtype: str, shape: tuple[int | None, ...]) -> None:
+    """Raise :class:`ValueError` unless ``array`` has this type and shape; None stands for any length."""
+    fits = len(shape) == array.ndim and all(b in (None, a) for a, b in zip(array.shape, shape, strict=True))
+    if array.dtype != np.dtype(dtype) or not fits:
+        wanted = ", ".join("n" if side is None else str(side) for side in shape)
+        raise ValueError(f"{name} must be ({wanted}) of {np.dtype(dtype)}, not {array.shape} of {array.dtype}")

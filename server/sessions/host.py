@@ -1,0 +1,387 @@
+"""The host of a session: its clients, its queue of commands, its clock, and the turns in which its model computes.
+
+One asyncio task for each session waits for commands and for the next tick, has a worker thread compute (the kernels
+release the GIL), and publishes the result. What the worker thread uses is used by nothing else meanwhile; everything
+else (hub, listeners, messages) belongs to the event loop. The host knows no kind of session.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import AbstractAsyncContextManager, contextmanager
+from functools import partial
+from typing import Any, TypeVar
+
+import structlog
+
+from mapper.core.limits import Limits
+from mapper.replay.incremental import CheckpointPrefetcher
+from server.sessions.computation import compute_tick
+from server.sessions.messages import working_message
+from server.sessions.model import SessionModel
+from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.stream.hub import Client, Hub, Traffic
+from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
+from server.work.scheduler import Party, Scheduler, checkpoint
+
+TICK_S = 1.0 / 30.0
+MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
+MAX_QUEUED = 256  #: commands that wait for one session
+PAUSE_S = 0.05  #: least time between two computations of deferred work, which takes at most a quarter of the time
+PATIENCE_S = 0.2  #: deferred work waits no longer than this for a moment without commands
+SHOWN_AFTER_S = 0.3  #: progress of a computation that takes longer is shown,
+SHOWN_EVERY_S = 0.25  #: as often as this
+GIVE_UP_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
+
+T = TypeVar("T")
+
+_log = structlog.get_logger(__name__)
+
+
+class SessionHost:
+    """Runs one model. Made by the registry, on the event loop; :meth:`start` gives it its model."""
+
+    model: SessionModel
+    hub: Hub
+
+    def __init__(
+        self,
+        *,
+        party: Party,
+        pool: Executor,
+        limits: Callable[[SessionHost], Limits],
+        scheduler: Scheduler,
+        link: str | None = None,
+        traffic: Traffic | None = None,
+        remake_seconds: Callable[[float], None] = lambda _: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.id = secrets.token_urlsafe(18)
+        self.epoch_id = secrets.token_hex(8)
+        self.party = party
+        self.owner = party.visitor
+        self.link = link  #: the link by which the owner came, a guest then
+        self.scheduler = scheduler
+        self.closed = False
+        self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
+        self.on_close: list[Callable[[], None]] = []
+        self.unwatched_since = self.commanded_at = clock()
+        self._traffic, self._remake_seconds = traffic or Traffic(), remake_seconds
+        self._clock = clock
+        self._pool = pool
+        self._limits = limits
+        self._queue: list[QueuedCommand] = []
+        self._wake = asyncio.Event()
+        self._lock = asyncio.Lock()
+        self._loop = asyncio.get_running_loop()
+        self._task: asyncio.Task[None] | None = None
+        self._tick_failed = False  #: whether a tick was cut off before the layers followed the model
+        self._deferred_due = 0.0
+        self._may_give_up = False  #: whether what is being computed can be given up and begun anew
+        #: Commands that ask for another map: how many were queued, and how many of them have begun to be carried out.
+        self._requests = self._requests_begun = 0
+        self._requested_since: float | None = None  #: when the first came of those for which no map was finished yet
+
+    # -- on the event loop --------------------------------------------------------------------------------------
+
+    def start(self, model: SessionModel) -> None:
+        """Begin to run ``model``."""
+        self.model = model
+        self.hub = Hub(model.layers, self._clock, self._traffic)
+        for message in model.messages():
+            self.hub.set_slot(message)
+        self._publish_frame()
+        self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
+
+    async def close(self) -> None:
+        """End the session: the task, then its clients and the callbacks of ``on_close``."""
+        if self.closed:
+            return
+        self.closed = True
+        self._wake.set()
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
+        for client in self.hub.clients:
+            client.wake.set()
+        for callback in (*self.on_close,):
+            try:
+                callback()
+            except Exception:  # noqa: BLE001 - one listener's defect must not keep the others from closing
+                _log.exception("a listener failed while its session closed")
+        self.listeners.clear()
+
+    def listen(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` on the event loop after each tick that changed something; the session runs meanwhile."""
+        self.listeners.append(callback)
+        self._wake.set()
+
+    def ignore(self, callback: Callable[[], None]) -> None:
+        """Call ``callback`` no longer."""
+        if callback in self.listeners:
+            self.listeners.remove(callback)
+            self._left()
+
+    def join(self) -> Client:
+        """Return a new client, which is sent everything."""
+        self.hub.slots["hello"] = encode_text(self._hello())
+        client = self.hub.join()
+        self._wake.set()
+        return client
+
+    def leave(self, client: Client) -> None:
+        """Forget a client."""
+        self.hub.leave(client)
+        self._left()
+
+    def _left(self) -> None:
+        if not self.watched:
+            self.unwatched_since = self._clock()
+            self.hub.settled = True  # nothing runs now: what was true stays true
+
+    @property
+    def watched(self) -> bool:
+        """Whether a client or a listener follows the session."""
+        return bool(self.hub.clients or self.listeners)
+
+    @property
+    def cells(self) -> int:
+        """Cells of the model's grids."""
+        return self.model.footprint.cells
+
+    def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
+        """Queue a command. Raises :class:`ProtocolError` where too many wait already."""
+        if len(self._queue) >= MAX_QUEUED:
+            raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
+        self._queue.append(QueuedCommand(command, client))
+        self.commanded_at = self._clock()
+        if command["type"] in self.model.replacing:
+            self._requests += 1
+            self._requested_since = self.commanded_at if self._requested_since is None else self._requested_since
+        self._wake.set()
+
+    @property
+    def has_queued_commands(self) -> bool:
+        """Whether commands wait to be carried out, or are being."""
+        return bool(self._queue)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether the session computes, or is about to."""
+        return self.has_queued_commands or self._lock.locked()
+
+    def prefetcher(self) -> CheckpointPrefetcher | None:
+        """Return what prepares seeks in idle time; None where there is nothing to prepare."""
+        return self.model.prefetcher()
+
+    def post(self, command: dict[str, Any]) -> None:
+        """Queue a command from any thread; one that is refused is only logged."""
+        self._loop.call_soon_threadsafe(self._post, command)
+
+    def _post(self, command: dict[str, Any]) -> None:
+        try:
+            self.enqueue(command)
+        except ProtocolError as error:
+            _log.info("command refused", code=error.code)
+
+    def still(self) -> AbstractAsyncContextManager[None]:
+        """Return a context in which nothing computes in the session, so that its maps can be read (event loop)."""
+        return self._lock
+
+    def limits(self) -> Limits:
+        """Return what the session's grids may grow to now."""
+        return self._limits(self)
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def _hello(self) -> dict[str, Any]:
+        model = self.model
+        return {
+            "type": "hello",
+            "protocol": SUBPROTOCOL,
+            "session": self.id,
+            "kind": model.kind,
+            "title": model.title,
+            "epoch_id": self.epoch_id,
+            "speeds": list(model.playback.speeds),
+            "parameters": {"table": [], "values": {}},
+            "sensor": None,
+            "log": None,
+        } | model.particulars()
+
+    def _frame(self) -> dict[str, Any]:
+        """Return the ``frame`` message, without its type, its time and its scan."""
+        playback, (index, count) = self.model.playback, self.model.progress
+        at_origin = {"stamp": 0.0, "pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}
+        frame = {"playing": playback.playing, "speed": playback.speed, "index": index, "count": count, "auto": False}
+        return frame | at_origin | self.model.frame()
+
+    def _publish_frame(self) -> None:
+        frame, scan = self._frame(), self.model.scan()
+        running = self.model.playback.playing and self.watched
+        self.hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+
+    # -- the task -------------------------------------------------------------------------------------------------
+
+    async def _run(self) -> None:
+        last = self._clock()
+        playback = self.model.playback
+        while True:
+            ticking = playback.playing and self.watched
+            if self._is_deferred_work_due():
+                await self._run_deferred_work()
+            elif not self._queue:
+                await self._wait(self._idle_s(last + TICK_S if ticking else None))
+            if self.closed:
+                return
+            now = self._clock()
+            if not ticking:
+                last = now - TICK_S  # time in which nothing ran does not count
+            due = playback.playing and self.watched and now - last >= TICK_S
+            commands = [*self._queue]
+            if not (commands or due):
+                continue
+            dt = min(now - last, MAX_TICK_S) if due else 0.0
+            last = now if due else last
+            await self._tick(commands, dt)
+
+    async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
+        """Have the model carry out ``commands``, the first ones of the queue, and send what comes of it."""
+        rest: list[QueuedCommand] = []
+        try:
+            async with self._lock:
+                self._requests_begun = self._requests
+                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
+                result = await self.on_thread(job, waited_for=self.watched)
+            if self._requests == self._requests_begun:
+                self._requested_since = None
+            elif not result.given_up:
+                self._requested_since = self._clock()
+            rest = result.rest
+            self._tick_failed = False
+            self.deliver(result)
+        except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
+            _log.exception("a tick failed")
+            self._stop()
+        finally:
+            self._queue[: len(commands)] = rest
+
+    def _is_deferred_work_due(self) -> bool:
+        """Whether there is deferred work that is due, and no command, or that has been due for too long."""
+        if not (self.model.has_deferred_work and self.watched) or self.closed:
+            return False
+        late = self._clock() - self._deferred_due
+        return late >= 0.0 and (not self._queue or late > PATIENCE_S)
+
+    def _idle_s(self, tick_at: float | None) -> float | None:
+        """Return how long nothing is due, in seconds; None for as long as no command comes."""
+        due = [] if tick_at is None else [tick_at]
+        if self.model.has_deferred_work and self.watched:
+            due.append(self._deferred_due)
+        return min(due) - self._clock() if due else None
+
+    async def _run_deferred_work(self) -> None:
+        began = self._clock()
+        result = TickResult()
+        try:
+            async with self._lock:
+                await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
+            self.deliver(result)
+        except Exception:  # noqa: BLE001 - a defect in deferred work must not stop the session
+            _log.exception("deferred work failed")
+        now = self._clock()
+        self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
+
+    async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
+        """Compute ``job`` on a worker thread in its turn; clients are shown its progress where it takes long."""
+        showing = asyncio.ensure_future(self._show_work())
+        try:
+            return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
+        finally:
+            showing.cancel()
+
+    async def _show_work(self) -> None:
+        """Send the progress of a computation, from :data:`SHOWN_AFTER_S` on until cancelled."""
+        began = self._clock()
+        await asyncio.sleep(SHOWN_AFTER_S)
+        try:
+            while True:
+                self.hub.set_slot(working_message(self._clock() - began, self.model.fraction))
+                await asyncio.sleep(SHOWN_EVERY_S)
+        finally:
+            self.hub.set_slot(working_message())
+
+    @contextmanager
+    def giving_up(self) -> Iterator[None]:
+        """Return a context in which a newer command may end a computation; nothing is lost by it (worker thread)."""
+        self._may_give_up = True
+        try:
+            yield
+        finally:
+            self._may_give_up = False
+
+    def goes_on(self) -> bool:
+        """Let others have their turn (worker thread), and return whether what is being computed is still wanted."""
+        checkpoint()
+        return not (self.closed or (self._may_give_up and self._is_outdated()))
+
+    def is_open(self) -> bool:
+        """Let others have their turn (worker thread), and return whether the session has not ended: for computations
+        that no newer command replaces.
+        """
+        checkpoint()
+        return not self.closed
+
+    def _is_outdated(self) -> bool:
+        since = self._requested_since
+        return self._requests > self._requests_begun and since is not None and self._clock() - since < GIVE_UP_S
+
+    def _stop(self) -> None:
+        """Pause after a defect, and send an error about it."""
+        self.model.playback.playing = False
+        self._tick_failed = True
+        self.hub.tell_all(error_message("internal", "The session stopped because of a defect in the service."))
+        with contextlib.suppress(Exception):  # the defect may lie in what is shown
+            self._publish_frame()
+
+    async def _wait(self, seconds: float | None) -> None:
+        """Wait for a command or a client, at most ``seconds``."""
+        self._wake.clear()
+        if self.closed or self._queue or (seconds is not None and seconds <= 0.0):
+            return
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await self._wake.wait()
+
+    def deliver(self, result: TickResult) -> None:
+        """Send what a computation left (event loop)."""
+        self._wake.set()
+        if self.closed:
+            return
+        self.hub.set_layers(self.model.layers)
+        for message in result.slots.values():
+            self.hub.set_slot(message)
+        if result.remade_ms is not None:
+            self._remake_seconds(result.remade_ms / 1000.0)
+        if result.changed:
+            self._publish_frame()
+        for client, message in result.answers:
+            if client is not None:
+                client.tell(message)
+            else:
+                _log.info("command refused", code=message.get("code"))
+        for client, kind in result.resent:
+            if client is not None:
+                client.remind(kind)
+        for message in result.notices:
+            self.hub.tell_all(message)
+        if result.changed:
+            for listener in (*self.listeners,):
+                try:
+                    listener()
+                except Exception:  # noqa: BLE001 - one listener's defect must not stop the session
+                    _log.exception("a listener failed")

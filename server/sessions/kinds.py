@@ -1,0 +1,13 @@
+"""The kinds of sessions that the service offers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from server.sessions.kind import Kind
+from server.sessions.models.log_kind import LOG
+from server.sessions.models.simulation_kind import SIMULATION
+
+#: By name, as ``POST /api/sessions`` and the message ``hello`` have it.
+KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG})

@@ -1,0 +1,92 @@
+"""The mapping parameters of a model: commands change them, and a tick makes the map anew at most once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from server.sessions.hosting import ModelHost
+from server.sessions.scene_controls import ParameterTable
+from server.sessions.tick import TickResult
+from server.stream.hub import Client
+from server.stream.protocol import values
+
+
+class MappingParameters:
+    """The parameters of the map that is shown, and those that were asked for.
+
+    ``remake`` makes the whole map anew with other parameters; it may raise :class:`MapperError`, and nothing has
+    changed then. ``message`` returns the ``parameters`` message.
+    """
+
+    def __init__(
+        self,
+        host: ModelHost,
+        config: MappingConfig,
+        remake: Callable[[MappingConfig, TickResult], None],
+        message: Callable[[], dict[str, Any]],
+    ) -> None:
+        self.config = config  #: of the map as it is
+        self._host, self._remake, self._message = host, remake, message
+        self._wanted = config  #: other parameters than those of the map: it has yet to be made anew
+        self._asked_by: Client | None = None
+        self._remade_ms: float | None = None
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+        """Carry out ``command`` if it is about parameters, and return whether it is. The map follows in :meth:`settle`.
+
+        Raises :class:`server.stream.protocol.ProtocolError` and :class:`mapper.core.errors.ConfigError`.
+        """
+        if command["type"] != "parameters":
+            return False
+        self._wanted, self._asked_by = self._wanted.with_values(values(command)), result.client
+        return True
+
+    def follow(self, config: MappingConfig) -> None:
+        """Take over the parameters of the map, which changed otherwise; what was asked for beside them remains."""
+        before, self.config = self.config, config
+        self._wanted = self._wanted.with_values(_changed(before, config))
+
+    def settle(self, result: TickResult) -> None:
+        """Make the map anew if other parameters were asked for; refuse them where that cannot be done."""
+        asked_by, self._asked_by = self._asked_by, None
+        if self._wanted == self.config:
+            return
+        started = time.perf_counter()
+        try:
+            with self._host.giving_up():
+                self._remake(self._wanted, result)
+        except WorkCancelledError:
+            result.given_up = True  # the newer command comes with the next tick, and these parameters with it
+            return
+        except MapperError as error:
+            self._wanted = self.config
+            result.refuse(asked_by, error)
+            result.resent.append((asked_by, "parameters"))
+            return
+        self.config = self._wanted
+        self._remade_ms = result.remade_ms = (time.perf_counter() - started) * 1000.0
+        result.changed = True
+        result.slot(self._message())
+
+    def table(self, first: MappingConfig) -> dict[str, Any]:
+        """Return the ``parameters`` of ``hello``: the table, with ``first`` as its initial values, and the values."""
+        rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in PARAMETERS]
+        return {"table": rows, "values": asdict(self.config)}
+
+    def controls(self) -> ParameterTable:
+        """Return the table for the panel of the 3D view."""
+        return ParameterTable("Mapping", PARAMETERS, asdict(self.config), "parameters", ("model",))
+
+    def frame(self) -> dict[str, Any]:
+        """Return the field of ``frame`` about the newest map that was made anew."""
+        return {} if self._remade_ms is None else {"remade_ms": round(self._remade_ms, 2)}
+
+
+def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:
+    """Return the values of ``after`` that are not those of ``before``."""
+    return {name: value for name, value in asdict(after).items() if value != getattr(before, name)}

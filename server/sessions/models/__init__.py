@@ -1,0 +1,1 @@
+"""What sessions compute: one file for each kind, its helpers beside it."""

@@ -1,0 +1,52 @@
+"""Examination of logs on a few threads of lower priority than those of sessions."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+from mapper.sensors.scan import ScanLog
+from server.work.scheduler import Party, Scheduler
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Finding
+
+AT_ONCE = 2  #: logs that are examined at the same time, in the whole service
+_NICENESS = 10  # more than the service has
+
+
+def _lower_priority() -> None:
+    # Linux gives each thread a niceness of its own. Elsewhere the number would mean another process, or this whole one.
+    if sys.platform == "linux":
+        thread = threading.get_native_id()
+        os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + _NICENESS)
+
+
+_PLACES = Scheduler(AT_ONCE)
+_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_lower_priority)
+
+
+async def examination(
+    log: ScanLog, trajectory: str, scheduler: Scheduler, party: Party, wanted: Callable[[], bool]
+) -> list[Finding]:
+    """Return what the doctor finds in a log. Raises as :func:`mapper.diagnosis.examine`, which asks ``wanted``.
+
+    Examinations wait for one of the threads in the order of the scheduler.
+    """
+
+    def examined() -> list[Finding]:
+        from mapper.diagnosis import examine  # noqa: PLC0415 - SciPy, which most visitors do without
+
+        return examine(log, trajectory, wanted=wanted)
+
+    place = _PLACES.ask(party, waited_for=False)
+    try:
+        await asyncio.wrap_future(place.granted)
+        return await scheduler.run(_EXAMINERS, party, examined, waited_for=False)
+    finally:
+        _PLACES.leave(place)

@@ -1,0 +1,297 @@
+"""The model of a log: it plays, and its map fills in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay import Replay
+from mapper.replay.incremental import CheckpointPrefetcher
+from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Path
+from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
+from server.sessions.mapping_parameters import MappingParameters
+from server.sessions.messages import parameters_message
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.models.log_comparison import LogComparison
+from server.sessions.models.log_recording import LogRecording
+from server.sessions.playback import Playback
+from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Bounds, Choice, SceneControls
+from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer
+from server.stream.protocol import ProtocolError, integer, text
+
+FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
+MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
+DEFAULT_GAP_S = 0.1  #: between two scans whose stamps do not tell
+PATH_MARGIN = 5.0  #: metres around the path that the first camera of the 3D view shows
+MAX_PATH_POINTS = 20_000  #: of the trajectory message
+
+
+def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return when each scan is due (n,), in seconds of play from the first, never decreasing.
+
+    Stamps may be anything: a step back, none at all or a leap of years. A step back takes no time, a pause at most
+    :data:`MAX_GAP_S`; a log whose stamps tell nothing plays at :data:`DEFAULT_GAP_S` a scan.
+    """
+    # Differences in floats: those of absurd stamps do not fit into 64 bits.
+    gaps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
+    gaps = np.clip(gaps, 0.0, MAX_GAP_S)
+    if not gaps.any():
+        gaps = np.full(len(gaps), DEFAULT_GAP_S)
+    return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def bounds_of(poses: NDArray[np.float64]) -> Bounds:
+    """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
+    (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
+    return (float(x0), float(y0), float(x1), float(y1))
+
+
+def _playback(times: NDArray[np.float64]) -> Playback:
+    """Return the clock of a log whose scans are due at ``times``: it fills its map in about :data:`FILL_S`."""
+    duration = float(times[-1])
+    speeds = (0.1, max(100.0, duration / 5.0))
+    return Playback(speed=float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds=speeds)
+
+
+class LogModel(SessionModel):
+    """A log and its map."""
+
+    kind: ClassVar[str] = "log"
+    replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "seek", "restart", "trajectory"})
+    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters"}
+
+    recording: LogRecording
+    comparison: LogComparison
+
+    def __init__(
+        self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
+    ) -> None:
+        self._times = play_times(replay.log.stamps_ns)
+        super().__init__(_playback(self._times))
+        replay.wanted = host.goes_on
+        self._host = host
+        self._title = title or replay.log.name
+        self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
+        self._time = 0.0  #: seconds of play
+        self._target = 0  #: the index that commands ask for
+        self.recording = LogRecording(host, replay, log_id, topic)
+        self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
+        self.comparison = LogComparison(host, self.recording, self._parameters_message)
+        self._questions = CellQuestions(self._explained)
+        self._report = RobotReport()
+        self._map = GridLayer("map", "Map")
+        self._map.update(replay.grid, replay.config, None, whole=True)
+        if replay.index:
+            self.playback.playing = False
+            self._go_to(replay.index)
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[GridLayer]:
+        """The map, and the one with which it is compared."""
+        return (self._map, *self.comparison.layers)
+
+    @property
+    def title(self) -> str:
+        """The title of the log."""
+        return self._title
+
+    @property
+    def frame_id(self) -> str | None:
+        """The frame of the poses, None where the log does not state it."""
+        return self.recording.log.trajectory(self.recording.trajectory).frame_id
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map."""
+        return self.recording.replay.grid
+
+    @property
+    def config(self) -> MappingConfig:
+        """The mapping parameters."""
+        return self.parameters.config
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of both maps, and their logs."""
+        other = self.comparison.footprint
+        return Footprint(int(self.grid.log_odds.size) + other.cells, (self.recording.log, *other.logs))
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the way through the log is done that is being computed."""
+        return self.recording.replay.fraction
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """Scans in the map, scans of the log."""
+        return (self.recording.replay.index, self.recording.log.n_scans)
+
+    def _explained(self) -> list[ExplainedMap]:
+        own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])
+        return [own, *self.comparison.explained()]
+
+    def drawings(self) -> list[Drawing]:
+        """Return the map, the robot and the path."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        return [
+            *map_drawings(self.grid, self.recording.robot_state(), self.config),
+            Path(name="trajectory", label="Path", poses=poses),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map, the place in the log, and the trajectories where there are several."""
+        index, count = self.progress
+        names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
+        return SceneControls(
+            playing=self.playback.playing,
+            hint="Click near the path to go to that scan.",
+            tables=(self.parameters.controls(),),
+            choices=(Choice("Trajectory", names, current, "trajectory"),) if len(names) > 1 else (),
+            index=index,
+            count=count,
+            can_restart=True,
+            bounds=self._path_bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Go to the scan nearest to that place."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
+        return {"type": "seek", "index": int(gaps.argmin()) + 1}
+
+    def prefetcher(self) -> CheckpointPrefetcher | None:
+        """Return what stores the checkpoints that lie ahead."""
+        return self.recording.replay.prefetcher()
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the parameters, the log and its trajectories."""
+        recording, log = self.recording, self.recording.log
+        return {
+            "parameters": self.parameters.table(recording.first_config()),
+            "log": {
+                "id": recording.log_id,
+                "trajectory": recording.trajectory,
+                "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
+                "n_beams": log.n_beams,
+                "n_scans": log.n_scans,
+                "duration_s": float(recording.recorded[-1]),
+                "format": log.format,
+                "notes": list(log.notes),
+            },
+        }
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the parameters and the trajectory."""
+        return [self._parameters_message(), self._trajectory_message()]
+
+    def _parameters_message(self) -> dict[str, Any]:
+        return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+
+    def _trajectory_message(self) -> dict[str, Any]:
+        recording = self.recording
+        poses = recording.log.trajectory(recording.trajectory).poses
+        every = -(-len(poses) // MAX_PATH_POINTS)
+        path = np.round(poses[::every, :2], 3).tolist()
+        stamps = np.round(recording.recorded[::every], 1).tolist()
+        return {"type": "trajectory", "name": recording.trajectory, "every": every, "poses": path, "stamps": stamps}
+
+    def frame(self) -> dict[str, Any]:
+        """Return where the robot was at the newest scan."""
+        return self.parameters.frame() | self._report.frame(self.recording.robot_state())
+
+    def scan(self) -> dict[str, Any]:
+        """Return the newest scan."""
+        return self._report.scan(self.recording.robot_state(), self.config)
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def _remake(self, config: MappingConfig, result: TickResult) -> None:
+        self.comparison.remake(self.config, config, result)
+
+    def settle(self, result: TickResult) -> None:
+        """Make the maps with other parameters, at the same scan."""
+        self.parameters.settle(result)
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Play on, or go to where a command wants to be."""
+        replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
+        if dt > 0.0 and self._target < count:
+            self._time += dt * playback.speed
+            self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
+        if self._target != replay.index:
+            with self._host.giving_up():
+                result.add(replay.advance_to(self._target))
+        if playback.playing and self._target == count:
+            playback.playing = False
+            result.changed = True
+            result.notice("log.end", "The log has come to its end: all of its scans are in the map.")
+
+    def draw(self, result: TickResult) -> None:
+        """Draw the map, and bring the one with which it is compared to the same scan."""
+        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        self.comparison.draw(result)
+
+    @property
+    def has_deferred_work(self) -> bool:
+        """Whether the numbers of the comparison are older than the maps."""
+        return self.comparison.is_outdated
+
+    def run_deferred_work(self, result: TickResult) -> None:
+        """Compare the two maps as they are."""
+        self.comparison.count(result)
+
+    def play(self) -> None:
+        """Play on, from the start where the end was reached."""
+        if self._target == self.recording.log.n_scans:
+            self._go_to(0)
+        super().play()
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Carry out a command. Where to go is only noted: of several seeks in one tick the last one counts."""
+        if self.parameters.obey(command, result) or self._questions.obey(command, result):
+            return
+        count = self.recording.log.n_scans
+        match command["type"]:
+            case "seek":
+                index = integer(command, "index")
+                if not 0 <= index <= count:
+                    raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
+                self._go_to(index)
+            case "step":
+                self.playback.playing = False
+                self._go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
+            case "restart":
+                self._go_to(0)
+                self.playback.playing = True
+            case "trajectory":
+                self.recording.choose(text(command, "name"))
+                result.new_grid = True
+                result.slot(self._trajectory_message())
+            case "compare":
+                raise ProtocolError(
+                    "log.compare", "What a log is compared with is set with PUT /api/sessions/{id}/compare."
+                )
+            case "teleport" | "drive" | "auto" | "world" | "sensor" as kind:
+                raise ProtocolError(
+                    "log.recorded", f"What a log recorded cannot be changed: {kind} is for live worlds."
+                )
+            case other:
+                raise ProtocolError("command.unknown", f"A log session knows no command {other!r:.80}.")
+        result.changed = True
+
+    def _go_to(self, index: int) -> None:
+        self._target = index
+        self._time = float(self._times[max(index - 1, 0)])

@@ -1,0 +1,171 @@
+"""The comparison of a log's map, B, with another map, A, which is a layer of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.grid import OccupancyGrid
+from mapper.grid.compare import Comparison
+from mapper.mapping.parameters import MappingConfig
+from server.sessions.cell_questions import ExplainedMap
+from server.sessions.comparison_numbers import comparison_message
+from server.sessions.hosting import ModelHost
+from server.sessions.model import Footprint
+from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.second_map_view import SecondMapView
+from server.sessions.tick import TickResult
+from server.sessions.view import Wanted
+from server.stream.layers import GridLayer
+from server.work.scheduler import checkpoint
+
+
+class LogComparison:
+    """A second map beside that of a log, while it is compared. ``message`` returns the ``parameters`` message."""
+
+    def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
+        self._host, self._recording, self._message = host, recording, message
+        self._other: SecondMapView | None = None
+        self._layer: GridLayer | None = None
+        self._request = 0  #: counts the requests to compare: only the newest one is fulfilled
+
+    # -- on the event loop --------------------------------------------------------------------------------------
+
+    async def compare(self, wanted: Wanted | None) -> None:
+        """Begin to compare with another map, or, None, end it; what was compared before ends.
+
+        Raises :class:`MapperError` where the other map cannot be made, or another one was requested meanwhile; what was
+        compared before goes on then.
+        """
+        self._request += 1
+        request = self._request
+        other = None
+        if wanted is not None:
+            # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
+            other = await self._host.on_thread(partial(self._second_view, wanted, request))
+        async with self._host.still():
+            if request != self._request or self._host.closed:
+                raise _superseded()
+            result = await self._host.on_thread(partial(self._take_over, other))
+        self._host.deliver(result)
+
+    async def compared(self) -> tuple[dict[str, Any], Comparison]:
+        """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
+        async with self._host.still():
+            other = self._compared_with()
+            found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
+            return other.description(), found
+
+    def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
+        """Return the maps A and B, to be read while the session is still. Raises as :meth:`compared`."""
+        other, grid = self._compared_with(), self._recording.replay.grid
+        other.check_lattice(grid)
+        return other.replay.grid, grid
+
+    def description(self) -> dict[str, Any] | None:
+        """Return what A is, None where nothing is compared."""
+        return None if self._other is None else self._other.description()
+
+    def _compared_with(self) -> SecondMapView:
+        if self._other is None:
+            raise MapperError("compare.none", "This session compares its map with no other one now.")
+        return self._other
+
+    # -- for the model --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[GridLayer, ...]:
+        """The layer of A, where there is one."""
+        return () if self._layer is None else (self._layer,)
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of A, and its log."""
+        other = self._other
+        return Footprint() if other is None else Footprint(int(other.replay.grid.log_odds.size), (other.replay.log,))
+
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the numbers are older than the maps."""
+        return self._other is not None and self._other.is_new
+
+    def explained(self) -> list[ExplainedMap]:
+        """Return A, for questions about its cells."""
+        other, layer = self._other, self._layer
+        if other is None or layer is None:
+            return []
+        return [ExplainedMap(layer, other.replay.grid, other.replay.config, other.sources, other.replay.index)]
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    def _second_view(self, wanted: Wanted, request: int) -> SecondMapView:
+        def is_wanted() -> bool:
+            checkpoint()
+            return request == self._request and not self._host.closed
+
+        limits, replay = self._host.limits(), self._recording.replay
+        room = replace(limits, max_cells=max(1, limits.max_cells - int(replay.grid.log_odds.size)))
+        try:
+            return SecondMapView(wanted, replay, replay.config, room, is_wanted)
+        except WorkCancelledError as error:
+            raise _superseded() from error
+
+    def _take_over(self, other: SecondMapView | None) -> TickResult:
+        """Go on with another A, None for none; return what to send."""
+        result = TickResult(changed=True)
+        replay = self._recording.replay
+        if other is None:
+            self._other = self._layer = None
+            result.slot(comparison_message(replay.index))
+            result.slot(self._message())
+            return result
+        other.replay.wanted = self._host.goes_on
+        other.follow(replay.config)
+        other.advance(replay.index)
+        other.second.changed()
+        layer = GridLayer("second_map", "Second map")
+        layer.update(other.second.grid, other.second.config, None, whole=True)
+        self._other, self._layer = other, layer
+        result.slot(self._message())
+        return result
+
+    def remake(self, before: MappingConfig, config: MappingConfig, result: TickResult) -> None:
+        """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
+        other = self._other
+        if other is not None:
+            other.follow(config)
+        try:
+            result.add(self._recording.replay.reconfigure(config))
+        except MapperError:
+            if other is not None:
+                other.follow(before)
+            raise
+
+    def draw(self, result: TickResult) -> None:
+        """Bring A, and its layer, to where the session is."""
+        other, layer = self._other, self._layer
+        if other is None or layer is None:
+            return
+        other.advance(self._recording.replay.index)
+        whole, box = other.second.changed()
+        other.is_new |= whole or box is not None or result.new_grid or result.box is not None
+        result.changed |= whole or box is not None
+        result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
+
+    def count(self, result: TickResult) -> None:
+        """Compare the two maps as they are, and send the numbers."""
+        other, replay = self._other, self._recording.replay
+        if other is None:
+            return
+        other.is_new = False
+        try:
+            result.slot(comparison_message(replay.index, other.compared(replay.grid)))
+        except MapperError as error:
+            result.slot(comparison_message(replay.index, refused=error.message))
+
+
+def _superseded() -> MapperError:
+    return MapperError("compare.superseded", "Another comparison was requested meanwhile; this one was dropped.")

@@ -1,0 +1,48 @@
+"""How sessions of a log are asked for and made."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from mapper.sensors.scan import ScanLog
+from server.sessions.hosting import ModelHost
+from server.sessions.kind import Kind, Plan, Resources, SessionRequest
+from server.sessions.making import Making
+from server.sessions.models.log import LogModel
+from server.sessions.models.log_recording import first_replay
+from server.sessions.view import LogView
+
+
+class NewLog(SessionRequest):
+    """A session of a log."""
+
+    kind: Literal["log"]
+    playing: bool = Field(True, description="Whether scans come in from the start.")
+    log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
+    topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
+    trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
+
+
+def log_plan(
+    log: ScanLog, *, log_id: str = "", title: str = "", view: LogView | None = None, playing: bool = True
+) -> Plan:
+    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does."""
+    shown = view or LogView()
+
+    def make(host: ModelHost, making: Making) -> LogModel:
+        replay = first_replay(log, shown, host.limits(), making.goes_on)
+        return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
+
+    return Plan(make, logs=(log,), playing=playing)
+
+
+async def _plan(wanted: NewLog, resources: Resources) -> Plan:
+    log = await resources.library.load(resources.visitor, wanted.log, wanted.topic)
+    title = resources.library.get(resources.visitor, wanted.log).name
+    view = LogView(wanted.topic, wanted.trajectory)
+    return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
+
+
+LOG = Kind(NewLog, _plan)

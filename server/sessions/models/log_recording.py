@@ -1,0 +1,137 @@
+"""The log that a session shows: the scans that are in its map, its trajectory, and what is asked about it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.io.export import GrowingMap
+from mapper.io.logs.summary import recorded_seconds
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.replay import Replay
+from mapper.sensors.scan import ScanLog
+from server.sessions.hosting import ModelHost
+from server.sessions.models.diagnosing import examination
+from server.sessions.view import LogView, RobotState, as_pose
+from server.sessions.why import Source
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Finding
+
+COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try where a log's map is too large at the default one
+
+
+def first_config(log: ScanLog) -> MappingConfig:
+    """Return the parameters that a log is mapped with at first."""
+    row = BY_NAME["range_max"]
+    range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
+    return MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": range_max}))
+
+
+def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
+    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
+
+    Raises :class:`mapper.core.errors.WorkCancelledError` where ``wanted``, asked now and then, says False.
+    """
+    config = first_config(log).with_values(view.values or {})
+    for resolution in (*(one for one in COARSER if one > config.resolution), None):
+        try:
+            replay = Replay(log, config, view.trajectory, limits)
+            replay.wanted = wanted
+            replay.advance_to(min(view.index, log.n_scans))
+        except LimitError:
+            if resolution is None:
+                raise
+            config = replace(config, resolution=resolution)
+        else:
+            break
+    return replay
+
+
+class LogRecording:
+    """A log, and the replay that makes its map. ``log_id`` and ``topic`` say where in the library it is from."""
+
+    def __init__(self, host: ModelHost, replay: Replay, log_id: str = "", topic: str | None = None) -> None:
+        self.log_id = log_id
+        self.replay = replay
+        self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
+        self._topic = topic
+        self._host = host
+        self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
+        self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
+
+    @property
+    def log(self) -> ScanLog:
+        """The log."""
+        return self.replay.log
+
+    @property
+    def trajectory(self) -> str:
+        """The name of the trajectory in use."""
+        return self.replay.trajectory
+
+    def first_config(self) -> MappingConfig:
+        """Return the parameters that the log is mapped with at first."""
+        return first_config(self.log)
+
+    def seen(self) -> LogView:
+        """Return what is shown now."""
+        replay = self.replay
+        return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
+
+    def choose(self, trajectory: str) -> None:
+        """Make the map with another trajectory (worker thread). Raises as :class:`Replay`; nothing has changed then."""
+        old = self.replay
+        replay = Replay(old.log, old.config, trajectory, self._host.limits())
+        replay.wanted = old.wanted
+        replay.advance_to(old.index)
+        self._sensor_poses = old.log.sensor_poses(trajectory)
+        self.replay = replay
+
+    def robot_state(self) -> RobotState:
+        """Return the scan that came last into the map; before the first, its place without readings."""
+        log, index = self.log, self.replay.index
+        newest = max(index - 1, 0)
+        scan = log.scan(newest)
+        if index == 0:
+            scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
+        base = as_pose(log.trajectory(self.trajectory).poses[newest])
+        sensor = as_pose(self._sensor_poses[newest])
+        return RobotState(base, sensor, sensor, scan, float(self.recorded[newest]))
+
+    def sources(self) -> list[Source]:
+        """Return the log, as far as it is in the map."""
+        return [Source(self.log, self.trajectory, self.replay.index, self.recorded)]
+
+    async def growing_map(self) -> tuple[GrowingMap, str]:
+        """Return how the map that is shown is made, and the name of its trajectory, between two ticks."""
+        async with self._host.still():
+            replay = self.replay
+            return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
+
+    async def examined(self) -> list[Finding]:
+        """Return what the doctor finds in the log with the present trajectory.
+
+        Requests during an examination wait for its result. One that failed is repeated at the next request, and one
+        that is under way ends with the session. Raises as :func:`mapper.diagnosis.examine`.
+        """
+        name = self.trajectory
+        known = self._examinations.get(name)
+        if known is None or (known.done() and known.exception() is not None):
+            known = asyncio.ensure_future(self._examine(name))
+            known.add_done_callback(
+                lambda done: done.cancelled() or done.exception()
+            )  # its exception is then not logged as never retrieved
+            self._examinations[name] = known
+        return await asyncio.shield(known)
+
+    async def _examine(self, trajectory: str) -> list[Finding]:
+        host = self._host
+        return await examination(self.log, trajectory, host.scheduler, host.party, host.is_open)

@@ -1,0 +1,95 @@
+"""The other side of a comparison: a second map, of the session's log or of another one, and how the two differ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mapper.core.errors import MapperError
+from mapper.core.limits import Limits
+from mapper.grid import OccupancyGrid
+from mapper.grid.compare import Comparison, compare
+from mapper.grid.merge import on_one_lattice
+from mapper.io.logs.summary import recorded_seconds
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay import Replay
+from mapper.simulation.second_map import SecondMap
+from server.sessions.view import Wanted
+from server.sessions.why import Source
+
+
+class SecondMapView:
+    """A map beside a log session's own. Of the same log it holds as many scans; another log is in it as a whole."""
+
+    def __init__(
+        self,
+        wanted: Wanted,
+        own: Replay,
+        config: MappingConfig,
+        limits: Limits,
+        is_wanted: Callable[[], bool],
+    ) -> None:
+        """Make the map (worker thread). Raises as :class:`Replay` does."""
+        self._wanted = wanted
+        self._follows = wanted.log is None
+        log = wanted.log or own.log
+        self.replay = Replay(log, config.with_values(wanted.values), wanted.trajectory, limits)
+        self.replay.wanted = is_wanted
+        self.replay.advance_to(own.index if self._follows else log.n_scans)
+        self.second = SecondMap(wanted.values, True, self.replay.config, self.replay.grid)
+        self.is_new = True  #: whether one of the two maps has changed since they were last compared
+        self._recorded = recorded_seconds(log)
+
+    def description(self) -> dict[str, Any]:
+        """What the page should know of it: the ``compare`` of a ``parameters`` message."""
+        wanted = self._wanted
+        return {
+            "values": wanted.values,
+            "with_faults": True,
+            "trajectory": self.replay.trajectory,
+            "log": None if self._follows else wanted.log_id,
+            "topic": wanted.topic,
+            "title": wanted.title,
+        }
+
+    def follow(self, config: MappingConfig) -> None:
+        """Make the map anew where it follows the session's parameters. Raises as :meth:`Replay.reconfigure`."""
+        beside = self.second.config_for(config)
+        if beside != self.replay.config:
+            self.replay.reconfigure(beside)
+            self.second.begin(beside, self.replay.grid)
+
+    def advance(self, index: int) -> None:
+        """Go to where the session is in its log."""
+        if not self._follows or index == self.replay.index:
+            return
+        grid = self.replay.grid
+        change = self.replay.advance_to(index)
+        if self.replay.grid is grid:
+            self.second.add(change)
+        else:
+            self.second.begin(self.replay.config, self.replay.grid)
+
+    def sources(self) -> list[Source]:
+        """The scans that the map is made of."""
+        return [Source(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
+
+    def compared(self, grid: OccupancyGrid) -> Comparison:
+        """Compare with the session's map. Raises :class:`MapperError` where the two have no lattice in common."""
+        self.check_lattice(grid)
+        return compare(self.replay.grid, grid)
+
+    def check_lattice(self, grid: OccupancyGrid) -> None:
+        """Raise :class:`MapperError` where this map and the session's have no lattice in common."""
+        try:
+            on_one_lattice(self.replay.grid, grid)
+        except MapperError as error:
+            raise MapperError("compare.lattice", apart(self.replay.grid, grid, error)) from error
+
+
+def apart(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
+    """Return in one sentence why two maps cannot be compared cell by cell."""
+    sizes = a.geometry.resolution, b.geometry.resolution
+    if sizes[0] != sizes[1]:
+        return f"A has cells of {sizes[0]:g} m and B of {sizes[1]:g} m: they have none in common."
+    return f"The two maps cannot be laid onto one lattice: {error.message}"

@@ -1,0 +1,322 @@
+"""The model of a simulation: a simulated robot walks in a world, and its map fills in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose, inverse
+from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import MappingConfig
+from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
+from mapper.simulation.edits import solid_ids
+from mapper.simulation.faults import polished_faces
+from mapper.simulation.live_map import LiveMap, world_named
+from mapper.simulation.second_map import Vanishing, forgetting_message
+from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Walls
+from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
+from server.sessions.mapping_parameters import MappingParameters
+from server.sessions.messages import parameters_message
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.story import SimulationStory
+from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
+from server.sessions.tick import TickResult
+from server.sessions.view import RobotState, as_pose
+from server.sessions.why import Source
+from server.stream.layers import GridLayer
+from server.stream.protocol import ProtocolError, integer, text, values
+
+MAX_STEP_SCANS = 100
+SCANS_AT_ONCE = 10  #: of a step in one tick
+
+
+class SimulationModel(SessionModel):
+    """A simulated world, its robot and the map of what that has seen."""
+
+    kind: ClassVar[str] = "simulation"
+    replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "restart"})
+    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
+
+    def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
+        """``max_story_s`` is the computing time that replaying its story may take, seconds."""
+        super().__init__()
+        self._mapper = mapper
+        mapper.limits, mapper.wanted = host.limits, host.goes_on
+        self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message)
+        self.story = SimulationStory(host, mapper, self.playback, max_story_s)
+        self._questions = CellQuestions(self._explained)
+        self._report = RobotReport()
+        self._map = GridLayer("map", "Map")
+        self._map.update(mapper.grid, mapper.config, None, whole=True)
+        self._second: GridLayer | None = None
+        self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: what was last sent of it
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[GridLayer]:
+        """The map, and the second one where there is one."""
+        return (self._map,) if self._second is None else (self._map, self._second)
+
+    @property
+    def title(self) -> str:
+        """The title of the world."""
+        return self.world.title
+
+    @property
+    def file_stem(self) -> str:
+        """The name of the world."""
+        return self.world.name
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map."""
+        return self._mapper.grid
+
+    @property
+    def config(self) -> MappingConfig:
+        """The mapping parameters."""
+        return self.parameters.config
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of the map."""
+        return Footprint(cells=int(self.grid.log_odds.size))
+
+    @property
+    def world(self) -> World:
+        """The true world."""
+        return self._mapper.simulation.world
+
+    @property
+    def sensor(self) -> SensorConfig:
+        """The simulated sensor."""
+        return self._mapper.simulation.sensor
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of the map is done that is being made anew."""
+        return self._mapper.fraction
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """Of the scans that were taken those that were not taken out again are in the map."""
+        return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
+
+    def robot_state(self) -> RobotState:
+        """Return where the robot is now, and its newest scan."""
+        mapper, simulation = self._mapper, self._mapper.simulation
+        scan = mapper.newest
+        if scan is None:
+            raise RuntimeError("a simulation has taken a scan before its session starts")
+        seen_from = as_pose(compose(mapper.newest_pose, simulation.mount))
+        robot_state = RobotState(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
+        if mapper.hidden:
+            robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
+        if mapper.believed_pose == mapper.newest_pose:
+            return robot_state
+        believed = mapper.believed_pose
+        # Since its newest scan the robot has moved as it truly has: the drift of a tenth of a second cannot be seen.
+        since = compose(inverse(np.array(mapper.newest_pose)), np.array(robot_state.pose))
+        now = as_pose(compose(believed, since))
+        return replace(robot_state, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
+
+    def sources(self) -> list[Source]:
+        """Return the recordings, one for each kind of sensor."""
+        trajectory = self._mapper.faults.trajectory
+        logs, hidden = self._mapper.logs(), self._mapper.hidden
+        return [
+            Source(
+                log,
+                trajectory,
+                log.n_scans - (hidden if log is logs[-1] else 0),
+                np.asarray(log.stamps_ns * 1e-9, dtype=np.float64),
+            )
+            for log in logs
+        ]
+
+    def _explained(self) -> list[ExplainedMap]:
+        return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
+
+    def drawings(self) -> list[Drawing]:
+        """Return the map, the robot and the true world."""
+        world = self.world
+        return [
+            *map_drawings(self.grid, self.robot_state(), self.config),
+            Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map and the sensor, and the worlds."""
+        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
+        return SceneControls(
+            playing=self.playback.playing,
+            hint="Click the floor to put the robot there.",
+            tables=(self.parameters.controls(), sensor),
+            choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
+            can_restart=True,
+            bounds=self.world.bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+        """Put the robot there."""
+        return {"type": "teleport", "x": x, "y": y}
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the parameters, the sensor and the world; first parameters are those of a lidar."""
+        return {
+            "parameters": self.parameters.table(self._mapper.first_config(SensorConfig())),
+            "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
+            "world": self.world.name,
+            "seed": self._mapper.seed,
+        }
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the parameters and the world."""
+        return [self._parameters_message(), self._world_message()]
+
+    def _parameters_message(self) -> dict[str, Any]:
+        """Return the parameters, the robot's faults and what the second map has otherwise."""
+        second = self._mapper.second
+        return parameters_message(self.config, self.sensor) | {
+            "faults": asdict(self._mapper.faults),
+            "compare": None if second is None else {"values": second.values, "with_faults": second.with_faults},
+        }
+
+    def _world_message(self) -> dict[str, Any]:
+        mapper, world = self._mapper, self.world
+        added, erased = mapper.edits.as_lists()
+        return {
+            "type": "world",
+            "name": world.name,
+            "title": world.title,
+            "names": list(WORLDS),
+            "bounds": [float(v) for v in world.bounds],
+            "polygons": [np.round(solid, 4).tolist() for solid in world.solids],
+            "ids": solid_ids(mapper.plan, mapper.edits),
+            "edits": {"added": added, "erased": erased},
+            "polished": np.round(polished_faces(world), 4).tolist(),
+        }
+
+    def frame(self) -> dict[str, Any]:
+        """Return where the robot is, and whether it walks by itself."""
+        robot = self._report.frame(self.robot_state())
+        return self.parameters.frame() | robot | {"auto": self._mapper.simulation.auto}
+
+    def scan(self) -> dict[str, Any]:
+        """Return what the robot sees."""
+        return self._report.scan(self.robot_state(), self.config)
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def resume(self, story: dict[str, Any]) -> None:
+        """Play, or not, at the speed of a story. Raises :class:`ConfigError` for no such speed."""
+        low, high = self.playback.speeds
+        speed = story.get("speed") or self.playback.speed
+        if not low <= speed <= high:
+            raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
+        self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
+
+    def _remake(self, config: MappingConfig, result: TickResult) -> None:
+        self._mapper.remake(config)
+        result.new_grid = True
+
+    def settle(self, result: TickResult) -> None:
+        """Make the map with other parameters."""
+        self.parameters.settle(result)
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Let the robot walk and see."""
+        if dt > 0.0:
+            result.changed = True
+            for change in self._mapper.advance(dt * self.playback.speed):
+                result.add(change)
+
+    def draw(self, result: TickResult) -> None:
+        """Draw the maps, and tell how the two forget what was erased from the world."""
+        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        second, vanishing = self._mapper.second, self._mapper.vanishing
+        forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
+        if forgetting != self._forgetting:
+            self._forgetting = forgetting
+            result.slot(forgetting_message(vanishing))
+        if second is None:
+            self._second = None
+            return
+        self._second = self._second or GridLayer("second_map", "Second map")
+        whole, box = second.changed()
+        result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Carry out a command."""
+        if self.parameters.obey(command, result) or self._questions.obey(command, result):
+            return
+        match command["type"]:
+            case kind if kind in ACTIONS:
+                self._act(command, result)
+            case "step":
+                self._step(command, result)
+            case "faults":
+                self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values(command)))
+                result.new_grid = True
+                result.slot(self._parameters_message())
+            case "compare":
+                wanted = command.get("values")
+                self._mapper.compare(None if wanted is None else values(command))
+                result.slot(self._parameters_message())
+            case "world":
+                name = text(command, "name")
+                if name not in WORLDS:
+                    raise ProtocolError("command.name", f"There is no world {name!r:.80}.")
+                self._begin(world_named(name), command, result)
+            case "restart":
+                added, erased = self._mapper.edits.as_lists()
+                self._begin(self._mapper.plan, {"added": added, "erased": erased}, result)
+                self.playback.playing = True
+            case "seek":
+                raise ProtocolError("world.seek", "A live world cannot go to another time; restart begins it anew.")
+            case other:
+                raise ProtocolError("command.unknown", f"A simulation knows no command {other!r:.80}.")
+        result.changed = True
+
+    def _act(self, command: dict[str, Any], result: TickResult) -> None:
+        mapper, second = self._mapper, self._mapper.second
+        act(mapper, command, result)
+        result.changed = True
+        self.parameters.follow(mapper.config)  # a sensor of another kind brings the model that suits it
+        if command["type"] == "drive":
+            self.playback.playing = True
+        if command["type"] == "edit":
+            result.slot(self._world_message())
+        if command["type"] == "sensor" or mapper.second is not second:
+            result.slot(self._parameters_message())
+
+    def _step(self, command: dict[str, Any], result: TickResult) -> None:
+        scans = integer(command, "scans", 1)
+        if not 1 <= abs(scans) <= MAX_STEP_SCANS:
+            raise ProtocolError("command.scans", f"A live world steps by 1 to {MAX_STEP_SCANS} scans, on or back.")
+        self.playback.playing = False
+        if scans < 0:
+            result.new_grid |= self._mapper.step_back(-scans)
+            return
+        now = min(scans, SCANS_AT_ONCE)
+        for change in self._mapper.step(now):
+            result.add(change)
+        if scans > now:
+            result.unfinished = command | {"scans": scans - now}
+
+    def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
+        self._mapper.begin(world, self.sensor, edits_of(edits))
+        result.new_grid = True
+        result.slot(self._world_message())

@@ -1,0 +1,91 @@
+"""How sessions of a simulation are asked for and made."""
+
+from __future__ import annotations
+
+import secrets
+from functools import partial
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.simulation.live_map import world_named
+from server.sessions.hosting import ModelHost
+from server.sessions.kind import Kind, Plan, Resources, SessionRequest
+from server.sessions.making import Making
+from server.sessions.models.simulation import SimulationModel
+from server.sessions.models.story import replayed
+from server.sessions.models.story_cost import check_story
+from server.work.scheduler import URGENT_S
+
+DEFAULT_WORLD = "office"
+
+
+class Story(BaseModel):
+    """The history of a simulation: enough to reproduce the world, its recording and its map."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    sensor: dict[str, Any] = Field({}, description="Values of the simulated sensor at the beginning.")
+    edits: dict[str, list[Any]] = Field({}, description="What was drawn and erased at the beginning: added, erased.")
+    steps: int = Field(0, ge=0, description="Physics steps of 0.02 s since the beginning.")
+    journal: list[tuple[int, dict[str, Any]]] | None = Field(
+        None, description="Each action and the step before which it came; null where only the pose is known."
+    )
+    pose: tuple[float, float, float] | None = Field(None, description="Where the robot is now, where journal is null.")
+    auto: bool = Field(True, description="Whether it walks by itself then.")
+    parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from a new world's.")
+    faults: dict[str, Any] = Field({}, description="The robot's faults.")
+    playing: bool = Field(True, description="Whether time goes on.")
+    speed: float | None = Field(None, description="Seconds of the world's time in a second.")
+
+
+class NewSimulation(SessionRequest):
+    """A session of a live world."""
+
+    kind: Literal["simulation"]
+    playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
+    world: str | None = Field(
+        None, max_length=100, description="Name of the world; the first one where it is left out."
+    )
+    seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
+    story: Story | None = Field(None, description="What happened in a world before, as /api/sessions/{id}/story tells.")
+    name: str | None = Field(
+        None, max_length=100, description="A name under which /api/sessions/making/{name} tells how far the replay is."
+    )
+
+
+def simulation_plan(
+    world: str | None = None,
+    seed: int | None = None,
+    story: dict[str, Any] | None = None,
+    *,
+    max_story_s: float,
+    playing: bool = True,
+    name: str | None = None,
+) -> Plan:
+    """Return the plan of a simulated world, with ``story`` of one in which all of it has happened.
+
+    Raises :class:`mapper.core.errors.LimitError` for a story that would take more than ``max_story_s`` to replay and
+    :class:`mapper.core.errors.ConfigError` for no world; making it raises as :func:`replayed`.
+    """
+    story = story or {}
+    cost_s = check_story(story, max_story_s)
+    begun = {**story, "world": world_named(DEFAULT_WORLD if world is None else world).name}
+    begun["seed"] = secrets.randbelow(2**31) if seed is None else seed
+
+    def make(host: ModelHost, making: Making) -> SimulationModel:
+        mapper = replayed(begun, limits=host.limits, wanted=making.goes_on, report=making.report)
+        model = SimulationModel(host, mapper, max_story_s)
+        model.resume(story)
+        return model
+
+    return Plan(make, name=name, waited_for=cost_s <= URGENT_S, playing=playing)
+
+
+async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:
+    story = None if wanted.story is None else wanted.story.model_dump()
+    plan = partial(simulation_plan, max_story_s=resources.max_story_s, playing=wanted.playing, name=wanted.name)
+    return plan(wanted.world, wanted.seed, story)
+
+
+SIMULATION = Kind(NewSimulation, _plan)

@@ -1,0 +1,56 @@
+"""What the panel of a 3D view offers of a model, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mapper.core.parameter import Parameter
+
+Bounds = tuple[float, float, float, float]  #: x_min, y_min, x_max, y_max in metres
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTable:
+    """One table of parameters, their values, and the command that sets some of them: ``{"type": command, "values":
+    {name: value}}``.
+
+    ``title`` names the tab; ``open_groups`` are the groups of rows that are unfolded at first.
+    """
+
+    title: str
+    rows: tuple[Parameter, ...]
+    values: Mapping[str, Any]
+    command: str
+    open_groups: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A choice of one of several names, and the command that sets it: ``{"type": command, "name": name}``."""
+
+    label: str
+    names: tuple[str, ...]
+    current: str
+    command: str
+
+
+@dataclass(frozen=True, slots=True)
+class SceneControls:
+    """What the panel offers.
+
+    ``hint`` says what a click into the scene does, "" for nothing. Titles of ``tables`` and labels of ``choices`` stay
+    the same for the life of a session. ``count`` is the number of scans among which "seek" chooses, None where there
+    is nothing to seek, ``index`` how many of them are in the map. ``bounds`` is what the first camera shows, None for
+    20 m about the origin.
+    """
+
+    playing: bool
+    hint: str = ""
+    tables: tuple[ParameterTable, ...] = ()
+    choices: tuple[Choice, ...] = ()
+    index: int = 0
+    count: int | None = None
+    can_restart: bool = False
+    bounds: Bounds | None = None

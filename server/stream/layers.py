@@ -1,0 +1,336 @@
+"""What a session shows: named layers, written by the computation, published by the event loop, read by clients.
+
+A layer is written on a worker thread and shows nothing of it before :meth:`Layer.publish`, which the hub calls on the
+event loop while the worker stands still. Content is encoded once for all clients; what one client has of a layer is in
+its :class:`Cursor`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.grid import TILE, GridGeometry, OccupancyGrid
+from mapper.mapping.integrate import CellBox
+from mapper.mapping.parameters import MappingConfig
+from server.stream.codecs import CODECS, Graph, TilePayload
+from server.stream.tiles import TilePicture, picture_range
+
+MAX_FRAME_TILES = 2048
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A frame's body, encoded, with what its header says of it; ``tiles`` is the number of tiles in it."""
+
+    epoch: int
+    count: int
+    parts: Sequence[bytes]
+    complete: bool = True
+    tiles: int = 0
+
+
+class Cursor(ABC):
+    """What one client has of a layer (event loop)."""
+
+    batch = 0  #: number of the client's batch in which it was sent something of the layer last
+
+    @abstractmethod
+    def is_behind(self) -> bool:
+        """Whether the client lacks something of the layer as it is now."""
+
+    @abstractmethod
+    def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:
+        """Return what goes out next and take it as sent.
+
+        It has about ``share`` bytes where it can be divided, else at most ``room`` bytes; None where there is nothing
+        so small, unless ``always``. What lies next to ``focus_xy``, map metres, goes first.
+        """
+
+    def announcement(self, layer: int) -> dict[str, object] | None:  # noqa: ARG002 - most have none
+        """Return the message about the layer of the id ``layer`` that has to come before its next frame, once."""
+        return None
+
+    def resume(self, epoch: int, revision: int) -> None:  # noqa: B027 - what is always sent whole has nothing to do
+        """The client has kept what it was sent of ``epoch`` up to ``revision`` on an earlier connection."""
+
+    def empty(self) -> Body | None:
+        """Return a body that says that nothing is due; None where such content has none."""
+        return None
+
+    def dirty_tiles(self) -> int:
+        """Return the number of tiles that the client has yet to be sent."""
+        return 0
+
+
+class Layer(ABC):
+    """A named layer. ``style`` names the palette or the overlay with which the page paints it.
+
+    ``columns`` are the names of the columns of its table: ``x``, ``y`` (map metres) and more, such as ``yaw``
+    (radians), ``value`` or ``stamp`` (seconds).
+    """
+
+    kind: Literal["grid", "points", "path", "graph"]
+
+    def __init__(self, name: str, title: str, style: str, columns: Sequence[str] = ()) -> None:
+        self.name = name
+        self.title = title
+        self.style = style
+        self.columns = tuple(columns)
+        self.codec = CODECS[self.kind]
+
+    def info(self, layer: int) -> dict[str, Any]:
+        """Return the layer, of the id ``layer``, as the message ``layers`` lists it."""
+        return {
+            "id": layer,
+            "name": self.name,
+            "kind": self.kind,
+            "title": self.title,
+            "style": self.style,
+            "columns": list(self.columns),
+        }
+
+    @abstractmethod
+    def publish(self) -> None:
+        """Make what was written since the last call due to everyone (event loop)."""
+
+    @abstractmethod
+    def cursor(self) -> Cursor:
+        """Return the cursor of a client that has nothing (event loop)."""
+
+
+class GridLayer(Layer):
+    """A grid: a belief, which :meth:`update` follows, or values of a linear scale, which :meth:`set` takes."""
+
+    kind = "grid"
+
+    def __init__(self, name: str, title: str, style: str = "belief") -> None:
+        super().__init__(name, title, style)
+        self.picture: TilePicture | None = None  #: the published one; None before the first
+        self._written: TilePicture | None = None  # the one that is written, which may begin a new epoch
+
+    @property
+    def epoch(self) -> int:
+        """The epoch of the newest picture, published or not; 0 where there is none."""
+        return 0 if self._written is None else self._written.epoch
+
+    def update(self, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool) -> bool:
+        """Bring the picture up to date with a belief, ``whole`` or in a ``box`` (worker thread).
+
+        Return whether a new epoch begins.
+        """
+        picture, is_new = self._picture_of(grid.geometry, *picture_range(config))
+        if whole or is_new:
+            box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
+        if box is not None:
+            picture.update(grid, box)
+        return is_new
+
+    def set(
+        self,
+        geometry: GridGeometry,
+        values: NDArray[np.float32] | NDArray[np.uint8],
+        low: float,
+        high: float,
+        missing: NDArray[np.bool_] | None = None,
+    ) -> bool:
+        """Show ``values`` (rows, cols), ``low`` … ``high``, beyond which they are cut off (worker thread).
+
+        A cell that is ``missing`` (rows, cols) or NaN has no value. Return whether a new epoch begins. Raises
+        :class:`ValueError` for another shape than the geometry's, and unless ``low < high``.
+        """
+        if values.shape != geometry.shape or not low < high:
+            raise ValueError(f"values of shape {values.shape}, {low} … {high}, are none of a grid {geometry.shape}")
+        picture, is_new = self._picture_of(geometry, low, high)
+        picture.set(values, missing)
+        return is_new
+
+    def _picture_of(self, geometry: GridGeometry, low: float, high: float) -> tuple[TilePicture, bool]:
+        """Return the picture of this geometry and range to write, and whether it is a new one."""
+        before = self._written
+        if before is not None and before.shows(geometry, low, high):
+            return before, False
+        self._written = TilePicture(geometry, low, high, 0 if before is None else before.newest)
+        return self._written, True
+
+    def publish(self) -> None:
+        """Show the newest picture, its changes under a new revision."""
+        self.picture = self._written
+        if self.picture is not None:
+            self.picture.publish()
+
+    def cursor(self) -> GridCursor:
+        """Return the cursor of a client that has no tile."""
+        return GridCursor(self)
+
+
+class GridCursor(Cursor):
+    """Which revision of each tile a client was sent."""
+
+    def __init__(self, layer: GridLayer) -> None:
+        self._layer = layer
+        self._picture: TilePicture | None = None
+        self._announced: TilePicture | None = None
+        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)
+
+    def _follow(self) -> TilePicture | None:
+        """Return the layer's picture; of a new one the client has nothing."""
+        picture = self._layer.picture
+        if picture is not self._picture and picture is not None:
+            self._picture = picture
+            self._has = np.zeros_like(picture.revision)
+        return picture
+
+    def is_behind(self) -> bool:
+        """Whether the client lacks tiles."""
+        picture = self._follow()
+        return picture is not None and bool(np.any(picture.revision != self._has))
+
+    def dirty_tiles(self) -> int:
+        """Return the number of tiles that the client has yet to be sent."""
+        picture = self._follow()
+        return 0 if picture is None else int(np.count_nonzero(picture.revision != self._has))
+
+    def announcement(self, layer: int) -> dict[str, object] | None:
+        """Return the ``geometry`` message of a new epoch."""
+        picture = self._layer.picture
+        if picture is None or picture is self._announced:
+            return None
+        self._announced = picture
+        return picture.message(layer)
+
+    def resume(self, epoch: int, revision: int) -> None:
+        """The client has kept all tiles of ``epoch`` up to ``revision``."""
+        picture = self._follow()
+        if picture is not None and epoch == picture.epoch:
+            known = picture.revision <= revision
+            self._has[known] = picture.revision[known]
+
+    def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - divided
+        """Return tiles of about ``share`` bytes, those next to ``focus_xy`` first."""
+        picture = self._follow()
+        if picture is None:
+            return None
+        tiles: list[TilePayload] = []
+        size = 0
+        for ty, tx in _nearest_first(picture, picture.revision != self._has, focus_xy).tolist():
+            tile = picture.payload(ty, tx)
+            size += len(tile.data)
+            if size > share and (tiles or not always):
+                break
+            tiles.append(tile)
+            self._has[ty, tx] = tile.revision
+        if not tiles:
+            return None
+        count, parts = self._layer.codec.encode(tiles)
+        return Body(picture.epoch, count, parts, not self.is_behind(), count)
+
+    def empty(self) -> Body | None:
+        """Return a frame's body without tiles."""
+        picture = self._follow()
+        return None if picture is None else Body(picture.epoch, 0, (), not self.is_behind())
+
+
+def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Point) -> NDArray[np.intp]:
+    """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, those next to ``focus_xy`` first, at most a frame's worth."""
+    tiles = np.argwhere(dirty)
+    if len(tiles) > 1:
+        at = picture.geometry.to_lattice(np.array(focus_xy)) / TILE - 0.5
+        away = np.square(tiles - at[::-1]).sum(axis=1)
+        if len(tiles) > MAX_FRAME_TILES:
+            nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]
+            tiles, away = tiles[nearest], away[nearest]
+        tiles = tiles[np.argsort(away, kind="stable")]
+    return tiles
+
+
+class WholeLayer(Layer):
+    """A layer whose content is always sent as a whole; the newest content replaces what a client has."""
+
+    def __init__(self, name: str, title: str, style: str, columns: Sequence[str]) -> None:
+        super().__init__(name, title, style, columns)
+        self.number = 0  #: of the published content; 0 before the first
+        self.body: tuple[int, list[bytes]] = (0, [])  #: the published content, encoded
+        self._written = self.body
+
+    def _write(self, content: Graph | NDArray[np.float32]) -> None:
+        self._written = self.codec.encode(content)
+
+    def _as_table(self, columns: ArrayLike) -> NDArray[np.float32]:
+        table: NDArray[np.float32] = np.asarray(columns, dtype=np.float32)
+        if table.ndim != 2 or len(table) != len(self.columns):
+            raise ValueError(f"a table of shape {table.shape} has not the columns {', '.join(self.columns)}")
+        return table
+
+    def publish(self) -> None:
+        """Show the newest content, under a new number where it differs."""
+        if self._written is not self.body and self._written != self.body:
+            self.number += 1
+            self.body = self._written
+
+    def cursor(self) -> WholeCursor:
+        """Return the cursor of a client that has no content."""
+        return WholeCursor(self)
+
+
+class TableLayer(WholeLayer):
+    """Points, or a path through them."""
+
+    def __init__(
+        self, name: str, title: str, style: str, columns: Sequence[str], kind: Literal["points", "path"] = "points"
+    ) -> None:
+        self.kind = kind
+        super().__init__(name, title, style, columns)
+
+    def set(self, columns: ArrayLike) -> None:
+        """Show a table (columns, points) of numbers, NaN for no value (worker thread).
+
+        Raises :class:`ValueError` for another number of columns than the layer's, or columns of different lengths.
+        """
+        self._write(self._as_table(columns))
+
+
+class GraphLayer(WholeLayer):
+    """Nodes, which are poses, and edges between them."""
+
+    kind = "graph"
+
+    def set(self, nodes: ArrayLike, edges: ArrayLike, values: ArrayLike) -> None:
+        """Show ``nodes`` (columns, n) and ``edges`` (m, 2), places of nodes from and to, with ``values`` (m,).
+
+        Called on the worker thread. Raises :class:`ValueError` for another number of columns than the layer's, for an
+        edge without its nodes, and unless there is a value for each edge.
+        """
+        table = self._as_table(nodes)
+        pairs = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        each = np.asarray(values, dtype=np.float32)
+        if each.shape != (len(pairs),) or np.any(pairs < 0) or np.any(pairs >= table.shape[1]):
+            raise ValueError(f"{len(pairs)} edges of {table.shape[1]} nodes with {each.shape} values are no graph")
+        self._write(Graph(table, pairs.astype(np.uint32), each))
+
+
+class WholeCursor(Cursor):
+    """Which content a client was sent last."""
+
+    def __init__(self, layer: WholeLayer) -> None:
+        self._layer = layer
+        self._has = 0
+
+    def is_behind(self) -> bool:
+        """Whether there is newer content than the client has."""
+        return self._has != self._layer.number
+
+    def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - undivided
+        """Return the newest content if it has at most ``room`` bytes."""
+        count, parts = self._layer.body
+        if not always and sum(map(len, parts)) > room:
+            return None
+        self._has = self._layer.number
+        return Body(self._has, count, parts)

@@ -1,0 +1,103 @@
+import type { ComponentChildren } from "preact";
+import { useId, useRef } from "preact/hooks";
+import type { Point } from "../../wire/protocol";
+import type { Place } from "./Stage";
+
+interface DragHandleProps {
+  readonly place: Place;
+  readonly at: Point;
+  readonly label: string;
+  /** One sentence on what it does. */
+  readonly sentence: string;
+  /** Its position in words. */
+  readonly text: string;
+  readonly tone?: "robot" | "beam" | "hit" | "miss" | "ink";
+  /** Metres that an arrow key moves it; a fifth of that with Shift. */
+  readonly step: number;
+  readonly onMove: (point: Point) => void;
+  /** Called for arrow keys instead of `onMove`, for example to rotate. `by` is ±1 or ±0.2. */
+  readonly onTurn?: (by: number) => void;
+  readonly children?: ComponentChildren;
+}
+
+const DIRECTIONS: Record<string, Point> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+
+/** A handle at a point of the world that moves in two directions, by mouse, touch or arrow keys. */
+export function DragHandle({
+  place,
+  at,
+  label,
+  sentence,
+  text,
+  tone = "robot",
+  step,
+  onMove,
+  onTurn,
+  children,
+}: DragHandleProps) {
+  const id = useId();
+  const start = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
+  const [x, y] = [place.x(at[0]), place.y(at[1])];
+  const end = (): void => {
+    start.current = null;
+  };
+  return (
+    <g
+      class={`drag-handle tone-${tone}`}
+      role="slider"
+      tabindex={0}
+      aria-label={label}
+      aria-roledescription="handle that moves in two directions"
+      aria-valuenow={Number(at[0].toFixed(3))}
+      aria-valuemin={Number(place.world(0, 0)[0].toFixed(3))}
+      aria-valuemax={Number(place.world(place.width, 0)[0].toFixed(3))}
+      aria-valuetext={text}
+      aria-describedby={id}
+      transform={`translate(${x} ${y})`}
+      onClick={(event) => event.stopPropagation()}
+      onPointerDown={(event) => {
+        if (event.button !== 0) return;
+        event.preventDefault();
+        event.currentTarget.focus({ preventScroll: true });
+        event.currentTarget.setPointerCapture(event.pointerId);
+        start.current = { px: [event.clientX, event.clientY], from: at };
+      }}
+      onPointerMove={(event) => {
+        if (!start.current) return;
+        const { px, from } = start.current;
+        const [dx, dy] = [event.clientX - px[0], event.clientY - px[1]];
+        onMove([from[0] + dx / place.metre, from[1] - dy / place.metre]);
+      }}
+      onPointerUp={end}
+      onPointerCancel={end}
+      onLostPointerCapture={end}
+      onKeyDown={(event) => {
+        const direction = DIRECTIONS[event.key];
+        if (!direction) return;
+        event.preventDefault();
+        const by = event.shiftKey ? 0.2 : 1;
+        if (onTurn) onTurn(by * (direction[1] || -direction[0]));
+        else onMove([at[0] + by * step * direction[0], at[1] + by * step * direction[1]]);
+      }}
+    >
+      <desc id={id}>{sentence}</desc>
+      <circle class="drag-handle-grab" r={22} />
+      {children ?? <circle class="drag-handle-dot" r={9} />}
+    </g>
+  );
+}
+
+/** A robot seen from above, its heading along +x of its own frame. */
+export function RobotShape({ yaw, size = 11 }: { yaw: number; size?: number }) {
+  return (
+    <g class="robot-shape" transform={`rotate(${(-yaw * 180) / Math.PI})`}>
+      <circle r={size} />
+      <path d={`M${size * 0.2} ${-size * 0.45}L${size * 0.75} 0L${size * 0.2} ${size * 0.45}`} />
+    </g>
+  );
+}

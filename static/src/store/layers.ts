@@ -1,0 +1,133 @@
+/** What a session shows, as far as this page has asked for it: layers by name, each kept while somebody watches it. */
+
+import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import type { LayerContent } from "../render/picture/overlays";
+import type { BinaryFrame } from "../wire/decodeFrame";
+import type { Command, Geometry, LayerInfo } from "../wire/protocol";
+import { DisplayedMap } from "./displayedMap";
+
+/** The map of a session: its first layer, which is sent to whoever has not said what it wants. */
+export const MAP = "map";
+/** The map beside it, where a session compares. */
+export const SECOND_MAP = "second_map";
+
+/** What a map holds under a name, made where it holds nothing. */
+function kept<T>(map: Map<string, T>, name: string, make: () => T): T {
+  const known = map.get(name);
+  if (known !== undefined) return known;
+  const made = make();
+  map.set(name, made);
+  return made;
+}
+
+export class Layers {
+  readonly #infos = signal<readonly LayerInfo[]>([]);
+  /** The layers that the session has, in its order. */
+  readonly infos: ReadonlySignal<readonly LayerInfo[]> = this.#infos;
+  /** What there is of layers that are no grids, in the session's order. */
+  readonly contents: ReadonlySignal<readonly LayerContent[]> = computed(() =>
+    this.#infos.value
+      .filter(({ kind }) => kind !== "grid")
+      .map(({ name }) => this.#content(name).value)
+      .filter((content) => content !== null),
+  );
+  readonly #grids = new Map<string, DisplayedMap>();
+  readonly #contents = new Map<string, Signal<LayerContent | null>>();
+  readonly #watchers = new Map<string, number>([[MAP, 1]]);
+  readonly #send: (command: Command) => void;
+
+  /** `send` tells the server; it may do nothing while there is no connection. */
+  constructor(send: (command: Command) => void) {
+    this.#send = send;
+  }
+
+  /** The grid of a layer, whether the session has it now or not. */
+  grid(name: string): DisplayedMap {
+    return kept(this.#grids, name, () => new DisplayedMap());
+  }
+
+  /** The points, path or graph of a layer; null while there is none. */
+  content(name: string): ReadonlySignal<LayerContent | null> {
+    return this.#content(name);
+  }
+
+  #content(name: string): Signal<LayerContent | null> {
+    return kept(this.#contents, name, () => signal(null));
+  }
+
+  /** Be sent a layer, now or as soon as the session has it; the result ends that, and with the last one it is gone. */
+  subscribe(name: string): () => void {
+    const count = this.#watchers.get(name) ?? 0;
+    this.#watchers.set(name, count + 1);
+    if (count === 0) this.#tell();
+    let isOver = false;
+    return () => {
+      if (isOver) return;
+      isOver = true;
+      const left = (this.#watchers.get(name) ?? 1) - 1;
+      this.#watchers.set(name, left);
+      if (left > 0) return;
+      this.#watchers.delete(name);
+      this.#drop(name);
+      this.#tell();
+    };
+  }
+
+  #tell(): void {
+    this.#send({ type: "subscribe", layers: [...this.#watchers.keys()] });
+  }
+
+  /** What a new connection begins with: which tiles are still there, and what is wanted. */
+  opening(epochId: string | undefined): readonly Command[] {
+    const commands: Command[] = [];
+    for (const [name, grid] of this.#grids) {
+      const { complete } = grid;
+      if (complete && epochId !== undefined)
+        commands.push({ type: "resume", epoch_id: epochId, layer: name, ...complete });
+    }
+    const wanted = [...this.#watchers.keys()];
+    if (wanted.length !== 1 || wanted[0] !== MAP) commands.push({ type: "subscribe", layers: wanted });
+    return commands;
+  }
+
+  // -- what the stream brings ------------------------------------------------------------------------------------
+
+  setLayers(infos: readonly LayerInfo[]): void {
+    const before = this.#infos.peek();
+    batch(() => {
+      this.#infos.value = infos;
+      // Of what the session has no more, or has made anew, only a grid stays on show: until there is another.
+      for (const { name, id, kind } of before)
+        if (kind !== "grid" && !infos.some((one) => one.id === id)) this.#content(name).value = null;
+    });
+  }
+
+  begin(geometry: Geometry): void {
+    const info = this.#infos.peek().find(({ id }) => id === geometry.layer);
+    if (info) this.grid(info.name).begin(geometry, info.style);
+  }
+
+  take(frame: BinaryFrame): void {
+    const info = this.#infos.peek().find(({ id }) => id === frame.layer);
+    if (!info || !this.#watchers.has(info.name)) return; // gone, or no longer wanted
+    if (frame.kind === "tiles") this.grid(info.name).takeTiles(frame);
+    else if (info.kind !== "grid") {
+      const { columns, kind, style } = info;
+      const { edges = null, values = null } = frame.kind === "graph" ? frame : {};
+      this.#content(info.name).value = { kind, style, names: columns, columns: frame.columns, edges, values };
+    }
+  }
+
+  #drop(name: string): void {
+    batch(() => {
+      this.#grids.get(name)?.clear();
+      const content = this.#contents.get(name);
+      if (content) content.value = null;
+    });
+  }
+
+  /** Everything received is void; what is on show stays until there is something newer. */
+  forget(): void {
+    for (const grid of this.#grids.values()) grid.forget();
+  }
+}

@@ -1,0 +1,77 @@
+import { useId, useRef } from "preact/hooks";
+import { decimals, keyed, type Range, snap, written } from "./numbers";
+import type { Tone } from "./Slider";
+
+interface DragNumberProps extends Range {
+  readonly label: string;
+  /** One sentence on what it does. */
+  readonly sentence: string;
+  readonly value: number;
+  readonly unit?: string;
+  readonly tone?: Tone;
+  /** Its text; by default the value with fixed decimals and the unit. */
+  readonly text?: string;
+  /** Punctuation that must stay on the same line. */
+  readonly after?: string;
+  readonly onInput: (value: number) => void;
+}
+
+const PX_PER_STEP = 6;
+
+/** A number in a sentence that can be dragged sideways, or moved by the arrow keys. After Bret Victor's Tangle. */
+export function DragNumber(props: DragNumberProps) {
+  const { label, sentence, value, unit, tone = "accent", text, low, high, step, after, onInput } = props;
+  const id = useId();
+  const range = { low, high, step };
+  const start = useRef<{ readonly x: number; readonly from: number } | null>(null);
+  const shown = text ?? `${written(value, decimals(step))}${unit ? ` ${unit}` : ""}`;
+  const end = (): void => {
+    start.current = null;
+  };
+  const number = (
+    <span
+      class={`drag-number tone-${tone}`}
+      role="slider"
+      tabIndex={0}
+      aria-label={label}
+      aria-valuenow={value}
+      aria-valuemin={low}
+      aria-valuemax={high}
+      aria-valuetext={shown}
+      aria-describedby={id}
+      title={`${label}: drag sideways, or use the arrow keys. ${sentence}`}
+      onPointerDown={(event) => {
+        if (event.button !== 0) return;
+        event.preventDefault();
+        event.currentTarget.focus({ preventScroll: true });
+        event.currentTarget.setPointerCapture(event.pointerId);
+        start.current = { x: event.clientX, from: value };
+      }}
+      onPointerMove={(event) => {
+        if (!start.current) return;
+        const next = snap(start.current.from + ((event.clientX - start.current.x) / PX_PER_STEP) * step, range);
+        if (next !== value) onInput(next);
+      }}
+      onPointerUp={end}
+      onPointerCancel={end}
+      onLostPointerCapture={end}
+      onKeyDown={(event) => {
+        const next = keyed(event.key, event.shiftKey, value, range);
+        if (next === null) return;
+        event.preventDefault();
+        if (next !== value) onInput(next);
+      }}
+    >
+      {shown}
+    </span>
+  );
+  return (
+    <span class="drag-number-phrase">
+      {number}
+      <span id={id} hidden>
+        {sentence}
+      </span>
+      {after}
+    </span>
+  );
+}

@@ -1,0 +1,87 @@
+"""What is drawn of a map lies where the map is, and is as sure as the map is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mapper.grid import OCCUPIED, GridGeometry, OccupancyGrid
+from server.scenes.map_mesh import HEIGHTS, MAX_SIDE, changed_tiles, map_levels, tile_columns
+
+
+def grid_of(rows: int, cols: int, seed: int = 0) -> OccupancyGrid:
+    grid = OccupancyGrid(GridGeometry(0.1, rows, cols, (1.0, 2.0, 0.0)))
+    rng = np.random.default_rng(seed)
+    grid.log_odds[:] = rng.uniform(-2.0, 3.5, grid.geometry.shape)
+    grid.observed[:] = rng.random(grid.geometry.shape) < 0.8
+    return grid
+
+
+def covered(vertices: np.ndarray, cell: float, shape: tuple[int, int]) -> np.ndarray:
+    """The height of the boxes over each cell's centre."""
+    heights = np.zeros(shape)
+    for box in vertices.reshape(-1, 8, 3):
+        (c0, r0), (c1, r1) = (
+            np.round(box[:, :2].min(0) / cell).astype(int),
+            np.round(box[:, :2].max(0) / cell).astype(int),
+        )
+        assert (heights[r0:r1, c0:c1] == 0.0).all(), "columns do not overlap"
+        heights[r0:r1, c0:c1] = box[:, 2].max()
+    return heights
+
+
+def test_columns_stand_on_the_occupied_cells_and_nowhere_else() -> None:
+    grid = grid_of(100, 150)
+    drawn = map_levels(grid.geometry, grid.log_odds, grid.observed)
+    assert drawn.cell == 0.1
+    assert drawn.size_m == (15.0, 10.0)
+    heights = np.zeros(grid.geometry.shape)
+    for tile in changed_tiles(drawn.levels, None):
+        heights += covered(tile_columns(drawn.levels, tile, drawn.cell)[0], drawn.cell, grid.geometry.shape)
+    np.testing.assert_array_equal(heights > 0.0, grid.classify() == OCCUPIED)
+    np.testing.assert_allclose(heights, HEIGHTS[drawn.levels], rtol=1e-6)
+    # The surer, the taller.
+    order = np.argsort(grid.log_odds[grid.observed])
+    assert (np.diff(heights[grid.observed][order]) >= 0.0).all()
+
+
+def test_a_vertical_wall_is_one_box_as_a_horizontal_one_is() -> None:
+    levels = np.zeros((64, 64), dtype=np.uint8)
+    levels[:, 5] = 3
+    assert len(tile_columns(levels, (0, 0), 0.1)[0]) == 8
+    assert len(tile_columns(levels.T.copy(), (0, 0), 0.1)[0]) == 8
+
+
+def test_the_floor_shows_what_was_observed() -> None:
+    grid = grid_of(64, 64)
+    floor = map_levels(grid.geometry, grid.log_odds, grid.observed).floor
+    np.testing.assert_array_equal(floor[..., 3] == 255, grid.observed)
+    free, occupied = grid.log_odds < -1.5, grid.log_odds > 3.0
+    blue, orange = floor[grid.observed & free], floor[grid.observed & occupied]
+    assert (blue[:, 2] > blue[:, 0]).all()
+    assert (orange[:, 0] > orange[:, 2]).all()
+
+
+def test_only_changed_tiles_are_sent_again() -> None:
+    grid = grid_of(200, 130)
+    before = map_levels(grid.geometry, grid.log_odds, grid.observed).levels
+    assert changed_tiles(before, before) == []
+    grid.log_odds[150, 70] = -2.0 if before[150, 70] else 3.5
+    grid.observed[150, 70] = True
+    after = map_levels(grid.geometry, grid.log_odds, grid.observed).levels
+    assert changed_tiles(after, before) == [(2, 1)]
+    # A cell that becomes free empties its tile: that is a change as well.
+    assert changed_tiles(np.zeros_like(before), before) == [(r, c) for r in range(4) for c in range(3)]
+
+
+def test_a_large_grid_is_drawn_by_blocks_that_keep_thin_walls() -> None:
+    side = 2 * MAX_SIDE + 100
+    geometry = GridGeometry(0.05, side, 300)
+    log_odds = np.full(geometry.shape, -1.0, dtype=np.float32)
+    observed = np.ones(geometry.shape, dtype=np.bool_)
+    log_odds[1000, :] = 3.5
+    drawn = map_levels(geometry, log_odds, observed)
+    assert max(drawn.levels.shape) <= MAX_SIDE
+    assert drawn.cell == pytest.approx(0.15)
+    assert (drawn.levels[1000 // 3] == 4).all()
+    assert (drawn.levels != 0).sum() == drawn.levels.shape[1]
