@@ -1,7 +1,7 @@
-"""The other end of an upload: a log sent to a service from the command line, and gone on with after a cut.
+"""How :class:`server.client.Client` sends a log to a service, and goes on after a cut.
 
 Who uploads is a visitor of the service, as a browser is; a cookie file remembers which one, so that the same file sent
-twice is one log there, and an upload that was cut goes on when the command is run again.
+twice is one log there, and an upload that was cut goes on when it is begun again.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 import httpx
 
@@ -27,32 +26,16 @@ from mapper.io.logs import log_files
 
 PIECE = 1 << 18
 TRIES = 6  #: in a row without a byte more
-READ_EVERY_S = 0.2
-TIMEOUT_S = 30.0
 
 Progress = Callable[[float], None]
 
 
-class UploadError(MapperError):
-    """The service cannot be reached, or does not take the file."""
-
-
-def upload(
-    file: Path, url: str, visitors: Path, *, progress: Progress | None = None, pause_s: float = 1.0
-) -> tuple[dict[str, Any], str]:
-    """Send ``file`` to the service at ``url`` and wait until it was read; return its record and a link to its map.
-
-    Of a folder the log in it is sent; where that is several files, as a tar archive of them.
-    ``url`` may hold the service's token, as the address does that it prints. ``visitors`` is the file that remembers
-    who this is. After a cut the upload goes on from where the service has it, ``pause_s`` seconds later and twice that
-    after each further try. Raises :class:`ReadError` for a file that cannot be read and :class:`UploadError`.
-    """
-    with _as_one_file(file) as one:
-        return _upload(one, file.resolve().name, url, visitors, progress, pause_s)
+class ClientError(MapperError):
+    """The service cannot be reached, or refuses what was asked for: then ``code`` and ``message`` are the service's."""
 
 
 @contextmanager
-def _as_one_file(path: Path) -> Iterator[Path]:
+def as_one_file(path: Path) -> Iterator[Path]:
     """Yield a file with the log at ``path``. The same files give the same archive, so that it is known again."""
     logs = log_files(path) if path.is_dir() else [path]
     if len(logs) == 1:
@@ -69,31 +52,7 @@ def _as_one_file(path: Path) -> Iterator[Path]:
         yield Path(packed.name)
 
 
-def _upload(
-    file: Path, name: str, url: str, visitors: Path, progress: Progress | None, pause_s: float
-) -> tuple[dict[str, Any], str]:
-    parts = urlsplit(url if "//" in url else f"http://{url}")
-    base = f"{parts.scheme}://{parts.netloc}"
-    token = parse_qs(parts.query).get("token", [""])[0]
-    size, digest = _measured(file)
-    headers = {"Authorization": f"Bearer {token}"} if token else {}
-    try:
-        cookies = {"gridbloom_visitor": _visitor(visitors, base)}
-        with httpx.Client(base_url=base, headers=headers, cookies=cookies, timeout=TIMEOUT_S) as client:
-            record = _sent(client, file, name, size, digest, progress, pause_s)
-            while record["state"] in ("queued", "reading"):
-                time.sleep(READ_EVERY_S)
-                record = _answered(_request(client, pause_s, "GET", f"/api/logs/{record['id']}"))
-            if record["state"] == "failed":
-                raise UploadError(record["error"]["code"], record["error"]["message"])
-            wanted = {"kind": "log", "log": record["id"]}
-            session = _answered(_request(client, pause_s, "POST", "/api/sessions", json=wanted))
-    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
-        raise UploadError("upload.unreachable", f"The service at {base} cannot be reached: {error}.") from error
-    return record, f"{base}/logs.html?session={session['id']}"
-
-
-def _measured(file: Path) -> tuple[int, str]:
+def measured(file: Path) -> tuple[int, str]:
     """Return a file's size and digest."""
     try:
         with file.open("rb") as stream:
@@ -106,7 +65,7 @@ def _measured(file: Path) -> tuple[int, str]:
     return size, digest
 
 
-def _sent(
+def sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
     """Send the file, as often as it takes; return the record of the log."""
@@ -114,7 +73,7 @@ def _sent(
     before, tries = -1, 0
     while True:
         try:
-            offset = int(_answered(client.get(f"/api/logs/uploads/{key}"))["offset"])
+            offset = int(accepted(client.get(f"/api/logs/uploads/{key}")).json()["offset"])
             tries = 0 if offset > before else tries
             before = max(before, offset)
             answer = client.put(
@@ -124,10 +83,10 @@ def _sent(
                 headers={"Content-Range": f"bytes {offset}-{size - 1}/{size}", "Content-Length": str(size - offset)},
             )
             if answer.status_code == 202:
-                return _answered(answer)
+                return dict(answer.json())
             if answer.status_code not in (200, 409, 503):  # those are worth another try
-                _answered(answer)
-            failure: Exception = UploadError(*_refusal(answer))
+                accepted(answer)
+            failure: Exception = ClientError(*_refusal(answer))
         except httpx.TransportError as error:
             failure = error
         tries += 1
@@ -146,7 +105,7 @@ def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> It
                 progress(offset / size)
 
 
-def _request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
+def request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
     """Send a request; where the connection is cut, again, :data:`TRIES` times at most."""
     for attempt in range(TRIES - 1):
         try:
@@ -156,10 +115,11 @@ def _request(client: httpx.Client, pause_s: float, method: str, path: str, **opt
     return client.request(method, path, **options)
 
 
-def _answered(answer: httpx.Response) -> dict[str, Any]:
+def accepted(answer: httpx.Response) -> httpx.Response:
+    """Return ``answer``, or raise :class:`ClientError` with the service's sentence where it is a refusal."""
     if answer.is_success:
-        return dict(answer.json())
-    raise UploadError(*_refusal(answer))
+        return answer
+    raise ClientError(*_refusal(answer))
 
 
 def _refusal(answer: httpx.Response) -> tuple[str, str]:
@@ -167,11 +127,13 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
         told = answer.json()
         return str(told["code"]), str(told["message"])
     except (ValueError, KeyError, TypeError):
-        return "upload.refused", f"The service answered {answer.status_code}."
+        return "client.refused", f"The service answered {answer.status_code}."
 
 
-def _visitor(visitors: Path, base: str) -> str:
-    """Return who this is to the service at ``base``, from the file that remembers it."""
+def visitor_id(visitors: Path | None, base: str) -> str:
+    """Return who this is to the service at ``base``, from the file that remembers it; without one somebody new."""
+    if visitors is None:
+        return secrets.token_urlsafe(18)
     try:
         known = json.loads(visitors.read_text(encoding="utf-8"))
         if isinstance(known, dict) and isinstance(known.get(base), str):
