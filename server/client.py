@@ -76,10 +76,10 @@ class Client:
     """A connection to the service at ``url``.
 
     ``url`` may hold the service's token, as the address does that the service prints; ``token`` replaces it.
-    ``visitors`` is a file that remembers who this is for each service, so that a log sent twice is one log there and an
-    upload that was cut goes on in another process; without it every client is a new visitor, who sees none of the logs
-    and sessions of another. After a cut connection a request is made again ``pause_s`` seconds later, and twice that
-    after each further try.
+    ``visitors`` is a file that keeps the visitor id for each service, so that a log that is sent twice is stored once
+    and an interrupted upload is resumed in another process; without it every client is a new visitor, who sees none of
+    the logs and sessions of another. After a broken connection a request is repeated ``pause_s`` seconds later, and
+    after twice the last pause at each further attempt.
 
     All methods raise :class:`ClientError`: the service's sentence where it refuses, or that it cannot be reached.
     """
@@ -114,8 +114,9 @@ class Client:
     def upload(self, path: Path, progress: Progress | None = None) -> Log:
         """Send the log at ``path``; return it, not read yet. ``progress`` is called with the share that was sent.
 
-        Of a folder the log in it is sent; where that is several files, as a tar archive of them. After a cut the upload
-        goes on from where the service has it. Raises :class:`ReadError` for a file that cannot be read.
+        If ``path`` is a folder, the log in it is sent; a log of several files is sent as a tar archive. After a broken
+        connection the upload resumes at the last byte that the service has: after ``pause_s`` seconds, and after twice
+        the last pause at each further attempt. Raises :class:`ReadError` for a file that cannot be read.
         """
         with as_one_file(path) as file:
             size, digest = measured(file)
@@ -186,7 +187,7 @@ class Client:
                     raise ClientError(message["code"], message["message"])
                 if message["type"] == "frame" and message["index"] == wanted:
                     return self.session(session.id)
-        raise ClientError("client.stream", "The service closed the session's stream before the map was made.")
+        raise ClientError("client.stream", "The service closed the stream of the session before the map was complete.")
 
     def end(self, session: Session) -> None:
         """End a session that this visitor began."""

@@ -1,7 +1,7 @@
-"""How :class:`server.client.Client` sends a log to a service, and goes on after a cut.
+"""The requests of :class:`server.client.Client`: an upload that resumes after a broken connection, and its errors.
 
-Who uploads is a visitor of the service, as a browser is; a cookie file remembers which one, so that the same file sent
-twice is one log there, and an upload that was cut goes on when it is begun again.
+The client is a visitor of the service, as a browser is. Its visitor id is kept in a file, so that a file that is sent
+twice is stored once, and an interrupted upload is resumed when the command is run again.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs import log_files
 
 PIECE = 1 << 18
-TRIES = 6  #: in a row without a byte more
+TRIES = 6  #: consecutive attempts in which the service received nothing new
 
 Progress = Callable[[float], None]
 
 
 class ClientError(MapperError):
-    """The service cannot be reached, or refuses what was asked for: then ``code`` and ``message`` are the service's."""
+    """The service cannot be reached, or it refuses a request: then ``code`` and ``message`` are the service's."""
 
 
 @contextmanager
 def as_one_file(path: Path) -> Iterator[Path]:
-    """Yield a file with the log at ``path``. The same files give the same archive, so that it is known again."""
+    """Yield a file with the log at ``path``. The same files give the same archive, with the same digest."""
     logs = log_files(path) if path.is_dir() else [path]
     if len(logs) == 1:
         yield logs[0]
@@ -44,7 +44,7 @@ def as_one_file(path: Path) -> Iterator[Path]:
     with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
         with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
             for log in logs:
-                info = tarfile.TarInfo(log.name[-100:])  # the end has the number that tells its place
+                info = tarfile.TarInfo(log.name[-100:])  # the last characters hold the number of the part
                 with log.open("rb") as file:
                     info.size = os.fstat(file.fileno()).st_size
                     archive.addfile(info, file)
@@ -68,7 +68,7 @@ def measured(file: Path) -> tuple[int, str]:
 def sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
-    """Send the file, as often as it takes; return the record of the log."""
+    """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log."""
     key = digest[:40]
     before, tries = -1, 0
     while True:
@@ -84,7 +84,7 @@ def sent(
             )
             if answer.status_code == 202:
                 return dict(answer.json())
-            if answer.status_code not in (200, 409, 503):  # those are worth another try
+            if answer.status_code not in (200, 409, 503):  # the upload can be resumed after these
                 accepted(answer)
             failure: Exception = ClientError(*_refusal(answer))
         except httpx.TransportError as error:
@@ -131,7 +131,10 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
 
 
 def visitor_id(visitors: Path | None, base: str) -> str:
-    """Return who this is to the service at ``base``, from the file that remembers it; without one somebody new."""
+    """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there.
+
+    Without a file the id is new.
+    """
     if visitors is None:
         return secrets.token_urlsafe(18)
     try:
