@@ -1,4 +1,4 @@
-"""Client of the upload interface: sends a log to a service and resumes the upload after a broken connection.
+"""The requests of :class:`server.client.Client`: an upload that resumes after a broken connection, and its errors.
 
 The client is a visitor of the service, as a browser is. Its visitor id is kept in a file, so that a file that is sent
 twice is stored once, and an interrupted upload is resumed when the command is run again.
@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 import httpx
 
@@ -27,33 +26,16 @@ from mapper.io.logs import log_files
 
 PIECE = 1 << 18
 TRIES = 6  #: consecutive attempts in which the service received nothing new
-READ_EVERY_S = 0.2
-TIMEOUT_S = 30.0
 
 Progress = Callable[[float], None]
 
 
-class UploadError(MapperError):
-    """The service cannot be reached, or does not take the file."""
-
-
-def upload(
-    file: Path, url: str, visitors: Path, *, progress: Progress | None = None, pause_s: float = 1.0
-) -> tuple[dict[str, Any], str]:
-    """Send ``file`` to the service at ``url``, wait until it is read, and return its record and a link to its map.
-
-    If ``file`` is a folder, the log in it is sent; a log of several files is sent as a tar archive. ``url`` may contain
-    the service's token, as the address that the service prints does. ``visitors`` is the file of visitor ids. After a
-    broken connection the upload resumes at the last byte that the service has: after ``pause_s`` seconds, and after
-    twice the last pause at each further attempt. Raises :class:`ReadError` for a file that cannot be read, and
-    :class:`UploadError`.
-    """
-    with _as_one_file(file) as one:
-        return _upload(one, file.resolve().name, url, visitors, progress, pause_s)
+class ClientError(MapperError):
+    """The service cannot be reached, or it refuses a request: then ``code`` and ``message`` are the service's."""
 
 
 @contextmanager
-def _as_one_file(path: Path) -> Iterator[Path]:
+def as_one_file(path: Path) -> Iterator[Path]:
     """Yield a file with the log at ``path``. The same files give the same archive, with the same digest."""
     logs = log_files(path) if path.is_dir() else [path]
     if len(logs) == 1:
@@ -70,31 +52,7 @@ def _as_one_file(path: Path) -> Iterator[Path]:
         yield Path(packed.name)
 
 
-def _upload(
-    file: Path, name: str, url: str, visitors: Path, progress: Progress | None, pause_s: float
-) -> tuple[dict[str, Any], str]:
-    parts = urlsplit(url if "//" in url else f"http://{url}")
-    base = f"{parts.scheme}://{parts.netloc}"
-    token = parse_qs(parts.query).get("token", [""])[0]
-    size, digest = _measured(file)
-    headers = {"Authorization": f"Bearer {token}"} if token else {}
-    try:
-        cookies = {"gridbloom_visitor": _visitor(visitors, base)}
-        with httpx.Client(base_url=base, headers=headers, cookies=cookies, timeout=TIMEOUT_S) as client:
-            record = _sent(client, file, name, size, digest, progress, pause_s)
-            while record["state"] in ("queued", "reading"):
-                time.sleep(READ_EVERY_S)
-                record = _answered(_request(client, pause_s, "GET", f"/api/logs/{record['id']}"))
-            if record["state"] == "failed":
-                raise UploadError(record["error"]["code"], record["error"]["message"])
-            wanted = {"kind": "log", "log": record["id"]}
-            session = _answered(_request(client, pause_s, "POST", "/api/sessions", json=wanted))
-    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
-        raise UploadError("upload.unreachable", f"The service at {base} cannot be reached: {error}.") from error
-    return record, f"{base}/logs.html?session={session['id']}"
-
-
-def _measured(file: Path) -> tuple[int, str]:
+def measured(file: Path) -> tuple[int, str]:
     """Return a file's size and digest."""
     try:
         with file.open("rb") as stream:
@@ -107,7 +65,7 @@ def _measured(file: Path) -> tuple[int, str]:
     return size, digest
 
 
-def _sent(
+def sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
     """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log."""
@@ -115,7 +73,7 @@ def _sent(
     before, tries = -1, 0
     while True:
         try:
-            offset = int(_answered(client.get(f"/api/logs/uploads/{key}"))["offset"])
+            offset = int(accepted(client.get(f"/api/logs/uploads/{key}")).json()["offset"])
             tries = 0 if offset > before else tries
             before = max(before, offset)
             answer = client.put(
@@ -125,10 +83,10 @@ def _sent(
                 headers={"Content-Range": f"bytes {offset}-{size - 1}/{size}", "Content-Length": str(size - offset)},
             )
             if answer.status_code == 202:
-                return _answered(answer)
+                return dict(answer.json())
             if answer.status_code not in (200, 409, 503):  # the upload can be resumed after these
-                _answered(answer)
-            failure: Exception = UploadError(*_refusal(answer))
+                accepted(answer)
+            failure: Exception = ClientError(*_refusal(answer))
         except httpx.TransportError as error:
             failure = error
         tries += 1
@@ -147,7 +105,7 @@ def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> It
                 progress(offset / size)
 
 
-def _request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
+def request(client: httpx.Client, pause_s: float, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - passed on
     """Send a request; where the connection is cut, again, :data:`TRIES` times at most."""
     for attempt in range(TRIES - 1):
         try:
@@ -157,10 +115,11 @@ def _request(client: httpx.Client, pause_s: float, method: str, path: str, **opt
     return client.request(method, path, **options)
 
 
-def _answered(answer: httpx.Response) -> dict[str, Any]:
+def accepted(answer: httpx.Response) -> httpx.Response:
+    """Return ``answer``, or raise :class:`ClientError` with the service's sentence where it is a refusal."""
     if answer.is_success:
-        return dict(answer.json())
-    raise UploadError(*_refusal(answer))
+        return answer
+    raise ClientError(*_refusal(answer))
 
 
 def _refusal(answer: httpx.Response) -> tuple[str, str]:
@@ -168,11 +127,16 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
         told = answer.json()
         return str(told["code"]), str(told["message"])
     except (ValueError, KeyError, TypeError):
-        return "upload.refused", f"The service answered {answer.status_code}."
+        return "client.refused", f"The service answered {answer.status_code}."
 
 
-def _visitor(visitors: Path, base: str) -> str:
-    """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there."""
+def visitor_id(visitors: Path | None, base: str) -> str:
+    """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there.
+
+    Without a file the id is new.
+    """
+    if visitors is None:
+        return secrets.token_urlsafe(18)
     try:
         known = json.loads(visitors.read_text(encoding="utf-8"))
         if isinstance(known, dict) and isinstance(known.get(base), str):

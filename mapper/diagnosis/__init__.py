@@ -3,5 +3,16 @@
 from mapper.diagnosis.drifting import drift_finding
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.verdict import Limits, Reason, Verdict, judge, named_findings
 
-__all__ = ["CHECKS", "Finding", "drift_finding", "examine"]
+__all__ = [
+    "CHECKS",
+    "Finding",
+    "Limits",
+    "Reason",
+    "Verdict",
+    "drift_finding",
+    "examine",
+    "judge",
+    "named_findings",
+]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog, Trajectory
+
+if TYPE_CHECKING:
+    from mapper.diagnosis.contradiction import Contradiction
 
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to the noise of a reading
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
@@ -30,7 +34,8 @@ MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 class Examined:
     """A log thinned to what is enough to judge it by, with one of its trajectories; ``scans`` are its scan numbers.
 
-    ``wanted`` is asked before each map that is made of it: False ends the examination.
+    ``wanted`` is asked before each map that is made of it: False ends the examination. ``compared`` is called with what
+    the drift check measured, whether it finds drift or not.
     """
 
     log: ScanLog
@@ -39,6 +44,7 @@ class Examined:
     config: MappingConfig
     time_offset: float = 0.0  #: seconds, by which the stamps were shifted to find the poses
     wanted: Callable[[], bool] = lambda: True
+    compared: Callable[[Contradiction], None] = lambda _: None
 
     @cached_property
     def agreement(self) -> float:

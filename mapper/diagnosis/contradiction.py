@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from scipy.spatial import KDTree
 
 from mapper.diagnosis.consistency import Examined
 from mapper.grid import GridGeometry, OccupancyGrid
@@ -29,28 +30,8 @@ TOLERANCE = 2  #: cells: a beam that passes nearer to an endpoint does not contr
 LEAST_PASSES = 2  #: beams through a cell that make it free
 RANGE_MAX = 10.0  #: metres: farther away a heading that is wrong by 1° exceeds the tolerance
 LEAST_EVIDENCE = 1000.0  #: endpoints that fall into cells of a part far in time
+WITHIN = 0.9  #: share of the endpoints that lie within :meth:`Contradiction.offset` of a wall
 _DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 1]) <= TOLERANCE + 0.01
-
-
-@dataclass(frozen=True, slots=True)
-class Contradiction:
-    """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
-
-    ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
-    the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.
-    """
-
-    near: float
-    far: float
-    evidence: float
-    by_part: NDArray[np.float64]
-
-    @property
-    def excess(self) -> float:
-        """What is contradicted far apart in time of all that is not contradicted a moment apart; 0 without evidence."""
-        if self.evidence < LEAST_EVIDENCE:
-            return 0.0
-        return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +42,61 @@ class _Part:
     weights: NDArray[np.float64]
     near: NDArray[np.int64]
     free: NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
+
+    ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
+    the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.
+    ``parts`` are the PARTS parts themselves, on a grid of ``geometry``.
+    """
+
+    near: float
+    far: float
+    evidence: float
+    by_part: NDArray[np.float64]
+    parts: Sequence[_Part]
+    geometry: GridGeometry
+
+    @property
+    def excess(self) -> float:
+        """What is contradicted far apart in time of all that is not contradicted a moment apart; 0 without evidence."""
+        if self.evidence < LEAST_EVIDENCE:
+            return 0.0
+        return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0
+
+    def offset(self) -> float | None:
+        """Return within how many metres of a wall of another part, far in time, :data:`WITHIN` of the endpoints lie.
+
+        Counted are the endpoints in ``far``: those that the other part confirms and those that it contradicts. The
+        distance is from the centre of the endpoint's cell to that of the nearest cell in which the other part has an
+        endpoint. With right poses it is one or two cells; where walls are double it is about the distance between the
+        two copies, and at most about half the width of a room, because then another wall is the nearest. None without
+        evidence.
+        """
+        if self.evidence < LEAST_EVIDENCE:
+            return None
+        distances, weights = [], []
+        for i, other in enumerate(self.parts):
+            if not len(other.ends):
+                continue
+            walls = KDTree(self._cells(other.ends))
+            known = np.concatenate([other.near, other.free])
+            for j, part in enumerate(self.parts):
+                if _far_apart(i, j):
+                    counted = np.isin(part.ends, known)
+                    distances.append(walls.query(self._cells(part.ends[counted]))[0])
+                    weights.append(part.weights[counted])
+        cells, count = np.concatenate(distances), np.concatenate(weights)
+        order = np.argsort(cells)
+        below = np.cumsum(count[order])
+        found = order[np.searchsorted(below, WITHIN * below[-1])]
+        return float(cells[found]) * self.geometry.resolution
+
+    def _cells(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.stack(np.divmod(numbers, self.geometry.cols), axis=-1)
 
 
 def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
@@ -74,17 +110,17 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
         replace(seen, config=replace(seen.config, range_max=min(seen.config.range_max, RANGE_MAX)))
         for seen in (whole, thinned)
     )
-    parts, n_cells = _parts(thinned, PARTS)
-    far = _compared(parts, n_cells, lambda i, j: abs(i - j) >= FAR)
+    parts, geometry = _parts(thinned, PARTS)
+    far = _compared(parts, geometry, _far_apart)
     starts = np.unique(np.linspace(0, max(0, whole.log.n_scans - WINDOW), PARTS).astype(np.int64))
     near = np.zeros(2)
     for start in starts.tolist():
         window = cut(whole, start, start + WINDOW)
-        halves, n_cells = _parts(window, 2)
-        near += _compared(halves, n_cells, lambda i, j: i != j).sum(axis=0)
+        halves, place = _parts(window, 2)
+        near += _compared(halves, place, lambda i, j: i != j).sum(axis=0)
     totals = far.sum(axis=1)
     by_part = np.divide(far[:, 0], totals, out=np.full(len(far), np.nan), where=totals > 0)
-    return Contradiction(_share(near), _share(far.sum(axis=0)), float(totals.sum()), by_part)
+    return Contradiction(_share(near), _share(far.sum(axis=0)), float(totals.sum()), by_part, parts, geometry)
 
 
 def cut(seen: Examined, start: int, stop: int) -> Examined:
@@ -98,12 +134,16 @@ def cut(seen: Examined, start: int, stop: int) -> Examined:
     return replace(seen, log=log, scans=seen.scans[start:stop])
 
 
+def _far_apart(i: int, j: int) -> bool:
+    return abs(i - j) >= FAR
+
+
 def _share(counts: NDArray[np.float64]) -> float:
     return float(counts[0] / counts.sum()) if counts.sum() else 0.0
 
 
-def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], int]:
-    """Return the scans in ``n_parts`` parts of equal length, and the number of cells of the grid that they share."""
+def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], GridGeometry]:
+    """Return the scans in ``n_parts`` parts of equal length, and the grid that they share."""
     seen.check_wanted()
     geometry = geometry_for(seen.log, seen.config)
     edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)
@@ -112,7 +152,7 @@ def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], int]:
         grid = OccupancyGrid(geometry)
         integrate_scans(grid, seen.log, seen.config, None, start, stop)
         found.append(_part(grid, geometry))
-    return found, geometry.rows * geometry.cols
+    return found, geometry
 
 
 def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
@@ -136,10 +176,12 @@ def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
     return _Part(numbers(ended), hits[box][ended].astype(np.float64), numbers(near), numbers(free))
 
 
-def _compared(parts: Sequence[_Part], n_cells: int, counts: Callable[[int, int], bool]) -> NDArray[np.float64]:
+def _compared(
+    parts: Sequence[_Part], geometry: GridGeometry, counts: Callable[[int, int], bool]
+) -> NDArray[np.float64]:
     """Return for each part (n, 2) how many of its endpoints the others contradict and how many they confirm."""
     found = np.zeros((len(parts), 2))
-    said = np.zeros(n_cells, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
+    said = np.zeros(geometry.rows * geometry.cols, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
     for i, other in enumerate(parts):
         said[other.free], said[other.near] = 1, 2
         for j, part in enumerate(parts):

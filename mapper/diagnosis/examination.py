@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, timing, walls
 from mapper.diagnosis.consistency import Examined, examined
+from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
@@ -17,9 +18,10 @@ LEAST_SCANS = 10  #: below this there is nothing to compare
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check; what it would say means nothing where one of ``spoiled_by`` was found."""
+    """One check: ``names`` are those of its findings; it is left out where one of ``spoiled_by`` was found."""
 
     look: Callable[[ScanLog, Examined], list[Finding]]
+    names: tuple[str, ...]
     spoiled_by: frozenset[str] = frozenset()
 
 
@@ -28,14 +30,16 @@ _TURNED = _FEW | {"mount.turned"}
 
 #: In the order in which a person should look: what spoils the others comes first.
 CHECKS: tuple[Check, ...] = (
-    Check(clock.check),
-    Check(readings.check),
-    Check(mounting.check_turned, _FEW),
-    Check(timing.check, _TURNED),
-    Check(mounting.check_offset, _TURNED | {"timing.delay"}),
-    Check(walls.check_still, _TURNED | {"timing.delay"}),
-    Check(walls.check_drift, _TURNED | {"timing.delay"}),
-    Check(walls.check_moving, _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}),
+    Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
+    Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
+    Check(mounting.check_turned, ("mount.turned",), _FEW),
+    Check(timing.check, ("timing.delay",), _TURNED),
+    Check(mounting.check_offset, ("mount.offset",), _TURNED | {"timing.delay"}),
+    Check(walls.check_still, ("poses.still",), _TURNED | {"timing.delay"}),
+    Check(walls.check_drift, ("walls.drift",), _TURNED | {"timing.delay"}),
+    Check(
+        walls.check_moving, ("walls.moving",), _TURNED | {"timing.delay", "mount.offset", "walls.drift", "poses.still"}
+    ),
 )
 
 
@@ -45,12 +49,14 @@ def examine(
     progress: Callable[[float], None] | None = None,
     wanted: Callable[[], bool] = lambda: True,
     time_offset: float = 0.0,
+    compared: Callable[[Contradiction], None] = lambda _: None,
 ) -> list[Finding]:
     """Return what all checks find in a log with one of its trajectories, the surest first within a check.
 
     Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
     are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
-    that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError` for a log too short to judge and for a
+    that is done; ``wanted`` is asked all the while; ``compared`` is called with what the drift check measured, if it
+    was made. Raises :class:`ConfigError` for a log too short to judge and for a
     trajectory that it lacks, and :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
     if log.n_scans < LEAST_SCANS:
@@ -58,7 +64,7 @@ def examine(
             "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
         )
     log = at_middle_of_sweep(log, trajectory, time_offset)
-    seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted)
+    seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted, compared=compared)
     found: list[Finding] = []
     for done, check in enumerate(CHECKS):
         if progress is not None:

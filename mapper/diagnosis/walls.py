@@ -56,6 +56,7 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
     if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():
         return []
     found = contradiction(unthinned(log, seen), seen)
+    seen.compared(found)
     sure = drift_confidence(found.excess)
     if sure < LEAST_SURE:
         return []

@@ -61,15 +61,17 @@ def upload(
     as_json: AsJson = False,
 ) -> None:
     """Send a log to a service, resume after a broken connection, and print the address of its map."""
+    from server.client import Client  # noqa: PLC0415 - start-up
     from server.settings import Settings  # noqa: PLC0415 - start-up
-    from server.upload_client import upload as send  # noqa: PLC0415 - start-up
 
-    with refusing(file), progress_bar("Uploading") as progress:
-        record, link = send(file, url, Settings().data_dir / "visitors.json", progress=progress)
+    visitors = Settings().data_dir / "visitors.json"
+    with refusing(file), progress_bar("Uploading") as progress, Client(url, visitors=visitors) as client:
+        log = client.wait(client.upload(file, progress))
+        link = client.address(client.open(log, playing=True))
     if as_json:
-        print_json(record | {"link": link})
+        print_json({**log.record, "link": link})
         return
-    typer.echo(f"{record['name']}: {record['scans']} scans of {record['beams']} beams, {record['format']}")
-    for note in record["notes"]:
+    typer.echo(f"{log.name}: {log.scans} scans of {log.beams} beams, {log.format}")
+    for note in log.notes:
         typer.echo(f"  note: {note}")
     typer.echo(f"  {link}")

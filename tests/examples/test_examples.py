@@ -29,6 +29,7 @@ WRITTEN = {
     "export_a_log": ({"run.csv", "map.pgm", "map.yaml", "map.png", "run.mcap"}, "CSV, 40 scans of 360 beams"),
     "map_a_log": ({"map.png"}, "cell updates"),
     "merge_maps": ({"first.pgm", "first.yaml", "second.pgm", "second.yaml", "merged.png"}, "cells are known"),
+    "use_a_service": ({"run.mcap", "map.png"}, "cells are occupied; the map is at http://127.0.0.1:"),
     "why_is_this_cell_occupied": ({"why.png"}, "argued for occupied"),
 }
 

@@ -7,6 +7,7 @@ import stat
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
@@ -14,7 +15,8 @@ import pytest
 from mapper.core.errors import ReadError
 from mapper.io.logs import open_log
 from server.cli import main
-from server.upload_client import TRIES, UploadError, upload
+from server.client import Client, ClientError
+from server.upload_client import TRIES
 from tests.mapper.io.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
@@ -35,6 +37,13 @@ def log(tmp_path: Path) -> Path:
     path = tmp_path / "the run.log"
     path.write_bytes(DATA)
     return path
+
+
+def upload(file: Path, url: str, visitors: Path, progress: Any = None, pause_s: float = 1.0) -> tuple[Any, str]:
+    """What ``gridbloom upload`` does."""
+    with Client(url, visitors=visitors, pause_s=pause_s) as client:
+        log = client.wait(client.upload(file, progress))
+        return log.record, client.address(client.open(log, playing=True))
 
 
 def stored(service: Service, record_id: str) -> bytes:
@@ -103,7 +112,7 @@ def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: 
         sent.append(share)
         line.most = 100
 
-    with pytest.raises(UploadError):
+    with pytest.raises(ClientError):
         upload(log, line.url, visitors, progress=noted, pause_s=0.001)
     assert line.connections >= TRIES
     line.most = 1 << 40
@@ -116,7 +125,7 @@ def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: 
 def test_what_is_no_log_is_refused_with_the_services_sentence(service: Service, tmp_path: Path) -> None:
     path = tmp_path / "holiday.jpg"
     path.write_bytes(b"\xff\xd8\xff" + bytes(1000))
-    with pytest.raises(UploadError, match="JPEG"):
+    with pytest.raises(ClientError, match="JPEG"):
         upload(path, f"127.0.0.1:{service.port}", tmp_path / "visitors.json")
 
 
@@ -124,9 +133,9 @@ def test_no_file_no_service_and_a_file_of_garbage_for_the_visitors(service: Serv
     visitors = tmp_path / "visitors.json"
     with pytest.raises(ReadError, match="No such file"):
         upload(tmp_path / "gone", f"127.0.0.1:{service.port}", visitors)
-    with pytest.raises(UploadError, match="cannot be reached"):
+    with pytest.raises(ClientError, match="cannot be reached"):
         upload(log, "http://127.0.0.1:9", visitors, pause_s=0.001)
-    with pytest.raises(UploadError, match="cannot be reached"):
+    with pytest.raises(ClientError, match="cannot be reached"):
         upload(log, "nonsense://", visitors, pause_s=0.001)
     for garbage in (b"[", b"[1]", b'{"http://x": 5}', b"\xff"):
         visitors.write_bytes(garbage)

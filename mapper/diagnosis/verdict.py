@@ -1,0 +1,193 @@
+"""Whether a log keeps limits that somebody set: what a test of a robot asks of its recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose
+from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
+from mapper.diagnosis.examination import CHECKS, examine
+from mapper.diagnosis.finding import POSSIBLE, Finding
+from mapper.grid.compare import wall_contrast
+from mapper.mapping.integrate import grid_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.sensors.scan import ScanLog
+
+FINDINGS = tuple(name for check in CHECKS for name in check.names)  #: the names of all findings
+ALL = "all"
+DRIFT = "walls.drift"
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a log has to keep; what is None or empty is not judged.
+
+    ``max_drift`` is in metres, of :meth:`mapper.diagnosis.contradiction.Contradiction.offset`; ``min_sharpness`` is
+    0 … 1, of :func:`mapper.grid.compare.wall_contrast`; ``no_findings`` are names of findings that there may not be.
+    Findings that are only possible count if ``possible``; so do those that kept another check from being made.
+    """
+
+    max_drift: float | None = None
+    min_sharpness: float | None = None
+    no_findings: frozenset[str] = frozenset()
+    possible: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """One limit that is not kept.
+
+    ``check`` is ``drift``, ``sharpness`` or the name of a finding. ``measured`` is in the unit of the limit: metres,
+    0 … 1, or how sure the finding is, 0 … 1; None where it could not be measured. ``sentence`` says both.
+    """
+
+    check: str
+    measured: float | None
+    limit: float
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What came of judging a log: ``reasons`` why it fails, none where it passes.
+
+    ``drift`` (metres) and ``sharpness`` (0 … 1) are None where they were not asked for or could not be measured.
+    ``findings`` are all that the doctor has, None where neither drift nor findings were asked for.
+    """
+
+    reasons: tuple[Reason, ...]
+    drift: float | None
+    sharpness: float | None
+    findings: tuple[Finding, ...] | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether all limits are kept."""
+        return not self.reasons
+
+    def public(self) -> dict[str, Any]:
+        """Return the fields and ``passed``, for JSON."""
+        return {
+            "passed": self.passed,
+            "reasons": [asdict(reason) | {"measured": _rounded(reason.measured)} for reason in self.reasons],
+            "drift_m": _rounded(self.drift),
+            "sharpness": _rounded(self.sharpness),
+            "findings": None if self.findings is None else [finding.public() for finding in self.findings],
+        }
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 4)
+
+
+def named_findings(names: Iterable[str]) -> frozenset[str]:
+    """Return the names of findings that ``names`` stand for: each a full name, its part before the dot, or ``all``.
+
+    Raises :class:`ConfigError`, with what there is, for any other name.
+    """
+    found: set[str] = set()
+    for name in names:
+        meant = [one for one in FINDINGS if name in (ALL, one, one.partition(".")[0])]
+        if not meant:
+            raise ConfigError(
+                "check.finding", f"There is no finding {name!r:.40}; there are {ALL}, {', '.join(FINDINGS)}."
+            )
+        found.update(meant)
+    return frozenset(found)
+
+
+def judge(
+    log: ScanLog,
+    limits: Limits,
+    trajectory: str | None = None,
+    config: MappingConfig | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Verdict:
+    """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
+
+    ``config`` gives a correction of the mount; all else of it is left aside, for sharpness is judged in the map of the
+    sensor's default parameters. What cannot be judged does not pass. ``progress`` is called with the share that is
+    done. Raises :class:`ConfigError` for a trajectory that the log lacks and, where drift or findings are asked for,
+    for a log too short to judge; :class:`LimitError` for a map that is too large.
+    """
+    if config is not None:
+        over = log.upside_down != config.mount_upside_down
+        x, y, yaw = (float(value) for value in compose(log.mount, config.mount))
+        log = replace(log, mount=(x, y, yaw), upside_down=over)
+    findings: tuple[Finding, ...] | None = None
+    compared: list[Contradiction] = []
+    if limits.max_drift is not None or limits.no_findings:
+        findings = tuple(examine(log, trajectory, progress, compared=compared.append))
+    drift = compared[0].offset() if compared and limits.max_drift is not None else None
+    sharpness = None if limits.min_sharpness is None else _sharpness(log, trajectory)
+    reasons = []
+    if limits.max_drift is not None:
+        why = _why_unmeasured(log, trajectory, findings or ()) if drift is None else ""
+        reasons += _drift_reasons(drift, limits.max_drift, why)
+    if limits.min_sharpness is not None and sharpness is not None and sharpness < limits.min_sharpness:
+        said = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
+        reasons.append(Reason("sharpness", sharpness, limits.min_sharpness, said))
+    reasons += _finding_reasons(findings or (), limits)
+    return Verdict(tuple(reasons), drift, sharpness, findings)
+
+
+def _sharpness(log: ScanLog, trajectory: str | None) -> float:
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width))
+    grid = grid_for(log, config, trajectory)
+    integrate_log(grid, log, config, trajectory)
+    return wall_contrast(grid)
+
+
+def _drift_reasons(drift: float | None, limit: float, why: str) -> list[Reason]:
+    if drift is None:
+        return [Reason("drift", None, limit, f"Drift could not be measured: {why}; the limit is {limit:.2f} m.")]
+    if drift <= limit:
+        return []
+    said = (
+        f"Only {100 * WITHIN:.0f} % of the readings end within {drift:.2f} m of the walls that were seen at another "
+        f"time; the limit is {limit:.2f} m."
+    )
+    return [Reason("drift", drift, limit, said)]
+
+
+def _why_unmeasured(log: ScanLog, trajectory: str | None, findings: Iterable[Finding]) -> str:
+    if spoilers := _spoilers(DRIFT, findings):
+        return f"{' and '.join(spoilers)} was found"
+    if log.beam_width > 0.0:
+        return "a sonar's readings are too wide for it"
+    poses = log.trajectory(trajectory).poses
+    if (poses == poses[:1]).all():
+        return "the poses stay in one place"
+    return f"fewer than {LEAST_EVIDENCE:.0f} readings are of places that the robot saw earlier"
+
+
+def _spoilers(name: str, findings: Iterable[Finding]) -> list[str]:
+    """Return the findings for which the check of ``name`` was left out."""
+    spoiled_by = next(check.spoiled_by for check in CHECKS if name in check.names)
+    return [finding.check for finding in findings if finding.check in spoiled_by]
+
+
+def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reason]:
+    least = 0.0 if limits.possible else POSSIBLE
+    counted = [one for one in findings if one.check in limits.no_findings and one.sure >= least]
+    reasons = [
+        Reason(
+            one.check,
+            one.sure,
+            least,
+            f"{one.sentence} ({100 * one.sure:.0f} % sure; counted from {100 * least:.0f} %)",
+        )
+        for one in counted
+    ]
+    failed = {one.check for one in counted}
+    for name in FINDINGS:
+        sure = [one for one in findings if one.sure >= least]
+        spoilers = _spoilers(name, sure) if name in limits.no_findings else []
+        # What is a reason already needs no second one for what it hides.
+        if spoilers and not failed.intersection(spoilers):
+            reasons.append(Reason(name, None, least, f"It could not be examined: {' and '.join(spoilers)} was found."))
+    return reasons

@@ -1,0 +1,315 @@
+"""A client of the service for programs: upload a log, wait until it was read, get its map, its findings and a link.
+
+It makes the requests that the pages make. Who uses it is a visitor of the service, as a browser is.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+from websockets.exceptions import InvalidStatus, WebSocketException
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
+from websockets.typing import Subprotocol
+
+from server.stream.protocol import SUBPROTOCOL
+from server.upload_client import ClientError, Progress, accepted, as_one_file, measured, request, sent, visitor_id
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Finding
+    from mapper.grid import OccupancyGrid
+
+__all__ = ["Client", "ClientError", "Log", "Session"]
+
+READ_EVERY_S = 0.2
+TIMEOUT_S = 30.0  #: of a request
+WORK_TIMEOUT_S = 600.0  #: of a request for which the service has to compute
+_SEQ_AT = 8  #: bytes into a binary frame, docs/wire.md
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """A log of the service.
+
+    ``state`` is ``queued``, ``reading``, ``ready`` or ``failed``; the figures are None until it is ``ready``.
+    ``trajectories`` are names, the first being the default. ``record`` is the whole answer of the service.
+    """
+
+    id: str
+    name: str
+    state: str
+    progress: float  #: 0 … 1, of reading
+    scans: int | None
+    beams: int | None
+    duration_s: float | None
+    format: str | None
+    trajectories: tuple[str, ...]
+    notes: tuple[str, ...]
+    record: Mapping[str, Any] = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A session of the service: ``index`` scans are in its map, of ``count`` that there are."""
+
+    id: str
+    kind: str
+    title: str
+    playing: bool
+    index: int
+    count: int
+    stream: str = field(repr=False)  #: path of its WebSocket
+
+
+class Client:
+    """A connection to the service at ``url``.
+
+    ``url`` may hold the service's token, as the address does that the service prints; ``token`` replaces it.
+    ``visitors`` is a file that keeps the visitor id for each service, so that a log that is sent twice is stored once
+    and an interrupted upload is resumed in another process; without it every client is a new visitor, who sees none of
+    the logs and sessions of another. After a broken connection a request is repeated ``pause_s`` seconds later, and
+    after twice the last pause at each further attempt.
+
+    All methods raise :class:`ClientError`: the service's sentence where it refuses, or that it cannot be reached.
+    """
+
+    def __init__(
+        self, url: str, token: str | None = None, visitors: Path | None = None, *, pause_s: float = 1.0
+    ) -> None:
+        parts = urlsplit(url if "//" in url else f"http://{url}")
+        self.base = f"{parts.scheme}://{parts.netloc}"
+        self._pause_s = pause_s
+        token = token or parse_qs(parts.query).get("token", [""])[0]
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        cookies = {"gridbloom_visitor": visitor_id(visitors, self.base)}
+        with self._reaching():
+            self._http = httpx.Client(base_url=self.base, headers=headers, cookies=cookies, timeout=TIMEOUT_S)
+        self._headers = headers | {"Cookie": "; ".join(f"{name}={value}" for name, value in cookies.items())}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the connection. Logs and sessions stay with the service."""
+        self._http.close()
+
+    # -- logs ------------------------------------------------------------------------------------------------------
+
+    def upload(self, path: Path, progress: Progress | None = None) -> Log:
+        """Send the log at ``path``; return it, not read yet. ``progress`` is called with the share that was sent.
+
+        If ``path`` is a folder, the log in it is sent; a log of several files is sent as a tar archive. After a broken
+        connection the upload resumes at the last byte that the service has: after ``pause_s`` seconds, and after twice
+        the last pause at each further attempt. Raises :class:`ReadError` for a file that cannot be read.
+        """
+        with as_one_file(path) as file:
+            size, digest = measured(file)
+            with self._reaching():
+                return _log(sent(self._http, file, path.resolve().name, size, digest, progress, self._pause_s))
+
+    def wait(self, log: Log, progress: Progress | None = None) -> Log:
+        """Return ``log`` once the service has read it. ``progress`` is called with the share that was read.
+
+        Raises :class:`ClientError` with the reason where it cannot be read.
+        """
+        while log.state in ("queued", "reading"):
+            if progress is not None:
+                progress(log.progress)
+            time.sleep(READ_EVERY_S)
+            log = self.log(log.id)
+        if log.state == "failed":
+            error = log.record["error"]
+            raise ClientError(error["code"], error["message"])
+        return log
+
+    def logs(self) -> list[Log]:
+        """Return the logs that this visitor may open."""
+        return [_log(record) for record in self._asked("GET", "/api/logs")["logs"]]
+
+    def log(self, log_id: str) -> Log:
+        """Return one log as it is now."""
+        return _log(self._asked("GET", f"/api/logs/{log_id}"))
+
+    def delete(self, log: Log) -> None:
+        """Delete a log that this visitor uploaded, and its links."""
+        self._told("DELETE", f"/api/logs/{log.id}")
+
+    # -- sessions --------------------------------------------------------------------------------------------------
+
+    def open(
+        self, log: Log, *, topic: str | None = None, trajectory: str | None = None, playing: bool = False
+    ) -> Session:
+        """Begin a session on a log, its map being empty; with ``playing`` the scans come in from the start."""
+        wanted = {"kind": "log", "log": log.id, "topic": topic, "trajectory": trajectory, "playing": playing}
+        return _session(self._asked("POST", "/api/sessions", json=wanted))
+
+    def sessions(self) -> list[Session]:
+        """Return the sessions that this visitor began."""
+        return [_session(one) for one in self._asked("GET", "/api/sessions")["sessions"]]
+
+    def session(self, session_id: str) -> Session:
+        """Return one session as it is now."""
+        return _session(self._asked("GET", f"/api/sessions/{session_id}"))
+
+    def seek(self, session: Session, index: int | None = None) -> Session:
+        """Pause a session of a log, bring it to the map after ``index`` scans (None: all), and return it."""
+        wanted = session.count if index is None else index
+        with self._reaching(), self._stream(session) as socket:
+            for command in (
+                {"type": "subscribe", "layers": []},
+                {"type": "pause"},
+                {"type": "seek", "index": wanted},
+            ):
+                socket.send(json.dumps(command))
+            for data in socket:
+                if isinstance(data, bytes):
+                    (seq,) = struct.unpack_from("<I", data, _SEQ_AT)
+                    socket.send(json.dumps({"type": "ack", "seq": seq}))
+                    continue
+                message = json.loads(data)
+                if message["type"] == "error":
+                    raise ClientError(message["code"], message["message"])
+                if message["type"] == "frame" and message["index"] == wanted:
+                    return self.session(session.id)
+        raise ClientError("client.stream", "The service closed the stream of the session before the map was complete.")
+
+    def end(self, session: Session) -> None:
+        """End a session that this visitor began."""
+        self._told("DELETE", f"/api/sessions/{session.id}")
+
+    def address(self, session: Session) -> str:
+        """Return the address of the page of a log's session, for whoever may use the service."""
+        return f"{self.base}/logs.html?session={session.id}"
+
+    def link(self, session: Session) -> str:
+        """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""
+        return self.base + str(self._asked("POST", "/api/links", json={"session": session.id})["address"])
+
+    # -- maps and findings -----------------------------------------------------------------------------------------
+
+    def map(self, of: Log | Session) -> OccupancyGrid:
+        """Return the map of a session as it is now, or of all scans of a log.
+
+        It comes as map.yaml and map.pgm: each cell has the state that it has in the service's map (free, occupied or
+        unknown), not its log-odds.
+        """
+        from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415 - start-up
+        from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+        from mapper.io.maps.description import parse_description  # noqa: PLC0415 - start-up
+
+        with self._session_of(of, whole=True) as session, tempfile.TemporaryDirectory() as folder:
+            # The same name for both requests: then both are of one instant.
+            path, at = f"/api/sessions/{session.id}", {"at": "client-" + str(time.time_ns())}
+            yaml = self._answer("GET", f"{path}/map.yaml", params=at, timeout=WORK_TIMEOUT_S).content
+            pgm = self._answer("GET", f"{path}/map.pgm", params=at, timeout=WORK_TIMEOUT_S).content
+            (Path(folder) / "map.yaml").write_bytes(yaml)
+            (Path(folder) / Path(parse_description(yaml, DEFAULT_LIMITS).image).name).write_bytes(pgm)
+            return load_map(Path(folder) / "map.yaml").grid
+
+    def picture(self, of: Log | Session) -> bytes:
+        """Return the map as :meth:`map`, as a PNG picture in which a cell's grey is its probability."""
+        with self._session_of(of, whole=True) as session:
+            return self._answer("GET", f"/api/sessions/{session.id}/map.png", timeout=WORK_TIMEOUT_S).content
+
+    def doctor(self, of: Log | Session) -> list[Finding]:
+        """Return what the doctor finds in a log, with the session's trajectory or else with the log's first."""
+        from mapper.diagnosis import Finding  # noqa: PLC0415 - start-up
+
+        with self._session_of(of, whole=False) as session:
+            told = self._asked("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
+        return [
+            Finding(one["check"], one["sentence"], one["advice"], one["sure"], tuple(one["scans"]), one["parameters"])
+            for one in told["findings"]
+        ]
+
+    # -- requests --------------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def _session_of(self, of: Log | Session, *, whole: bool) -> Iterator[Session]:
+        """Yield a session; for a log one of its own, which ends, with the ``whole`` log in its map if wanted."""
+        if isinstance(of, Session):
+            yield of
+            return
+        session = self.open(of)
+        try:
+            yield self.seek(session) if whole else session
+        finally:
+            self.end(session)
+
+    @contextmanager
+    def _stream(self, session: Session) -> Iterator[Connection]:
+        parts = urlsplit(self.base)
+        uri = f"{'wss' if parts.scheme == 'https' else 'ws'}://{parts.netloc}{session.stream}"
+        try:
+            with connect(
+                uri,
+                subprotocols=[Subprotocol(SUBPROTOCOL)],
+                additional_headers=self._headers,
+                compression=None,
+                max_size=None,
+                open_timeout=TIMEOUT_S,
+            ) as socket:
+                yield socket
+        except InvalidStatus as error:
+            status = error.response.status_code
+            raise ClientError("client.stream", f"The service refused the session's stream: {status}.") from error
+        except WebSocketException as error:
+            raise ClientError("client.stream", f"The session's stream was cut: {error}.") from error
+
+    def _asked(self, method: str, path: str, **options: Any) -> dict[str, Any]:  # noqa: ANN401 - httpx's own
+        return dict(self._answer(method, path, **options).json())
+
+    def _told(self, method: str, path: str) -> None:
+        self._answer(method, path)
+
+    def _answer(self, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - httpx's own
+        with self._reaching():
+            return accepted(request(self._http, self._pause_s, method, path, **options))
+
+    @contextmanager
+    def _reaching(self) -> Iterator[None]:
+        """Report that the service cannot be reached."""
+        try:
+            yield
+        except (httpx.HTTPError, httpx.InvalidURL, OSError, ValueError) as error:
+            raise ClientError(
+                "client.unreachable", f"The service at {self.base} cannot be reached: {error}."
+            ) from error
+
+
+def _log(record: dict[str, Any]) -> Log:
+    return Log(
+        record["id"],
+        record["name"],
+        record["state"],
+        record["progress"],
+        record["scans"],
+        record["beams"],
+        record["duration_s"],
+        record["format"],
+        tuple(one["name"] for one in record["trajectories"]),
+        tuple(record["notes"]),
+        record,
+    )
+
+
+def _session(told: dict[str, Any]) -> Session:
+    return Session(
+        told["id"], told["kind"], told["title"], told["playing"], told["index"], told["count"], told["stream"]
+    )
