@@ -3,6 +3,7 @@ import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
+import { logOdds } from "../grid/logOdds";
 import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
 import { Cell } from "../lessons/cell/Cell";
 import { type Connection, connect } from "../store/connect";
@@ -15,6 +16,7 @@ import { Icon } from "../ui/Icon";
 import { reducedMotion } from "../ui/reducedMotion";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
+import { FREE_THRESHOLD } from "../wire/constants";
 import { Contents } from "./lecture/Contents";
 import { worldSession } from "./worldSession";
 
@@ -132,7 +134,8 @@ const reading = computed(() => {
 /** A sentence on the effect of the clamp, with the current increments. */
 function ClampEffect() {
   const { hit, miss } = beamModel({ ...INITIAL_PARAMETERS, ...parameters.value });
-  const needed = miss < 0 ? Math.ceil((1000 * hit) / -miss).toLocaleString("en") : null;
+  const freeBelow = logOdds(FREE_THRESHOLD);
+  const needed = miss < 0 ? Math.ceil((1000 * hit - freeBelow) / -miss).toLocaleString("en") : null;
   return (
     <>
       Without them, a cell that was hit 1,000 times{" "}
@@ -167,9 +170,7 @@ function Page() {
             parameters={parameters}
             setParameter={setParameter}
             reading={reading}
-            beamName={
-              connection.value?.store.probe.value ? "the beam towards the pointer" : "a beam about straight ahead"
-            }
+            beamName={connection.value?.store.probe.value ? "the beam towards the pointer" : "the beam straight ahead"}
           />
         </div>
       </section>

@@ -43,9 +43,9 @@ export function Downloads({ id }: { readonly id: string }) {
         </Button>
       </div>
       <p class="panel-note">
-        pgm and yaml together are a map for map_server and Nav2; both files are of the time of the first download. png
-        is an image of the map. Share makes a link to a copy of this world; with the live link others can watch and
-        drive in this one.
+        pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.
+        png is an image of the map. Share makes a link to a copy of this world. Live link makes a link to this world
+        itself: others watch it and drive the robot.
       </p>
     </Panel>
   );

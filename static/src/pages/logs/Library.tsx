@@ -28,8 +28,8 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
         </p>
         <p class="quiet">
-          CARMEN, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording in
-          several files, drop its folder. Only this browser can open it.
+          CARMEN, CMU, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording
+          in several files, drop its folder. Your logs are visible in this browser only, unless you share a view.
         </p>
       </Dropzone>
       {uploads.value.map((one) => (

@@ -73,7 +73,7 @@ function Facts({ log, onOpen }: LogCardProps) {
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
         <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
-          Poses from: {log.trajectories.map((one) => trajectoryLabel(one.name)).join(" or ")}
+          Trajectories: {log.trajectories.map((one) => trajectoryLabel(one.name)).join(", ")}
         </p>
       )}
       {known.length > 0 && <Inside log={log} onOpen={onOpen} />}

@@ -250,8 +250,8 @@ function Side({ store, session, isGuest }: { store: Store; session: string; isGu
           ))}
         </div>
         <p class="quiet">
-          pgm and yaml together are a map for map_server and Nav2; both files are of the time of the first download. png
-          is an image of the map.
+          pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first
+          download. png is an image of the map.
           {!isGuest &&
             " mcap contains the scans, the poses and this map for Rerun and ROS 2, and for Foxglove and Lichtblick, where the topics /map, /scan and /pose are enabled in the 3D panel."}
         </p>
@@ -270,7 +270,7 @@ function ProfileBox({ store }: { store: Store }) {
         parameters={store.mapping.values}
         setParameter={set}
         reading={reading}
-        beamName={pointed ? "the beam towards the pointer" : "a beam about straight ahead"}
+        beamName={pointed ? "the beam towards the pointer" : "the beam straight ahead"}
       />
     </section>
   );
