@@ -27,13 +27,13 @@ import type {
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
-import type { DisplayedMap, OnBloom } from "./displayedMap";
+import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
+import type { Stepping } from "./stepping";
 import type { Receiver } from "./stream";
-import type { Walk } from "./walk";
 
 interface Notice {
   readonly kind: "note" | "error";
@@ -137,8 +137,8 @@ export class SessionState implements Receiver {
   /** How far the maps have forgotten what was taken away; null while nobody watches that. */
   readonly forgetting = signal<Forgetting | null>(null);
 
-  /** The scan that is walked through cell by cell; null while none is. */
-  readonly walk = signal<Walk | null>(null);
+  /** The scan that is stepped through cell by cell; null for none. */
+  readonly stepping = signal<Stepping | null>(null);
   /** What is in the hand. */
   readonly editing = new Editing();
 
@@ -268,9 +268,9 @@ export class SessionState implements Receiver {
     });
   }
 
-  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
-  set onBloom(hear: OnBloom | null) {
-    this.#shown.onBloom = hear;
+  /** Called for changed cells of the displayed map; see {@link DisplayedMap.onCellChange}. */
+  set onCellChange(listener: OnCellChange | null) {
+    this.#shown.onCellChange = listener;
   }
 
   // -- what the stream brings ------------------------------------------------------------------------------------

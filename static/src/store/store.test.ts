@@ -193,22 +193,22 @@ describe("the store", () => {
     expect(sent).toEqual([{ type: "parameters", values: { log_odds_hit: 2 } }]);
   });
 
-  test("cells bloom while the map changes, not while a whole picture arrives", () => {
-    let bloomed = 0;
-    store.onBloom = () => void bloomed++;
+  test("changed cells are reported while the map changes, not while a whole picture arrives", () => {
+    let changed = 0;
+    store.onCellChange = () => void changed++;
     store.receive(hello("a"));
     store.receive(LAYERS);
     store.receive(geometry(1));
     store.take(tiles(1, 1, true));
-    expect(bloomed).toBe(0);
+    expect(changed).toBe(0);
     store.take({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: zstd }] });
-    expect(bloomed).toBeGreaterThan(0);
+    expect(changed).toBeGreaterThan(0);
   });
 
-  test("a map that is made anew of the same readings does not bloom, and what is seen after it does", () => {
-    const bloomed: number[] = [];
+  test("no changed cells are reported for a map recomputed from the same readings, but for new readings after it", () => {
+    const changed: number[] = [];
     const more = (tx: number) => ({ ...tiles(1, 2 + tx, true), tiles: [{ tx, ty: 0, revision: 2 + tx, data: zstd }] });
-    store.onBloom = () => void bloomed.push(1);
+    store.onCellChange = () => void changed.push(1);
     store.receive(hello("a"));
     store.receive(LAYERS);
     store.receive(geometry(1));
@@ -217,10 +217,10 @@ describe("the store", () => {
     store.receive(retuned);
     store.take({ ...more(1), complete: false });
     store.take(more(2));
-    expect(bloomed).toHaveLength(0);
+    expect(changed).toHaveLength(0);
     store.receive(retuned); // says nothing new: no map follows
     store.take(more(3));
-    expect(bloomed.length).toBeGreaterThan(0);
+    expect(changed.length).toBeGreaterThan(0);
   });
 
   test("the correction of the mount turns the beams in the map, not in the world", () => {

@@ -1,7 +1,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import type { Brush } from "./brush";
-import { SHADES } from "./inks";
 import { columnOf, type LayerContent, OVERLAYS, paintLayer, shadesOf } from "./overlays";
+import { SHADES } from "./pictureColours";
 
 /** A brush whose strokes are noted: calls of the canvas by name with their arguments. */
 function noted(): { brush: Brush; calls: [string, ...unknown[]][] } {
@@ -15,9 +15,9 @@ function noted(): { brush: Brush; calls: [string, ...unknown[]][] } {
       return true;
     },
   });
-  const inks = { robot: "robot", trail: "trail", shades: Array.from({ length: SHADES }, (_, i) => `shade ${i}`) };
+  const colours = { robot: "robot", trail: "trail", shades: Array.from({ length: SHADES }, (_, i) => `shade ${i}`) };
   const view = { x: 0, y: 0, scale: 0.1 };
-  return { brush: { ctx, size: { width: 200, height: 100 }, view, inks } as unknown as Brush, calls };
+  return { brush: { ctx, size: { width: 200, height: 100 }, view, colours } as unknown as Brush, calls };
 }
 
 const content = (kind: LayerContent["kind"], columns: Record<string, number[]>, more = {}): LayerContent => ({

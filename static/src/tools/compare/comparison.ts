@@ -152,7 +152,7 @@ export class Comparison {
 
   layers(): readonly Layer[] {
     const pair = this.pair.peek();
-    if (!pair) return [{ map: this.#store.map.peek(), glows: true }];
+    if (!pair) return [{ map: this.#store.map.peek(), hasHighlights: true }];
     const { a, b, place } = pair;
     const layers: Layer[] = [];
     const difference = this.#difference.peek();
@@ -165,7 +165,7 @@ export class Comparison {
     } else if (merge && place) {
       layers.push({ map: { geometry: place.geometry, cells: merge.update(), style: b.style } });
     } else {
-      layers.push({ map: b, part: [this.share, 1], glows: true }, { map: a, part: [0, this.share] });
+      layers.push({ map: b, part: [this.share, 1], hasHighlights: true }, { map: a, part: [0, this.share] });
     }
     const marks = this.#marks.peek();
     if (marks && place)

@@ -3,7 +3,7 @@
 import { useEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
 import { type Brush, paintCell, paintCrosshair, paintRobot } from "../../render/picture/brush";
-import { inks } from "../../render/picture/inks";
+import { pictureColours } from "../../render/picture/pictureColours";
 import { SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import type { Pose } from "../../wire/protocol";
@@ -41,7 +41,7 @@ export function SecondMapView({ store }: { readonly store: Store }) {
             void shown.version.value;
             void store.frame.value;
             void store.probe.value;
-            void inks.value;
+            void pictureColours.value;
           },
           paint,
         };
@@ -56,7 +56,7 @@ function paintOverlay(store: Store, brush: Brush): boolean {
   const cell = store.cell.peek();
   const geometry = store.map.peek()?.geometry;
   if (cell && geometry) {
-    paintCell(brush, geometry, cell.row, cell.col, brush.inks.ink);
+    paintCell(brush, geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(geometry, cell));
   }
   return false;

@@ -56,7 +56,11 @@ export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: nu
 }
 
 /** Outline cells in the colours of their evidence. */
-export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geometry, cells: readonly Crossed[]): void {
+export function paintBeamCells(
+  { ctx, view, size, colours }: Brush,
+  geometry: Geometry,
+  cells: readonly Crossed[],
+): void {
   if (geometry.resolution / view.scale < LEAST_PX) return;
   ctx.lineWidth = 1;
   for (const part of ["prior", "miss", "hit"] as const) {
@@ -77,7 +81,7 @@ export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geome
       }
       ctx.closePath();
     }
-    ctx.strokeStyle = inks[part];
+    ctx.strokeStyle = colours[part];
     ctx.stroke();
   }
 }

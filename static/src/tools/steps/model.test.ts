@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import { emptyGrid, INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
 import { updatePerBeam } from "../../grid/textbook";
+import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
-import type { Walk } from "../../store/walk";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 import { key, lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";
 import { valueBeforeSteps } from "./stepping";
@@ -29,7 +29,7 @@ const frame = {
   range_max: 10,
 } as unknown as Frame;
 
-const steppingOf = (values: Values, done?: number): Walk => {
+const steppingOf = (values: Values, done?: number): Stepping => {
   const config = lessonConfig(values);
   const steps = stepsOfScan(frame, POSE, GEOMETRY, config);
   return { frame, pose: POSE, geometry: GEOMETRY, config, steps, index: 1, done: done ?? steps.length };
@@ -93,7 +93,10 @@ test("what a byte cannot say the server's answer does, as long as it is about th
       map: { peek: () => ({ geometry, cells: { at: () => byte } }) },
       inspected: { peek: () => ({ row: 2, col: 5, epoch: 3, log_odds }) },
     } as unknown as Store;
-    return valueBeforeSteps(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Walk, { row: 2, col: 5 });
+    return valueBeforeSteps(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Stepping, {
+      row: 2,
+      col: 5,
+    });
   };
   expect(told(1, -103.25)).toBe(-103.25); // without a clamp a cell goes beyond what the picture tells apart
   expect(told(255, 34)).toBe(34);

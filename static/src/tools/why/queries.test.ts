@@ -61,7 +61,7 @@ test("a cell is asked about at once, and not again while nothing happens", () =>
   expect(sent).toEqual([{ type: "why", row: 5, col: 12, epoch: 1, layer: "map" }]);
 });
 
-test("while the robot walks once a second, while parameters change at most three times", () => {
+test("while the robot drives once a second, while parameters change at most three times", () => {
   store.ask([1.25, 0.55]);
   pass(200);
   sent = [];
