@@ -49,13 +49,13 @@ test("fitting shows the whole box, touching two sides of the margin", () => {
 });
 
 test("a view that was shared shows all that was seen on a picture of any size, and the same on one of its own", () => {
-  const look = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
-  expect(framed(look, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });
+  const shared = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
+  expect(framed(shared, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });
   for (const size of [
     { width: 390, height: 500 },
     { width: 1600, height: 300 },
   ]) {
-    const { scale } = framed(look, size);
+    const { scale } = framed(shared, size);
     expect(size.width * scale).toBeGreaterThanOrEqual(800 * 0.02 - 1e-9);
     expect(size.height * scale).toBeGreaterThanOrEqual(600 * 0.02 - 1e-9);
   }

@@ -7,12 +7,12 @@ export type Tool = "robot" | "wall" | "box" | "erase";
 
 export const NO_EDITS: Edits = { added: [], erased: [] };
 
-/** What is in the hand, and what it is about to draw or erase. */
+/** The selected tool, and the shape that it is drawing. */
 export class Editing {
   readonly tool = signal<Tool>("robot");
-  /** What the stroke of the moment would draw. */
+  /** The shape of the current stroke. */
   readonly sketch = signal<DrawnSolid | null>(null);
-  /** The first corner of a stroke that the keyboard draws. */
+  /** The first corner of a stroke drawn by keyboard. */
   readonly corner = signal<Point | null>(null);
 
   take(tool: Tool): void {

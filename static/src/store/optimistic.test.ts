@@ -12,19 +12,19 @@ describe("values that the hand sets", () => {
   let values: Optimistic;
   beforeEach(() => {
     values = new Optimistic();
-    values.hear({ hit: 1, miss: -1 });
+    values.update({ hit: 1, miss: -1 });
   });
 
   test("show at once, and no older word takes them back", () => {
     values.set("hit", 2);
     expect(values.values.value).toEqual({ hit: 2, miss: -1 });
     values.set("hit", 3);
-    values.hear({ hit: 1, miss: -0.5 }); // about another value
-    values.hear({ hit: 2, miss: -0.5 });
+    values.update({ hit: 1, miss: -0.5 }); // about another value
+    values.update({ hit: 2, miss: -0.5 });
     expect(values.values.value).toEqual({ hit: 3, miss: -0.5 });
-    values.hear({ hit: 3, miss: -0.5 });
+    values.update({ hit: 3, miss: -0.5 });
     expect(values.pending()).toEqual({});
-    values.hear({ hit: 2, miss: -0.5 }); // somebody else, later
+    values.update({ hit: 2, miss: -0.5 }); // somebody else, later
     expect(values.values.value.hit).toBe(2);
   });
 
@@ -32,12 +32,12 @@ describe("values that the hand sets", () => {
     const seen: unknown[] = [];
     for (const value of [2, 3, 2]) values.set("hit", value);
     effect(() => void seen.push(values.values.value.hit));
-    for (const hit of [2, 3, 2]) values.hear({ hit, miss: -1 });
+    for (const hit of [2, 3, 2]) values.update({ hit, miss: -1 });
     expect(seen).toEqual([2]);
     expect(values.pending()).toEqual({});
     for (const value of [5, 2, 6]) values.set("hit", value);
-    values.hear({ hit: 2, miss: -0.5 }); // still the word from before
-    for (const hit of [5, 2, 6]) values.hear({ hit, miss: -0.5 });
+    values.update({ hit: 2, miss: -0.5 }); // still the word from before
+    for (const hit of [5, 2, 6]) values.update({ hit, miss: -0.5 });
     expect(seen).toEqual([2, 5, 2, 6, 6]); // as set here, and once more for the other value
   });
 
@@ -46,7 +46,7 @@ describe("values that the hand sets", () => {
     expect(values.pending()).toEqual({ hit: 1 });
     vi.advanceTimersByTime(60_000);
     expect(values.pending()).toEqual({});
-    values.hear({ hit: 2, miss: -1 }); // somebody else
+    values.update({ hit: 2, miss: -1 }); // somebody else
     expect(values.values.value.hit).toBe(2);
     values.set("hit", 2);
     expect(values.pending()).toEqual({}); // as it is: nothing to wait for
@@ -54,7 +54,7 @@ describe("values that the hand sets", () => {
 
   test("give way to a value that nobody set here, and to a refusal", () => {
     values.set("hit", 9);
-    values.hear({ hit: 4, miss: -1 });
+    values.update({ hit: 4, miss: -1 });
     expect(values.values.value.hit).toBe(4);
     values.set("hit", 9);
     values.refuse();
@@ -63,11 +63,11 @@ describe("values that the hand sets", () => {
 
   test("stand when a new connection says what holds, and until it answers", () => {
     for (const value of [7, 8, 9]) values.set("hit", value);
-    values.greet({ hit: 0.85, miss: -1 }); // the server began anew
+    values.reconnected({ hit: 0.85, miss: -1 }); // the server began anew
     vi.advanceTimersByTime(60_000);
     expect(values.values.value.hit).toBe(9);
     expect(values.pending()).toEqual({ hit: 9 });
-    values.hear({ hit: 9, miss: -1 });
+    values.update({ hit: 9, miss: -1 });
     expect(values.pending()).toEqual({});
   });
 
@@ -75,8 +75,8 @@ describe("values that the hand sets", () => {
     const seen: unknown[] = [];
     effect(() => void seen.push(values.values.value));
     values.set("hit", 2);
-    expect(values.hear({ hit: 2, miss: -1 })).toBe(true);
-    expect(values.hear({ miss: -1, hit: 2 })).toBe(false);
+    expect(values.update({ hit: 2, miss: -1 })).toBe(true);
+    expect(values.update({ miss: -1, hit: 2 })).toBe(false);
     expect(seen).toEqual([
       { hit: 1, miss: -1 },
       { hit: 2, miss: -1 },

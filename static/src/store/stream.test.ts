@@ -2,7 +2,7 @@ import { beforeEach, expect, test } from "vitest";
 import type { BinaryFrame } from "../wire/decodeFrame";
 import type { Command, ServerMessage } from "../wire/protocol";
 import vectors from "../wire/protocol.vectors.json";
-import { type Receiver, type Socket, Stream, type Surroundings } from "./stream";
+import { type Environment, type Receiver, type Socket, Stream } from "./stream";
 
 class FakeSocket implements Socket {
   binaryType = "";
@@ -33,7 +33,7 @@ class FakeSocket implements Socket {
   }
 }
 
-class FakeBrowser implements Surroundings {
+class FakeBrowser implements Environment {
   sockets: FakeSocket[] = [];
   waits: { task: () => void; ms: number }[] = [];
   paints: (() => void)[] = [];

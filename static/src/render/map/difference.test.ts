@@ -3,7 +3,7 @@ import { logOddsAt, stateAt } from "../../grid/cellValues";
 import { toLab } from "../../style/oklab";
 import type { Geometry } from "../../wire/protocol";
 import { Cells } from "./cells";
-import { commonLattice, Derived } from "./derived";
+import { CombinedMap, commonLattice } from "./combinedMap";
 import {
   differenceCodes,
   differencePalette,
@@ -143,17 +143,17 @@ describe("two maps on one lattice", () => {
     a.setTile(0, 0, tile(100));
     const place = commonLattice(geometry(64, 64, 3.2, 0), geometry(128, 128, 0, 0));
     if (!place) throw new Error("they have a lattice in common");
-    const derived = new Derived(a, b, place, differenceCodes(RANGE, RANGE));
-    expect(derived.update().at(0, 64)).toBe(ONLY_A);
+    const combined = new CombinedMap(a, b, place, differenceCodes(RANGE, RANGE));
+    expect(combined.update().at(0, 64)).toBe(ONLY_A);
     b.setTile(1, 0, tile(100));
-    expect(derived.cells.at(0, 64)).toBe(ONLY_A);
-    expect(derived.update().at(0, 64)).toBe(SAME);
+    expect(combined.cells.at(0, 64)).toBe(ONLY_A);
+    expect(combined.update().at(0, 64)).toBe(SAME);
     b.setTile(1, 0, tile(150));
     b.setTile(0, 1, tile(150));
-    expect((derived.update().at(63, 127) - FIRST) % 2).toBe(1);
-    expect(derived.cells.at(64, 0)).toBe(ONLY_B);
-    derived.dispose();
+    expect((combined.update().at(63, 127) - FIRST) % 2).toBe(1);
+    expect(combined.cells.at(64, 0)).toBe(ONLY_B);
+    combined.dispose();
     a.setTile(0, 0, tile(150));
-    expect(derived.update().at(0, 64)).toBeGreaterThanOrEqual(FIRST);
+    expect(combined.update().at(0, 64)).toBeGreaterThanOrEqual(FIRST);
   });
 });

@@ -74,9 +74,9 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
             void store.trajectory.value;
             void store.cell.value;
             void store.inspectedBeam.value;
-            void store.carried.value;
-            void store.askedCell.value;
-            void store.touch.value;
+            void store.draggedTo.value;
+            void store.explainedCell.value;
+            void store.selectedContribution.value;
             void store.stepping.value;
             void store.inspected.value;
             void pictureColours.value;
@@ -139,7 +139,7 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
       paintBeamCells(brush, map.geometry, cells);
       paintBeam(brush, from, beam, frame.range_max);
     }
-    paintRobot(brush, frame.pose, store.carried.peek() !== null);
+    paintRobot(brush, frame.pose, store.draggedTo.peek() !== null);
   }
   return strength > 0;
 }

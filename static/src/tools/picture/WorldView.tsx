@@ -76,14 +76,14 @@ export function WorldView({ store }: { readonly store: Store }) {
             void store.pointer.value;
             void store.inspectedBeam.value;
             void store.teleported.value;
-            void store.carried.value;
-            void store.askedCell.value;
+            void store.draggedTo.value;
+            void store.explainedCell.value;
             void store.editing.tool.value;
             void store.editing.sketch.value;
             void store.editing.corner.value;
             void store.faults.value;
             void store.stepping.value;
-            void store.touch.value;
+            void store.selectedContribution.value;
             void pictureColours.value;
           },
           paint: (size, ratio, now) => {
@@ -141,9 +141,9 @@ function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): 
     paintCell(brush, map.geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(map.geometry, cell));
   }
-  const carried = store.carried.peek();
-  paintRobot(brush, frame.pose, carried !== null);
-  if (carried) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...carried), brush.colours.robot);
+  const draggedTo = store.draggedTo.peek();
+  paintRobot(brush, frame.pose, draggedTo !== null);
+  if (draggedTo) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...draggedTo), brush.colours.robot);
   const sent = store.teleported.peek();
   const ripples = sent !== null && !reducedMotion.peek() && paintRipple(brush, sent.point, now - sent.at);
   return ripples || strength > 0;

@@ -77,11 +77,11 @@ function ZoomToggle({ store }: { readonly store: Store }) {
       if (!stepping || !view || !now) return;
       const near = isFirst ? { ...view, scale: zoomedInScale(stepping.geometry) } : view;
       isFirst = false;
-      store.look(viewWithCell(near, smallest([...store.pictures.values()]), stepping.geometry, now.cell));
+      store.setView(viewWithCell(near, smallest([...store.pictures.values()]), stepping.geometry, now.cell));
     });
     return () => {
       stop();
-      if (before) store.look(before);
+      if (before) store.setView(before);
       else store.viewHeld.value = false;
     };
   });

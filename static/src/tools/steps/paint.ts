@@ -32,7 +32,7 @@ export function paintSteps(store: Store, brush: Brush, onMap: boolean): void {
   if (!now || !beam) return;
   const cells = steps
     .filter((one) => one.beam === now.beam)
-    .map(({ cell, isHit }) => ({ cell, says: isHit ? ("hit" as const) : ("miss" as const) }));
+    .map(({ cell, isHit }) => ({ cell, evidence: isHit ? ("hit" as const) : ("miss" as const) }));
   paintBeam(brush, pose, beam, frame.range_max);
   paintBeamCells(brush, geometry, cells);
   if (done > 0) paintCell(brush, geometry, now.cell.row, now.cell.col, now.isHit ? colours.hit : colours.miss);
