@@ -1,4 +1,4 @@
-"""``info`` and ``doctor``: what is in a log, and what is wrong with it."""
+"""``info`` and ``doctor``: the contents of a log, and its diagnosis."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_b
 
 @app.command()
 def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
-    """Say what a log holds."""
+    """Print the contents of a log."""
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     facts = asdict(summarise(read_log(log, topic)))
@@ -70,17 +70,17 @@ def _topic_line(topic: dict[str, Any]) -> str:
     return ", ".join(said)
 
 
-FEW = 5  #: scans that a finding names
+FEW = 5  #: scan numbers printed per finding
 
 
 @app.command()
 def doctor(
     log: LogPath,
     topic: TopicName = None,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say what is wrong with a log, where, how surely, and what to do about it."""
+    """Print what is wrong with a log, where, with what confidence, and what to do about it."""
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     scans = read_log(log, topic)
