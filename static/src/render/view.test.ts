@@ -19,7 +19,7 @@ test("screen and world are each other's inverse, and y points up in the world", 
   expect(toScreen(view, size, 3.5, -1)[1]).toBeCloseTo(200, 9);
 });
 
-test("what the hand holds stays under the hand", () => {
+test("the point under the pointer stays under the pointer", () => {
   const at = toWorld(view, size, 100, 50);
   const moved = panned(view, 30, -12);
   const [px, py] = toScreen(moved, size, at[0], at[1]);

@@ -118,7 +118,7 @@ describe("the store", () => {
     expect(store.opening()).toEqual([]);
     store.take(tiles(1, 5, true));
     expect(store.opening()).toEqual([{ type: "resume", epoch_id: "a", layer: "map", epoch: 1, revision: 7 }]);
-    store.receive(geometry(1)); // said again after a reconnect: the same epoch
+    store.receive(geometry(1)); // sent again after a reconnect: the same epoch
     expect(store.opening()).toHaveLength(1);
     store.receive(geometry(2));
     expect(store.opening()).toEqual([]);
@@ -185,7 +185,7 @@ describe("the store", () => {
     expect(() => store.take(broken)).toThrow(expect.objectContaining({ code: "tile.data" }));
   });
 
-  test("what the hand set while the server was away is sent when it is back", () => {
+  test("values that were set without a connection are sent after the reconnect", () => {
     store.receive(hello("a"));
     store.setParameter("log_odds_hit", 2);
     sent.length = 0;
@@ -218,7 +218,7 @@ describe("the store", () => {
     store.take({ ...more(1), complete: false });
     store.take(more(2));
     expect(changed).toHaveLength(0);
-    store.receive(retuned); // says nothing new: no map follows
+    store.receive(retuned); // nothing new: no map follows
     store.take(more(3));
     expect(changed.length).toBeGreaterThan(0);
   });
@@ -232,7 +232,7 @@ describe("the store", () => {
     expect(store.frame.value?.scan_pose).toEqual([1, 2, 0]);
   });
 
-  test("a mount that is said to be upside down mirrors the beams in the map, not in the world", () => {
+  test("a mount that is set to upside down mirrors the beams in the map, not in the world", () => {
     store.receive(hello("a"));
     store.receive({ ...frame, angle_min: -1, angle_increment: 0.5 });
     expect(store.beliefFrame.value).toBe(store.frame.value);
@@ -253,7 +253,7 @@ describe("the store", () => {
 });
 
 describe("beams", () => {
-  test("directions wrap, and a sensor that does not look there has no beam", () => {
+  test("directions wrap, and there is no beam outside the sensor's field of view", () => {
     const from = [0, 0, 0] as const;
     expect(beamToward(frame, from, [-1, 1e-9])?.index).toBe(0);
     expect(beamToward(frame, from, [-1, -1e-9])?.index).toBe(0);

@@ -44,7 +44,7 @@ describe("the pyramid", () => {
     }
   });
 
-  test("one part re-made is as good as all of it", () => {
+  test("recomputing one part gives the same as recomputing all", () => {
     const cells = new Cells();
     const next = random(3);
     for (let i = 0; i < 30; i++) {
@@ -58,7 +58,7 @@ describe("the pyramid", () => {
     expect(chunk?.pyramid).toEqual(whole);
   });
 
-  test("a wall one cell thick survives to the top, and free space beats what was never seen", () => {
+  test("a wall one cell thick is kept up to the top level, and free space takes precedence over unobserved", () => {
     const pyramid = emptyPyramid();
     const level0 = pyramid[0] as Uint8Array;
     level0.fill(10, 0, 100);

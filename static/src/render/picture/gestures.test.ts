@@ -71,7 +71,7 @@ test("a drag of empty space pans by all of its way and taps nothing", () => {
   ]);
 });
 
-test("a drag that begins on the robot carries it and then lets go", () => {
+test("a drag that begins on the robot drags it and releases it at the end", () => {
   point("pointerdown", 104, 100);
   point("pointermove", 150, 120);
   point("pointerup", 150, 120);
@@ -102,7 +102,7 @@ test("a cancelled touch is no tap", () => {
   expect(calls).toEqual([]);
 });
 
-test("a finger that sets out upwards leaves the view alone; one that sets out sideways pans", () => {
+test("a finger that starts upwards does not pan; one that starts sideways does", () => {
   point("pointerdown", 20, 80, { pointerType: "touch" });
   point("pointermove", 22, 50, { pointerType: "touch" });
   point("pointercancel", 22, 50, { pointerType: "touch" });
@@ -112,7 +112,7 @@ test("a finger that sets out upwards leaves the view alone; one that sets out si
   expect(calls).toEqual([["pan", 30, -2]]);
 });
 
-test("a click with Shift or Alt asks, and takes no robot along", () => {
+test("a click with Shift or Alt requests an explanation and does not drag the robot", () => {
   for (const key of [{ shiftKey: true }, { altKey: true }]) {
     calls = [];
     point("pointerdown", 100, 100, key);
@@ -121,7 +121,7 @@ test("a click with Shift or Alt asks, and takes no robot along", () => {
   }
 });
 
-test("a finger that rests asks once; one that moves on or lifts does not", () => {
+test("a long press requests an explanation once; a moved or lifted finger does not", () => {
   vi.useFakeTimers();
   const finger = { pointerType: "touch" };
   point("pointerdown", 20, 30, finger);
@@ -141,7 +141,7 @@ test("a finger that rests asks once; one that moves on or lifts does not", () =>
   vi.useRealTimers();
 });
 
-test("with a tool in the hand a drag is a stroke, wherever it begins", () => {
+test("with a selected tool a drag is a stroke, wherever it begins", () => {
   drawing = true;
   point("pointerdown", 100, 100);
   point("pointermove", 130, 140);
@@ -152,7 +152,7 @@ test("with a tool in the hand a drag is a stroke, wherever it begins", () => {
   ]);
 });
 
-test("a stroke that the browser takes away is broken off, and so is one that a second finger joins", () => {
+test("a stroke is cancelled by the browser's pointercancel and by a second finger", () => {
   drawing = true;
   point("pointerdown", 20, 20);
   point("pointercancel", 20, 20);

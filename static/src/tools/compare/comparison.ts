@@ -13,7 +13,7 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import { whyNoMerge } from "./merging";
 
-/** A left and B right of a divider; A and B by turns; what B has otherwise; the evidence of both in one map. */
+/** A left and B right of a divider; A and B alternating; their difference; their sum. */
 export type ViewMode = "swipe" | "blink" | "difference" | "merge";
 export const VIEW_MODES: readonly ViewMode[] = ["swipe", "blink", "difference", "merge"];
 
@@ -32,7 +32,7 @@ export class Comparison {
   /** Where the divider is, 0 … 1 of the picture's width. */
   readonly divider = signal(0.5);
   readonly blinkS = signal<number>(1);
-  /** Whether the maps take turns by themselves. */
+  /** Whether the maps alternate automatically. */
   readonly blinks = signal(!reducedMotion.peek());
   /** Which of the two is shown while they blink. */
   readonly shown = signal<"a" | "b">("a");
@@ -40,9 +40,9 @@ export class Comparison {
   /** Whether the session compares its map. */
   readonly isOn: ReadonlySignal<boolean>;
   readonly pair: ReadonlySignal<Pair | null>;
-  /** Why A and B cannot be added; null where they can. */
+  /** Why A and B cannot be added; null if they can. */
   readonly noMerge: ReadonlySignal<string | null>;
-  /** The log-odds prior, which their sum counts once, while it is looked at; null otherwise. */
+  /** The log-odds prior, which their sum counts once, while the sum is displayed; null otherwise. */
   readonly summedOver: ReadonlySignal<number | null>;
   readonly #store: Store;
   readonly #difference: ReadonlySignal<CombinedMap | null>;
@@ -92,7 +92,7 @@ export class Comparison {
     });
   }
 
-  /** Watch the second map while there is one, and let the maps blink; the result stops it. */
+  /** Subscribe to the second map while there is one, and let the maps blink; the result stops it. */
   start(): () => void {
     const store = this.#store;
     const stops = [
@@ -130,14 +130,14 @@ export class Comparison {
     this.shown.value = this.shown.peek() === "a" ? "b" : "a";
   }
 
-  /** How much of the picture's width, from the left, shows A. */
+  /** The fraction of the picture's width, from the left, that shows A. */
   get share(): number {
     if (!this.pair.peek()) return 0;
     if (this.mode.peek() === "blink") return this.shown.peek() === "a" ? 1 : 0;
     return this.mode.peek() === "swipe" ? this.divider.peek() : 0;
   }
 
-  /** The layer of the map that is seen at a place of the world. */
+  /** The layer displayed at a point of the world. */
   mapAt(point: Point): string {
     const view = this.#store.view.peek();
     const size = [...this.#store.pictures.values()][0];
@@ -179,8 +179,8 @@ export class Comparison {
   }
 
   /**
-   * The part of the picture that what belongs to B alone may be drawn over: its robot's way, its beams. Where both maps
-   * have the same poses it is all of it; over a difference it would only be in the way.
+   * The part of the picture in which B's trajectory and beams are drawn: all of it if both maps have the same poses, none
+   * over a difference or a sum.
    */
   ownPart(): readonly [from: number, to: number] {
     const compared = this.#store.compared.peek();

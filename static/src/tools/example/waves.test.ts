@@ -40,11 +40,11 @@ function watching(): Store {
   return store;
 }
 
-test("a page that does not know the kind says that it is outdated", () => {
+test("a page without the kind is outdated", () => {
   expect(() => decodeText(HELLO)).toThrow('This page knows no session kind "waves".');
 });
 
-test("with it registered, both layers arrive and are painted as the file says", () => {
+test("with it registered, both layers are received and painted as defined in the file", () => {
   registerWaves();
   const store = watching();
   expect(store.hello.value?.kind).toBe("waves");

@@ -1,4 +1,4 @@
-/** The second map of the same recording, at the same places of the picture as the first. */
+/** The second map of the same recording, in the same view as the first. */
 
 import { useEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
@@ -10,7 +10,7 @@ import type { Pose } from "../../wire/protocol";
 import { LinkedPicture } from "./LinkedPicture";
 import { mapSurface } from "./mapSurface";
 
-/** Where this map has the robot: where the first has it, or, in a map made right, where it is. */
+/** The robot's pose in this map: that of the first map or, in the map without faults, the true one. */
 function robotPose(store: Store): Pose | undefined {
   const frame = store.compared.peek()?.with_faults ? store.beliefFrame.peek() : store.frame.peek();
   return frame?.pose;
@@ -27,7 +27,7 @@ export function SecondMapView({ store }: { readonly store: Store }) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       setUp={(canvas, invalidate) => {
-        // Where nothing can be drawn the belief beside it says what is the matter.
+        // If nothing can be drawn, the view of the first map shows the error.
         const { paint } = mapSurface(
           store,
           canvas,

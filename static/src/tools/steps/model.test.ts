@@ -79,16 +79,16 @@ test("on and back by a cell and by a beam", () => {
   expect(moved({ ...stepping, done: stepping.steps.length }, "cell", 1)).toBe(stepping.steps.length);
 });
 
-test("what has no order of cells says so", () => {
+test("parameters without an order of cells are refused with a reason", () => {
   expect(whyNoSteps(VALUES)).toBeNull();
   for (const change of [{ model: "sonar_cone" }, { update: "per_scan" }, { traversal: "amanatides_woo" }]) {
     expect(whyNoSteps({ ...VALUES, ...change })).toMatch(/^Steps by cell .*\.$/);
   }
 });
 
-test("what a byte cannot say the server's answer does, as long as it is about the same byte", () => {
+test("the server's exact value is used if it agrees with the byte", () => {
   const geometry = { epoch: 3, low: -10, high: 10 };
-  const told = (byte: number, log_odds: number): number => {
+  const value = (byte: number, log_odds: number): number => {
     const store = {
       map: { peek: () => ({ geometry, cells: { at: () => byte } }) },
       inspected: { peek: () => ({ row: 2, col: 5, epoch: 3, log_odds }) },
@@ -98,9 +98,9 @@ test("what a byte cannot say the server's answer does, as long as it is about th
       col: 5,
     });
   };
-  expect(told(1, -103.25)).toBe(-103.25); // without a clamp a cell goes beyond what the picture tells apart
-  expect(told(255, 34)).toBe(34);
-  expect(told(128, 0.02)).toBe(0.02);
-  expect(told(128, -103.25)).toBe(0); // the answer is about another time
-  expect(told(0, 1)).toBe(0); // never observed: the prior
+  expect(value(1, -103.25)).toBe(-103.25); // without a clamp a cell exceeds the range of the bytes
+  expect(value(255, 34)).toBe(34);
+  expect(value(128, 0.02)).toBe(0.02);
+  expect(value(128, -103.25)).toBe(0); // the answer is about another time
+  expect(value(0, 1)).toBe(0); // never observed: the prior
 });

@@ -53,7 +53,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-test("a cell is asked about at once, and not again while nothing happens", () => {
+test("a cell is requested at once, and not again while nothing changes", () => {
   pass(1000);
   expect(sent).toEqual([]);
   store.explain([1.25, 0.55]);
@@ -74,7 +74,7 @@ test("while the robot drives once a second, while parameters change at most thre
   expect(sent.length).toBeLessThanOrEqual(9);
 });
 
-test("an old touch brings the question about its window, another cell a new one", () => {
+test("an older update is requested with its window, another cell with a new request", () => {
   store.explain([1.25, 0.55]);
   pass(200);
   answer();
