@@ -1,9 +1,9 @@
 """The ``gridbloom`` command.
 
 ``serve`` runs the service and ``upload`` sends a log to one; ``info``, ``doctor``, ``map``, ``why``, ``view``,
-``merge``, ``compare`` and ``bench map`` work on files. What is slow to import is imported where it is used, so that
-the command starts quickly. Bad input is one sentence on standard error and exit status 2. With ``--json`` standard
-output is one JSON object and nothing else.
+``merge``, ``compare``, ``evaluate`` and ``bench map`` work on files. What is slow to import is imported where it is
+used, so that the command starts quickly. Bad input is one sentence on standard error and exit status 2. With ``--json``
+standard output is one JSON object and nothing else.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ from server.cli import merge as merging  # noqa: F401
 
 # isort: split
 from server.cli import compare as comparing  # noqa: F401
+
+# isort: split
+from server.cli import evaluate as evaluating  # noqa: F401
 
 # isort: split
 from server.cli import bench as measuring  # noqa: F401

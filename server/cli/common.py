@@ -34,8 +34,20 @@ LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot log, plain
 TopicName = Annotated[
     str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
 ]
+TopicNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--topic",
+        metavar="NAME",
+        help="The sensor, where the log has several; given again, another one in the same map. [most scans]",
+    ),
+]
 TrajectoryName = Annotated[
     str | None, typer.Option("--trajectory", metavar="NAME", help="Poses to map with. [the log's first]")
+]
+TumTrajectory = Annotated[
+    Path | None,
+    typer.Option("--tum-trajectory", metavar="FILE", help="A TUM file as one more trajectory, 'tum', the log's first."),
 ]
 Mount = Annotated[
     str | None,
@@ -155,9 +167,15 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def read_log(path: Path, topic: str | None = None) -> ScanLog:
-    """Return the log at ``path``, or end the command with an error."""
+def read_log(path: Path, topic: str | None = None, tum: Path | None = None) -> ScanLog:
+    """Return the log at ``path``, with the trajectory of ``tum``, or end the command with an error."""
     from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
-        return open_log(path, topic=topic, progress=progress)
+        log = open_log(path, topic=topic, progress=progress)
+    if tum is None:
+        return log
+    from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up
+
+    with refusing(tum):
+        return with_trajectory(log, read_tum(tum))

@@ -9,7 +9,19 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_bar, read_log, refusing
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    TumTrajectory,
+    configured,
+    given_parameters,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
 
 
 @app.command()
@@ -74,18 +86,22 @@ FEW = 5  #: scan numbers printed per finding
 
 
 @app.command()
+@with_parameter_options("time_offset")
 def doctor(
     log: LogPath,
     topic: TopicName = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
+    tum_trajectory: TumTrajectory = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Print what is wrong with a log, where, with what confidence, and what to do about it."""
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
-    scans = read_log(log, topic)
+    config = configured(given_parameters(parameters))
+    scans = read_log(log, topic, tum_trajectory)
     with refusing(log), progress_bar("Examining") as bar:
-        found = examine(scans, trajectory, bar)
+        found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:
         print_json({"log": scans.name, "findings": [finding.public() for finding in found]})
         return

@@ -38,6 +38,7 @@ from mapper.io.logs.lines import TextLines, take_lines
 from mapper.io.logs.packing import ScanStack, note_on_largest_reading
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.scan import ScanLog, Topic, Trajectory, is_angle_step
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
 PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2")  #: the sensor that is taken, where there are several
@@ -227,13 +228,7 @@ class CarmenReader:
 
         Raises :class:`ReadError` if there is none.
         """
-        if not self.sensors:
-            raise ReadError(
-                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER1 or ROBOTLASER2 line."
-            )
-        if topic is not None and topic not in self.sensors:
-            raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
-        word = topic or next(word for word in PREFERENCE if word in self.sensors)
+        word = self._chosen(topic)
         sensor = self.sensors[word]
         for other, stack in self.sensors.items():
             if other != word:
@@ -263,6 +258,33 @@ class CarmenReader:
             notes=tuple(notes),
             limits=self.limits,
         )
+
+    def odometry_records(self, topic: str | None = None) -> OdometryRecords | None:
+        """Return the ODOM messages around the scans that :meth:`log` returns; None where there is none.
+
+        They are without those that only restart the odometry (:func:`mapper.io.logs.interpolation.restarts`). Raises
+        :class:`ReadError` as :meth:`log` does.
+        """
+        sensor = self.sensors[self._chosen(topic)]
+        if not len(self.odometry):
+            return None
+        poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
+        restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
+        if restart.any():
+            poses = without_restarts(poses, restart)
+        kept_before = np.concatenate([[0], np.cumsum(~restart)])
+        messages = TimedPoses(np.round(stamps[~restart] * 1e9).astype(np.int64), poses[~restart])
+        return OdometryRecords(messages, kept_before[before] - 1)
+
+    def _chosen(self, topic: str | None) -> str:
+        """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
+        if not self.sensors:
+            raise ReadError(
+                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER1 or ROBOTLASER2 line."
+            )
+        if topic is not None and topic not in self.sensors:
+            raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
+        return topic or next(word for word in PREFERENCE if word in self.sensors)
 
     def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
         """Return the sensors, and the other messages that were taken."""
@@ -384,7 +406,23 @@ def read_carmen(
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
+    reader, notes = _read(path, limits, progress)
+    return reader.log(path.name, notes, topic)
+
+
+def read_odometry_records(
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> OdometryRecords | None:
+    """Return the ODOM messages of the log at ``path`` in its order, around the scans that :func:`read_carmen` returns.
+
+    None for a log without ODOM messages. Raises as that does.
+    """
+    reader, _ = _read(path, limits, progress)
+    return reader.odometry_records(topic)
+
+
+def _read(path: Source, limits: Limits, progress: Progress | None) -> tuple[CarmenReader, list[str]]:
     reader = CarmenReader(limits)
     notes: list[str] = []
     take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.n_scans, notes)
-    return reader.log(path.name, notes, topic)
+    return reader, notes

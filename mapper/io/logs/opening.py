@@ -11,13 +11,14 @@ from pathlib import Path
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import OdometryRecords
 
 HEAD = 1 << 16  #: bytes that the kind is read from
 
@@ -64,6 +65,7 @@ TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
 
 #: What tells a text of numbers by its beginning.
 NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
+    (cmu.is_cmu, cmu.read_cmu),
     (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
     (breezyslam.is_breezyslam, breezyslam.read_breezyslam),
     (sonar.is_sonar, sonar.read_sonar),
@@ -71,7 +73,7 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
 
 METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
 
-KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
+KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -103,6 +105,20 @@ def open_log(
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
     return _reading(Path(path), limits)(limits, progress, topic)
+
+
+def odometry_records(
+    path: str | os.PathLike[str], *, topic: str | None = None, limits: Limits = DEFAULT_LIMITS
+) -> OdometryRecords | None:
+    """Return the odometry messages of the log at ``path`` in the order of its records, around its scans.
+
+    None for logs of other formats than CARMEN, in a folder or a tar archive, or without such messages. Raises as
+    :func:`open_log`.
+    """
+    file = Path(path)
+    if file.is_dir() or _is_tar(file) or _kind_of(file) is not carmen.read_carmen:
+        return None
+    return carmen.read_odometry_records(file, limits, None, topic)
 
 
 def log_files(folder: Path) -> list[Path]:

@@ -1,0 +1,28 @@
+"""How good poses are: against another trajectory, or against known relations between places."""
+
+from mapper.evaluation.alignment import ALIGNMENTS, Alignment, align
+from mapper.evaluation.association import associate
+from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
+from mapper.evaluation.pose_error import absolute_errors, relative_errors
+from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
+from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
+from mapper.evaluation.trajectory_error import Comparison, ComparisonOptions, compare_trajectories
+
+__all__ = [
+    "ALIGNMENTS",
+    "DELTA_UNITS",
+    "Alignment",
+    "Comparison",
+    "ComparisonOptions",
+    "ErrorSeries",
+    "ErrorStatistics",
+    "RelationErrors",
+    "Relations",
+    "absolute_errors",
+    "align",
+    "associate",
+    "compare_trajectories",
+    "evaluate_relations",
+    "pairs_over",
+    "relative_errors",
+]

@@ -1,0 +1,83 @@
+"""Two trajectories compared: associated by stamps, aligned, and their absolute and relative errors, as evo's.
+
+The definitions are those of evo_ape and evo_rpe (github.com/MichaelGrupp/evo) in the plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mapper.evaluation.alignment import Alignment, align
+from mapper.evaluation.association import MAX_DIFFERENCE_S, associate
+from mapper.evaluation.pairs import TOLERANCE, pairs_over
+from mapper.evaluation.pose_error import absolute_errors, relative_errors
+from mapper.evaluation.statistics import ErrorSeries
+from mapper.sensors.timed_poses import TimedPoses
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonOptions:
+    """How two trajectories are compared.
+
+    ``max_difference_s`` and ``offset_s``: :func:`mapper.evaluation.associate`; ``align``:
+    :data:`mapper.evaluation.ALIGNMENTS`; ``delta``, ``delta_unit``, ``all_pairs`` and ``tolerance``:
+    :func:`mapper.evaluation.pairs_over`, along the estimate, or along the reference with ``pairs_from_reference``.
+    """
+
+    max_difference_s: float = MAX_DIFFERENCE_S
+    offset_s: float = 0.0
+    align: str = "rigid"
+    delta: float = 1.0
+    delta_unit: str = "m"
+    all_pairs: bool = False
+    tolerance: float = TOLERANCE
+    pairs_from_reference: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What came of it. Translations are metres, rotations radians, all ≥ 0.
+
+    ``reference`` and ``estimate`` are the n poses that belong together, the estimate aligned by ``alignment``.
+    ``absolute_translation`` and ``absolute_rotation`` are errors at each pose (n,), over the estimate's stamps;
+    ``relative_translation`` and ``relative_rotation`` those over each pair, at the stamp of its end.
+    """
+
+    reference: TimedPoses
+    estimate: TimedPoses
+    alignment: Alignment
+    absolute_translation: ErrorSeries
+    absolute_rotation: ErrorSeries
+    relative_translation: ErrorSeries
+    relative_rotation: ErrorSeries
+
+
+def compare_trajectories(
+    reference: TimedPoses, estimate: TimedPoses, options: ComparisonOptions | None = None
+) -> Comparison:
+    """Return the errors of ``estimate`` against ``reference``, over time (:class:`ErrorSeries`) and in figures.
+
+    Raises :class:`ConfigError` where the stamps have nothing in common, the places cannot be aligned, no two poses are
+    delta apart, or an option is impossible.
+    """
+    how = ComparisonOptions() if options is None else options
+    together = associate(reference.stamps_ns, estimate.stamps_ns, how.max_difference_s, how.offset_s)
+    reference, estimate = reference.take(together[:, 0]), estimate.take(together[:, 1])
+    alignment = align(reference.poses, estimate.poses, how.align)
+    estimate = TimedPoses(estimate.stamps_ns, alignment.apply(estimate.poses), estimate.notes)
+    along = reference if how.pairs_from_reference else estimate
+    pairs = pairs_over(
+        how.delta, how.delta_unit, along.poses, along.stamps_ns, all_pairs=how.all_pairs, tolerance=how.tolerance
+    )
+    absolute = absolute_errors(reference.poses, estimate.poses)
+    relative = relative_errors(reference.poses, estimate.poses, pairs)
+    ends = estimate.stamps_ns[pairs[:, 1]]
+    return Comparison(
+        reference,
+        estimate,
+        alignment,
+        ErrorSeries(estimate.stamps_ns, absolute[0]),
+        ErrorSeries(estimate.stamps_ns, absolute[1]),
+        ErrorSeries(ends, relative[0]),
+        ErrorSeries(ends, relative[1]),
+    )

@@ -1,0 +1,83 @@
+"""A trajectory from another program as one more trajectory of a log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.timed_poses import TimedPoses
+
+TUM = "tum"  #: name of the trajectory that a TUM file is in a log
+SAME_NS = 1_000  #: stamps that differ by no more are the same, written with six digits or more
+FAR_S = 1.0  #: seconds: a scan that is farther from every pose than this is noted
+
+
+def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog:
+    """Return ``log`` with ``poses`` of its base as the trajectory ``name``, its first, so that it is the default.
+
+    Poses as many as the scans and with their stamps, to a microsecond, are taken scan by scan. Others are interpolated
+    at the scans' stamps, linear in position and the short way round in angle, and scans before the first or after the
+    last pose are left out of the log; a note says how many, and how many scans lie far from any pose. The trajectory's
+    fixed frame is not known (None).
+
+    Raises :class:`ConfigError` where the log has a trajectory of this name, and where no scan lies within the poses'
+    time.
+    """
+    if name in log.trajectories:
+        raise ConfigError("trajectory.name", f"The log has a trajectory {name!r:.80} already.")
+    notes: list[str] = []
+    at_scans = poses.poses
+    if not is_scan_by_scan(log, poses):
+        log, notes = cut_to(log, poses)
+        at_scans = poses.at(log.stamps_ns)
+    added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan")
+    return replace(log, trajectories={name: added, **log.trajectories}, notes=(*log.notes, *poses.notes, *notes))
+
+
+def is_scan_by_scan(log: ScanLog, poses: TimedPoses) -> bool:
+    """Return whether ``poses`` are as many as the scans of ``log``, with the same stamps in the same order."""
+    return len(poses) == log.n_scans and bool((np.abs(poses.stamps_ns - log.stamps_ns) <= SAME_NS).all())
+
+
+def cut_to(log: ScanLog, poses: TimedPoses) -> tuple[ScanLog, list[str]]:
+    """Return the scans of ``log`` within the time of ``poses``, and what is to be noted. Raises as above."""
+    inside = poses.covers(log.stamps_ns)
+    outside = int(np.count_nonzero(~inside))
+    if outside == log.n_scans:
+        raise ConfigError(
+            "trajectory.time",
+            f"No scan is within the time of the trajectory: its poses are from {_span(poses.stamps_ns)}, the scans "
+            f"from {_span(log.stamps_ns)}.",
+        )
+    notes = []
+    if outside:
+        scans = "1 scan lies" if outside == 1 else f"{outside} scans lie"
+        left = "is left out" if outside == 1 else "are left out"
+        notes.append(f"{scans} before the first or after the last pose of the trajectory, and {left}.")
+        log = replace(
+            log,
+            ranges=log.ranges[inside],
+            stamps_ns=log.stamps_ns[inside],
+            trajectories={name: replace(one, poses=one.poses[inside]) for name, one in log.trajectories.items()},
+        )
+    far = int(np.count_nonzero(_to_nearest_ns(log.stamps_ns, poses.stamps_ns) > FAR_S * 1e9))
+    if far:
+        scans = "1 scan is" if far == 1 else f"{far} scans are"
+        notes.append(f"{scans} more than {FAR_S:g} s from any pose of the trajectory; poses are interpolated there.")
+    return log, notes
+
+
+def _to_nearest_ns(stamps_ns: NDArray[np.int64], of_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how far each of ``stamps_ns`` (n,) is from the nearest of ``of_ns`` (m,), ns."""
+    known = np.sort(of_ns)
+    after = np.searchsorted(known, stamps_ns)
+    low, high = known[np.clip(after - 1, 0, None)], known[np.clip(after, None, len(known) - 1)]
+    return np.asarray(np.minimum(np.abs(stamps_ns - low), np.abs(high - stamps_ns)), dtype=np.int64)
+
+
+def _span(stamps_ns: NDArray[np.int64]) -> str:
+    return f"{stamps_ns.min() / 1e9:.3f} to {stamps_ns.max() / 1e9:.3f} s" if len(stamps_ns) else "no time"

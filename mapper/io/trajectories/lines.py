@@ -1,0 +1,45 @@
+"""The lines of numbers that trajectories and relations are: as many on each, blanks between, ``#`` before remarks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from decimal import Decimal
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs import fields
+from mapper.io.logs.archive import Source
+from mapper.io.logs.lines import TextLines
+
+
+def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number and the tokens of each line of the file at ``path``, plain or packed.
+
+    ``columns`` names the values of a line, one word each, and ``kind`` says whose line it is, for the errors. Raises
+    :class:`ReadError`, naming the line, for another number of values, for packed data that is damaged and for a file
+    that cannot be opened, and :class:`LimitError`.
+    """
+    lines = TextLines(path, limits)
+    wanted = len(columns.split())
+    for number, text in lines:
+        tokens = text.decode("latin-1").split()
+        if not tokens or tokens[0].startswith("#"):
+            continue
+        if len(tokens) != wanted:
+            raise ReadError(
+                "trajectory.columns",
+                f"Line {number} has {len(tokens)} value{'s' if len(tokens) != 1 else ''}, but a {kind} line has "
+                f"{wanted}: {columns}.",
+            )
+        yield number, tokens
+    if lines.broken is not None:
+        raise ReadError("trajectory.truncated", f"{lines.broken}, after line {lines.number}.")
+
+
+def stamp_ns(token: str, line: int, kind: str) -> int:
+    """Return a time in seconds as nanoseconds, to the last digit, which a float would not keep.
+
+    Raises :class:`ReadError` for what is no time.
+    """
+    fields.stamp(token, line, kind)
+    return round(Decimal(token).scaleb(9))

@@ -1,0 +1,76 @@
+"""Trajectories in the format of the TUM RGB-D benchmark, which evo and many SLAM programs write.
+
+Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, seconds, metres, a unit quaternion; lines that
+begin with ``#`` are remarks. :func:`mapper.io.export.tum_lines` writes it.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from array import array
+from pathlib import Path
+
+import numpy as np
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs import fields
+from mapper.io.logs.transforms import Poses3
+from mapper.io.trajectories.lines import rows, stamp_ns
+from mapper.sensors.timed_poses import TimedPoses
+
+COLUMNS = "timestamp tx ty tz qx qy qz qw"
+NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1: files have as few as two digits
+FLAT_M, FLAT_RAD = 0.05, math.radians(3.0)  #: heights and tilts that differ by less are a planar trajectory's
+
+
+def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> TimedPoses:
+    """Return the poses of a TUM file, plain or packed, seen from above, in the file's order.
+
+    A note says where heights or tilts, which are left out, are more than a planar robot's, and where stamps run
+    backwards or repeat. Raises :class:`ReadError`, naming the line, for a line that has not eight numbers, a pose that
+    is no place or no rotation, or a time that is none, and for a file without poses; :class:`LimitError` for one with
+    more lines or bytes than ``limits`` allow.
+    """
+    stamps, values = array("q"), array("d")
+    for line, tokens in rows(Path(path), limits, "TUM", COLUMNS):
+        stamps.append(stamp_ns(tokens[0], line, "TUM"))
+        numbers = fields.numbers(tokens[1:], line, "TUM")
+        place, rotation = numbers[:3], numbers[3:]
+        if not all(math.isfinite(value) and abs(value) <= limits.max_pose for value in place):
+            raise ReadError(
+                "trajectory.pose",
+                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it must be "
+                f"finite and within {limits.max_pose:g} m.",
+            )
+        norm = math.hypot(*rotation)
+        if not abs(norm - 1.0) <= NORM_TOLERANCE:
+            raise ReadError(
+                "trajectory.rotation",
+                f"Line {line}: the quaternion {', '.join(f'{value:g}' for value in rotation)} is no rotation: its "
+                f"length is {norm:.3g}, not 1.",
+            )
+        values.extend([*place, *(value / norm for value in rotation)])
+    if not stamps:
+        raise ReadError("trajectory.empty", f"The file holds no poses, lines of {COLUMNS}.")
+    stamped, table = np.array(stamps, dtype=np.int64), np.array(values).reshape(-1, 7)
+    poses = Poses3(table[:, :3], table[:, 3:])
+    return TimedPoses(stamped, poses.planar, (*_notes_on_space(poses), *_notes_on_time(stamped)))
+
+
+def _notes_on_space(poses: Poses3) -> list[str]:
+    height = float(np.ptp(poses.positions[:, 2]))
+    tilt = float(np.arccos(np.clip(poses.up, -1.0, 1.0)).max())
+    if height <= FLAT_M and tilt <= FLAT_RAD:
+        return []
+    seen = f"heights differ by {height:.2f} m and it tilts by up to {math.degrees(tilt):.0f}°"
+    return [f"The trajectory is not planar: {seen}. It is taken as seen from above."]
+
+
+def _notes_on_time(stamps_ns: np.ndarray[tuple[int], np.dtype[np.int64]]) -> list[str]:
+    steps = np.diff(stamps_ns)
+    backwards, repeated = int(np.count_nonzero(steps < 0)), int(np.count_nonzero(steps == 0))
+    if not backwards and not repeated:
+        return []
+    return [f"Of {len(stamps_ns)} stamps {backwards} are earlier than the one before, and {repeated} equal to it."]
