@@ -139,7 +139,7 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     settled_digest(page)
     single_threaded = _slid(page)
     page.get_by_role("button", name="Save as A").click()
-    page.locator(".compare-look .choice-option", has_text="Difference").click()
+    page.locator(".compare-mode .choice-option", has_text="Difference").click()
     until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
     settled_digest(page)
     compared = _slid(page)

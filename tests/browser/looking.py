@@ -153,7 +153,7 @@ _STILL = """async (element) => {
   }
 }"""
 
-# Resolves when the pictures of the map are painted no more: no cell glows, nothing glides.
+# Resolves when the pictures of the map are no longer repainted: no highlight fades, no animation runs.
 _PAINTED = """async () => {
   for (let paints = -1, same = 0; same < 3; ) {
     await new Promise(requestAnimationFrame);

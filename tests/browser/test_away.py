@@ -79,7 +79,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         slider.focus()
         page.keyboard.press("ArrowRight")
         page.get_by_role("switch", name="Odometry drift").click()
-        page.evaluate("() => gridbloom.connection.store.look({ x: 5, y: 5, scale: 0.02 })")
+        page.evaluate("() => gridbloom.connection.store.setView({ x: 5, y: 5, scale: 0.02 })")
         set_here = "() => { const s = gridbloom.connection.store;"
         set_here += " return [s.mapping.values.peek().log_odds_hit, s.faults.peek().drift, s.view.peek()]; }"
         before = page.evaluate(set_here)

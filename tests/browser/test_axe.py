@@ -99,7 +99,9 @@ def test_the_lab_in_every_state(page: Page, open_lab: Callable[..., Page]) -> No
     page.get_by_role("switch", name="Polished walls").click()
     page.get_by_role("switch", name="Show the correct map").click()
     expect(page.get_by_role("region", name="Correct map")).to_be_visible()
-    page.evaluate("() => { const { store } = gridbloom.connection; store.ask(store.frame.peek().pose.slice(0, 2)); }")
+    page.evaluate(
+        "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
+    )
     expect(page.locator(".why-chart").first).to_be_visible()
     settled_digest(page)
     assert told_sliders(page) > 15

@@ -80,7 +80,7 @@ def colour(page: Page, geometry: dict[str, Any], cell: Any) -> list[int]:
 
 
 def look_by(page: Page, name: str) -> None:
-    page.locator(".compare-look .choice-option", has_text=name).click()
+    page.locator(".compare-mode .choice-option", has_text=name).click()
 
 
 def open_cells(page: Page, geometry: dict[str, Any], found: NDArray[np.bool_], n: int) -> NDArray[np.int64]:
@@ -169,7 +169,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
             assert sign * (red - blue) > 0
     # Added, what both say counts together: a cell is coloured by the sum, whatever A or B alone would make of it.
     look_by(viewer, "Merge")
-    expect(viewer.locator(".compare-look")).to_contain_text("each scan counts twice")
+    expect(viewer.locator(".compare-mode")).to_contain_text("each scan counts twice")
     la, lb = (low + (byte.astype(float) - 1.0) / 254.0 * (high - low) for byte in (a, b))
     for sign in (1.0, -1.0):
         sure = (sign * (la + lb) > 0.8) & (a > 0) & (b > 0)
@@ -217,7 +217,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     # Why in A: with the increment that it kept.
     cell = differ[0]
     place = [float(geometry["origin"][i] + (cell[1 - i] + 0.5) * geometry["resolution"]) for i in (0, 1)]
-    evaluate(viewer, "(place) => gridbloom.connection.store.ask(place)", place)
+    evaluate(viewer, "(place) => gridbloom.connection.store.explain(place)", place)
     until("the answer", lambda: store(viewer, "why"))
     assert store(viewer, "why")["layer"] == "second_map"
     assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["contributions"] if not t["hit"])

@@ -26,7 +26,7 @@ def lab(context: BrowserContext, server: str) -> Page:
     page.evaluate(
         "() => { const s = gridbloom.connection.store; s.teleport([6, 6.2]);"
         " s.edit({ added: [['box', 300, 600, 340, 640]], erased: [] }); s.setParameter('window', 0.4);"
-        " s.setSensor('n_beams', 180); s.look({ x: 5, y: 5, scale: 0.012 }); s.send({ type: 'step', scans: 20 }); }"
+        " s.setSensor('n_beams', 180); s.setView({ x: 5, y: 5, scale: 0.012 }); s.send({ type: 'step', scans: 20 }); }"
     )
     until("some scans more", lambda: frame(page)["index"] >= index + 20)
     return page
@@ -53,7 +53,7 @@ def test_the_address_opens_what_was_there_after_the_session_has_ended(lab: Page,
     kept = settled_digest(lab)
     pose, index = frame(lab)["pose"], frame(lab)["index"]
     look = {"x": 5.5, "y": 5, "scale": 0.011}
-    lab.evaluate("(look) => { gridbloom.connection.store.look(look); }", look)
+    lab.evaluate("(look) => { gridbloom.connection.store.setView(look); }", look)
     until("the address to follow", lambda: told(lab.evaluate("() => location.href")).get("view") == look)
     link = lab.evaluate("() => location.href")
     session = link.split("session=")[1].split("#")[0]
@@ -78,11 +78,12 @@ def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Pag
     lab.get_by_role("switch", name="Show the correct map").click()
     lab.evaluate(
         "() => { const s = gridbloom.connection.store; const [x, y] = s.frame.peek().pose;"
-        " s.pinned.value = [x + 0.5, y]; s.ask([x + 0.5, y]); }"
+        " s.pinned.value = [x + 0.5, y]; s.explain([x + 0.5, y]); }"
     )
     lab.get_by_role("button", name="Previous beam").click()
-    seen = "() => { const s = gridbloom.connection.store; return s.compared.peek() && s.why.peek() && s.touch.peek()"
-    seen += " && [s.compared.peek().values, s.pinned.peek(), s.why.peek(), s.touch.peek()]; }"
+    seen = "() => { const s = gridbloom.connection.store; return s.compared.peek() && s.why.peek()"
+    seen += " && s.selectedContribution.peek()"
+    seen += " && [s.compared.peek().values, s.pinned.peek(), s.why.peek(), s.selectedContribution.peek()]; }"
     settled_digest(lab)
     shown = until("the second map and the answer", lambda: lab.evaluate(seen))
 

@@ -11,14 +11,14 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.looking import frame, map_bytes, settled_digest, until
 
-# Every cell that the walk has touched so far: its place, and what it holds now.
+# Every cell that was updated so far while stepping through the scan, with its current value.
 _HELD = """() => {
   const { store } = gridbloom.connection;
-  const walk = store.walk.peek();
+  const stepping = store.stepping.peek();
   const map = store.map.peek();
   const held = new Map();
   const f = Math.fround;
-  for (const { cell, evidence } of walk.steps.slice(0, walk.done)) {
+  for (const { cell, evidence } of stepping.steps.slice(0, stepping.done)) {
     const name = `${cell.row} ${cell.col}`;
     const byte = map.cells.at(cell.row, cell.col);
     const { low, high } = map.geometry;
@@ -40,10 +40,10 @@ def by(page: Page, unit: str) -> None:
     page.get_by_label("Step size").select_option(unit)
 
 
-def walk(page: Page) -> dict[str, Any] | None:
-    """Return how far the walk through a scan has come."""
+def stepping(page: Page) -> dict[str, Any] | None:
+    """Return the state of the stepping through a scan."""
     found: dict[str, Any] | None = page.evaluate(
-        "() => { const w = gridbloom.connection.store.walk.peek();"
+        "() => { const w = gridbloom.connection.store.stepping.peek();"
         " return w && { done: w.done, of: w.steps.length, now: w.steps[Math.max(0, w.done - 1)] }; }"
     )
     return found
@@ -68,7 +68,7 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     index = frame(lab)["index"]
     by(lab, "cell")
     lab.get_by_role("button", name="Forward one cell").click()
-    until("the first cell of the next scan", lambda: (w := walk(lab)) and w["done"] == 1)
+    until("the first cell of the next scan", lambda: (w := stepping(lab)) and w["done"] == 1)
     assert frame(lab)["index"] == index
     note = lab.locator(".steps-note")
     # The first beam that says something: those before it may have found nothing where the robot stands.
@@ -90,18 +90,18 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     until("the whole again", lambda: lab.evaluate(cell_px) == far)
     by(lab, "beam")
     lab.get_by_role("button", name="Forward one beam").click()
-    until("the end of the first beam", lambda: (w := walk(lab)) and w["now"]["place"] == w["now"]["of"] - 1)
+    until("the end of the first beam", lambda: (w := stepping(lab)) and w["now"]["place"] == w["now"]["of"] - 1)
     expect(note).to_contain_text("Hit: ")
-    first = walk(lab)
+    first = stepping(lab)
     lab.get_by_role("button", name="Forward one beam").click()
-    until("another beam", lambda: (w := walk(lab)) and first and w["now"]["beam"] > first["now"]["beam"])
+    until("another beam", lambda: (w := stepping(lab)) and first and w["now"]["beam"] > first["now"]["beam"])
     # All of it: what the page has painted is what the mapper makes of the scan.
-    lab.evaluate("() => { const s = gridbloom.connection.store; const w = s.walk.peek();"
-                 " s.walk.value = { ...w, done: w.steps.length }; }")  # fmt: skip
+    lab.evaluate("() => { const s = gridbloom.connection.store; const w = s.stepping.peek();"
+                 " s.stepping.value = { ...w, done: w.steps.length }; }")  # fmt: skip
     held = lab.evaluate(_HELD)
     assert len(held) > 300
     lab.get_by_role("button", name="Forward one beam").click()
-    until("the scan in the map", lambda: frame(lab)["index"] == index + 1 and walk(lab) is None)
+    until("the scan in the map", lambda: frame(lab)["index"] == index + 1 and stepping(lab) is None)
     settled_digest(lab)
     after = map_bytes(lab)
     step = (after["high"] - after["low"]) / 254
@@ -113,15 +113,15 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     assert same >= 0.98 * len(held)
 
 
-def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_walk(lab: Page) -> None:
+def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_stepping(lab: Page) -> None:
     index = frame(lab)["index"]
     by(lab, "beam")
     lab.get_by_role("button", name="Back one beam").click()
-    until("the last beam to be out", lambda: (w := walk(lab)) and w["done"] < w["of"])
+    until("the last beam to be out", lambda: (w := stepping(lab)) and w["done"] < w["of"])
     assert frame(lab)["index"] == index - 1
     lab.get_by_role("button", name="Play").click()
     until("time to go on", lambda: frame(lab)["index"] > index)
-    assert walk(lab) is None
+    assert stepping(lab) is None
     expect(lab.locator(".steps-note")).to_have_count(0)
 
 
@@ -130,4 +130,4 @@ def test_what_has_no_order_of_cells_says_so(lab: Page) -> None:
     by(lab, "cell")
     lab.get_by_role("button", name="Forward one cell").click()
     expect(lab.locator(".toast").first).to_contain_text("update per beam")
-    assert walk(lab) is None
+    assert stepping(lab) is None

@@ -79,7 +79,7 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
         return [x0 + (c + 0.5) * held["resolution"], y0 + (r + 0.5) * held["resolution"]]
 
     intel.mouse.move(5, 5)
-    intel.evaluate("([x, y]) => gridbloom.connection.store.look({ x, y, scale: 0.01 })", place(row, col))
+    intel.evaluate("([x, y]) => gridbloom.connection.store.setView({ x, y, scale: 0.01 })", place(row, col))
     painted(intel)
     picture = intel.locator(".picture").first
     seen = np.asarray(Image.open(io.BytesIO(picture.screenshot())).convert("RGB")).astype(int)

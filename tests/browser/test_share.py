@@ -27,7 +27,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     page.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 1.75)")
     until("the view", lambda: frame(page)["index"] == 25 and not frame(page)["playing"])
     look = {"x": 12.0, "y": 0.5, "scale": 0.03}
-    page.evaluate("(look) => gridbloom.connection.store.look(look)", look)
+    page.evaluate("(look) => gridbloom.connection.store.setView(look)", look)
     shown = settled_digest(page)
 
     page.get_by_role("button", name="Share this view").click()

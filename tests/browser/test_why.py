@@ -26,7 +26,7 @@ _WALL = """() => {
       if (found.away < 0.6) continue;
       if (!best || found.byte > best.byte || (found.byte === best.byte && found.away < best.away)) best = found;
     }
-  store.look({ x: best.xy[0] + 0.4, y: best.xy[1] + 0.3, scale: 0.005 });
+  store.setView({ x: best.xy[0] + 0.4, y: best.xy[1] + 0.3, scale: 0.005 });
   return best.xy;
 }"""
 
@@ -113,14 +113,14 @@ def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
     slider.focus()
     lab.keyboard.press("Home")
     expect(equation).to_have_text(re.compile(r"^0\.00 [+−] "))
-    assert store(lab, "touch")["n"] == 1
+    assert store(lab, "selectedContribution")["n"] == 1
     lab.get_by_role("button", name="Next beam").click()
-    until("the second touch", lambda: store(lab, "touch")["n"] == 2)
-    expect(lab.locator(".why-touch")).to_contain_text(f"2 of {why['total']}")
+    until("the second touch", lambda: store(lab, "selectedContribution")["n"] == 2)
+    expect(lab.locator(".why-update")).to_contain_text(f"2 of {why['total']}")
     expect(lab.get_by_role("button", name="Go to this scan")).to_have_count(0)
     lab.keyboard.press("Escape")
     expect(lab.locator(".why")).to_have_count(0)
-    assert store(lab, "asked") is None
+    assert store(lab, "explainedPoint") is None
 
 
 def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
@@ -152,7 +152,7 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
     lab.mouse.click(x, y)  # holds the cell
     lab.mouse.move(2, 2)
     lab.locator(".readout").get_by_role("button", name="Why?").click()
-    touch = until("the answer", lambda: store(lab, "touch"))
+    touch = until("the answer", lambda: store(lab, "selectedContribution"))
     away = [touch["pose"][k] - xy[k] for k in (0, 1)]
     length = (away[0] ** 2 + away[1] ** 2) ** 0.5
     # On the beam, a little before it comes to the cell.
@@ -161,7 +161,7 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
     on_beam = [touch["pose"][0] + reach * math.cos(bearing), touch["pose"][1] + reach * math.sin(bearing)]
     asked = lab.evaluate("(xy) => gridbloom.colourAt(xy)", on_beam)
     lab.keyboard.press("Escape")
-    until("no more questions", lambda: store(lab, "asked") is None)
+    until("no more questions", lambda: store(lab, "explainedPoint") is None)
     plain = lab.evaluate("(xy) => gridbloom.colourAt(xy)", on_beam)
     assert None not in (asked, plain)
     assert sum(abs(a - b) for a, b in zip(asked, plain, strict=True)) > 60
@@ -172,16 +172,16 @@ def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
     slider = viewer.get_by_role("slider", name="Beams through this cell")
     slider.focus()
     viewer.keyboard.press("Home")
-    first = until("the first touch", lambda: (t := store(viewer, "touch")) and t["n"] == 1 and t)
+    first = until("the first touch", lambda: (t := store(viewer, "selectedContribution")) and t["n"] == 1 and t)
     assert first["scan"] == why["first_scan"]
     viewer.get_by_role("button", name="Next beam").click()
-    second = until("the second touch", lambda: (t := store(viewer, "touch")) and t["n"] == 2 and t)
+    second = until("the second touch", lambda: (t := store(viewer, "selectedContribution")) and t["n"] == 2 and t)
     viewer.get_by_role("button", name="Go to this scan").click()
     until("the map of that scan", lambda: frame(viewer)["index"] == second["scan"] + 1)
     until("the answer of that scan", lambda: store(viewer, "why")["index"] == second["scan"] + 1)
     there = store(viewer, "why")
     assert 2 <= there["total"] < why["total"]
-    assert store(viewer, "touch")["scan"] == second["scan"]
+    assert store(viewer, "selectedContribution")["scan"] == second["scan"]
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)

@@ -14,7 +14,7 @@ describe("the lecture's textbook", () => {
     expect(INITIAL_CONFIG).toEqual(vectors.initial);
   });
 
-  it.each(vectors.lines)("walks to $end as the mapper does", (line) => {
+  it.each(vectors.lines)("steps to $end as the mapper does", (line) => {
     const end = line.end as unknown as Point;
     const found: number[][] = [];
     bresenham({ row: 0, col: 0 }, { row: Math.floor(end[1]), col: Math.floor(end[0]) }, (row, col) => {

@@ -133,7 +133,7 @@ function Lab() {
   useSignalEffect(() => {
     const notice = live.value?.store.notice.value;
     // While the robot is dragged along a wall, a notice for each move would only repeat what is visible.
-    if (notice && !(notice.code === "teleport.moved" && live.value?.store.carried.peek())) {
+    if (notice && !(notice.code === "teleport.moved" && live.value?.store.draggedTo.peek())) {
       toast(notice.message, notice.kind);
     }
   });
@@ -161,7 +161,7 @@ function Lab() {
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}
-      {store?.asked.value && <Why store={store} side="left" />}
+      {store?.explainedPoint.value && <Why store={store} side="left" />}
       {store && (
         <div class="lab-experiments">
           <Disclosure title="What goes wrong" note="seven faults to switch on">

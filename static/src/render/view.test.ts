@@ -19,7 +19,7 @@ test("screen and world are each other's inverse, and y points up in the world", 
   expect(toScreen(view, size, 3.5, -1)[1]).toBeCloseTo(200, 9);
 });
 
-test("what the hand holds stays under the hand", () => {
+test("the point under the pointer stays under the pointer", () => {
   const at = toWorld(view, size, 100, 50);
   const moved = panned(view, 30, -12);
   const [px, py] = toScreen(moved, size, at[0], at[1]);
@@ -49,13 +49,13 @@ test("fitting shows the whole box, touching two sides of the margin", () => {
 });
 
 test("a view that was shared shows all that was seen on a picture of any size, and the same on one of its own", () => {
-  const look = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
-  expect(framed(look, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });
+  const shared = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
+  expect(framed(shared, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });
   for (const size of [
     { width: 390, height: 500 },
     { width: 1600, height: 300 },
   ]) {
-    const { scale } = framed(look, size);
+    const { scale } = framed(shared, size);
     expect(size.width * scale).toBeGreaterThanOrEqual(800 * 0.02 - 1e-9);
     expect(size.height * scale).toBeGreaterThanOrEqual(600 * 0.02 - 1e-9);
   }

@@ -58,10 +58,10 @@ export function fitted(bounds: Bounds, size: Size, margin = 16): View {
 }
 
 /** A view with the size of its picture, so that a picture of another size can show the same part of the world. */
-export interface Look extends View, Size {}
+export interface SharedView extends View, Size {}
 
 /** The view that contains all of a shared view; the same view if the pictures have the same size. */
-export function framed(look: Look, size: Size): View {
-  const smaller = Math.max(look.width / size.width, look.height / size.height);
-  return { x: look.x, y: look.y, scale: limited(look.scale * smaller) };
+export function framed(shared: SharedView, size: Size): View {
+  const smaller = Math.max(shared.width / size.width, shared.height / size.height);
+  return { x: shared.x, y: shared.y, scale: limited(shared.scale * smaller) };
 }

@@ -1,8 +1,8 @@
-/** Which faults are on: all that a page has to know of them until somebody unfolds the switches. */
+/** Which faults are on: all that a page needs before the panel of faults is loaded. */
 
 import type { Values } from "../wire/protocol";
 
-/** What holds while faults are on: which, in the order in which they were switched on, and what was there before. */
+/** The faults that are on, in the order in which they were switched on, and the parameters before. */
 export interface ActiveFaults {
   readonly on: readonly string[];
   readonly before: Values;

@@ -1,4 +1,4 @@
-/** A store and the stream that feeds it. */
+/** A store and the stream that it receives from. */
 
 import type { ReadonlySignal } from "@preact/signals";
 import { Store } from "./store";
@@ -7,7 +7,7 @@ import { type Status, Stream } from "./stream";
 export interface Connection {
   readonly store: Store;
   readonly status: ReadonlySignal<Status>;
-  /** What is wrong with the connection, one or two sentences; null while nothing is. */
+  /** An error of the connection in one or two sentences; null for none. */
   readonly trouble: ReadonlySignal<string | null>;
   readonly stream: Stream;
   start(): void;
@@ -21,11 +21,11 @@ async function isGone(session: string): Promise<boolean> {
   try {
     return (await fetch(`/api/sessions/${encodeURIComponent(session)}`)).status === 404;
   } catch {
-    return false; // the server is away, which says nothing of the session
+    return false; // the server does not answer: nothing is known about the session
   }
 }
 
-/** Watch a session. Nothing happens before `start`. */
+/** Prepare a connection to a session; `start` opens it. */
 export function connect(session: string): Connection {
   let stream: Stream;
   const store = new Store((command) => stream.send(command));

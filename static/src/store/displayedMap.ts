@@ -1,4 +1,4 @@
-/** A map as it comes over the wire: the picture on show, and the one of a new epoch that replaces it when complete. */
+/** A map as received over the wire: the displayed picture, and that of a new epoch, which replaces it when complete. */
 
 import { batch, type ReadonlySignal, signal } from "@preact/signals";
 import { decompress } from "fzstd";
@@ -8,32 +8,32 @@ import type { MapPicture } from "../render/map/mapPicture";
 import type { TilesFrame } from "../wire/decodeFrame";
 import { type Geometry, ProtocolError } from "../wire/protocol";
 
-/** Told of a cell that is observed for the first time or changes its mind, and of the instant (performance.now). */
-export type OnBloom = (row: number, col: number, now: number) => void;
+/** Called for a cell that is observed for the first time or crosses log-odds 0; `now` is performance.now(). */
+export type OnCellChange = (row: number, col: number, now: number) => void;
 
-/** A new epoch replaces the picture when it is complete; but the old picture stays no longer than this. */
+/** A new epoch replaces the picture when it is complete, at the latest after this time. */
 const STALE_PICTURE_MS = 250;
 
 export class DisplayedMap {
   readonly #map = signal<MapPicture | null>(null);
   readonly #version = signal(0);
-  /** The map on show. */
+  /** The displayed map. */
   readonly map: ReadonlySignal<MapPicture | null> = this.#map;
-  /** Grows whenever cells of the map on show change. */
+  /** Incremented whenever cells of the displayed map change. */
   readonly version: ReadonlySignal<number> = this.#version;
-  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
-  onBloom: OnBloom | null = null;
+  /** Called for changed cells, but not for those of a complete new picture. */
+  onCellChange: OnCellChange | null = null;
   #isRemade = false;
   #coming: (MapPicture & { readonly since: number }) | null = null;
   #newest = 0;
   #complete: { readonly epoch: number; readonly revision: number } | null = null;
 
-  /** What has been received in full, for a later connection to go on from; null for nothing. */
+  /** The last epoch and revision that were received completely, for the next connection to resume; null for none. */
   get complete(): { readonly epoch: number; readonly revision: number } | null {
     return this.#complete;
   }
 
-  /** A grid of this geometry is to come, painted in the palette of this style. */
+  /** Prepare for the tiles of a grid with this geometry, painted in the palette of this style. */
   begin(geometry: Geometry, style: string): void {
     const newest = this.#coming ?? this.#map.peek();
     if (newest?.geometry.epoch === geometry.epoch) return;
@@ -42,7 +42,7 @@ export class DisplayedMap {
     if (!this.#map.peek()) this.#show();
   }
 
-  /** What comes next is the same readings taken otherwise: nothing of it was just seen. */
+  /** The next tiles are a recomputation from the same readings: their cells are not reported as changed. */
   remake(): void {
     this.#isRemade = true;
   }
@@ -50,17 +50,17 @@ export class DisplayedMap {
   takeTiles(frame: TilesFrame): void {
     const coming = this.#coming;
     const picture = coming ?? this.#map.peek();
-    if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch: void
+    if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch
     const undecided = byteAt(0, picture.geometry);
-    const hear = coming || !this.#complete || this.#isRemade ? null : this.onBloom;
+    const listener = coming || !this.#complete || this.#isRemade ? null : this.onCellChange;
     const now = performance.now();
-    const bloom = hear ? (row: number, col: number): void => hear(row, col, now) : undefined;
+    const onChange = listener ? (row: number, col: number): void => listener(row, col, now) : undefined;
     for (const tile of frame.tiles) {
       let values: Uint8Array;
       try {
-        // Into memory of its own: given some, fzstd makes a tiny array whose buffer costs a browser more than the tile.
+        // Without an output buffer: given one, fzstd allocates a tiny array whose buffer costs a browser more than the tile.
         values = decompress(tile.data);
-        picture.cells.setTile(tile.tx, tile.ty, values, undecided, bloom);
+        picture.cells.setTile(tile.tx, tile.ty, values, undecided, onChange);
       } catch (error) {
         throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
       }
@@ -87,7 +87,7 @@ export class DisplayedMap {
     this.#newest = 0;
     this.#coming = null;
     const map = this.#map.peek();
-    // Keep showing what there was, under an epoch that no server will name, until something newer is complete.
+    // Keep the old picture, with an epoch that no server uses, until a newer one is complete.
     if (map) this.#map.value = { ...map, geometry: { ...map.geometry, epoch: -1 } };
   }
 

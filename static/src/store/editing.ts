@@ -7,13 +7,13 @@ export type Tool = "wall" | "box" | "erase";
 
 export const NO_EDITS: Edits = { added: [], erased: [] };
 
-/** The selected tool, and what it is about to draw or erase. */
+/** The selected tool, and the shape that it is drawing. */
 export class Editing {
-  /** Null where no edit is wanted: a click then places the robot. */
+  /** Null if no edit is wanted: a click then places the robot. */
   readonly tool = signal<Tool | null>(null);
-  /** What the stroke of the moment would draw. */
+  /** The shape of the current stroke. */
   readonly sketch = signal<DrawnSolid | null>(null);
-  /** The first corner of a stroke that the keyboard draws. */
+  /** The first corner of a stroke drawn by keyboard. */
   readonly corner = signal<Point | null>(null);
 
   take(tool: Tool | null): void {

@@ -17,7 +17,7 @@ beforeEach(() => {
   );
 });
 
-test("what was done is taken back and done again, the newest first", () => {
+test("changes are undone and redone, the newest first", () => {
   history.add("a", [speed(1)], [speed(2)]);
   history.add("b", [speed(3)], [speed(4), speed(5)]);
   history.undo();
@@ -31,7 +31,7 @@ test("what was done is taken back and done again, the newest first", () => {
   expect([history.canUndo.value, history.canRedo.value]).toEqual([true, false]);
 });
 
-test("the way of a slider is one change, another thing or a rest begins a new one", () => {
+test("the movement of a slider is one change; another key or a pause starts a new one", () => {
   for (let i = 1; i <= 5; i++) {
     now += 100;
     history.add("window", [speed(i - 1)], [speed(i)]);
@@ -50,7 +50,7 @@ test("the way of a slider is one change, another thing or a rest begins a new on
   expect(sent).toEqual([speed(8), speed(6), speed(5), speed(0)]);
 });
 
-test("a new change ends the way forward", () => {
+test("a new change clears the redo list", () => {
   history.add("a", [speed(1)], [speed(2)]);
   history.undo();
   history.add("b", [speed(3)], [speed(4)]);

@@ -1,14 +1,14 @@
-/** What a person changed, as commands that take it back and commands that do it again. */
+/** The user's changes, as commands to undo and to redo them. */
 
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Command } from "../wire/protocol";
 
-/** Changes of one thing that follow each other faster than this are one: the way of a slider, of a dragged robot. */
+/** Changes with the same key that follow each other within this time are merged, as those of a slider or a dragged robot. */
 const MERGE_MS = 700;
 const MOST = 200;
 
 interface Change {
-  /** What was changed: changes of the same thing in quick succession are one. */
+  /** Names what was changed: changes with the same key in quick succession are merged. */
   readonly key: string;
   readonly undo: readonly Command[];
   readonly redo: readonly Command[];
@@ -18,7 +18,7 @@ interface Change {
 export class History {
   readonly canUndo: ReadonlySignal<boolean>;
   readonly canRedo: ReadonlySignal<boolean>;
-  /** Grows with every change, also with those that are taken back. */
+  /** Incremented with every change, also by undo and redo. */
   readonly version = signal(0);
   readonly #done = signal<readonly Change[]>([]);
   readonly #undone = signal<readonly Change[]>([]);
@@ -32,7 +32,7 @@ export class History {
     this.canRedo = computed(() => this.#undone.value.length > 0);
   }
 
-  /** Note a change that has just been made. */
+  /** Add a change that was just made. */
   add(key: string, undo: readonly Command[], redo: readonly Command[]): void {
     const at = this.#now();
     const before = this.#done.peek();
@@ -56,7 +56,7 @@ export class History {
     this.#move(this.#undone, this.#done, (change) => change.redo);
   }
 
-  /** Forget everything: another session is on show. */
+  /** Remove all changes, for another session. */
   clear(): void {
     this.#done.value = this.#undone.value = [];
   }

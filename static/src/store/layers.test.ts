@@ -35,7 +35,7 @@ beforeEach(() => {
   layers = new Layers((command) => sent.push(command));
 });
 
-test("a layer is asked for while somebody watches it, however many do", () => {
+test("a layer is subscribed to once while it has any number of subscribers", () => {
   const first = layers.subscribe("particles");
   const second = layers.subscribe("particles");
   expect(sent).toEqual([{ type: "subscribe", layers: [MAP, "particles"] }]);
@@ -46,7 +46,7 @@ test("a layer is asked for while somebody watches it, however many do", () => {
   expect(sent.slice(1)).toEqual([{ type: "subscribe", layers: [MAP] }]);
 });
 
-test("what comes goes to the layer of its id, and nowhere where there is none", () => {
+test("a frame goes to the layer of its id, and is dropped without one", () => {
   layers.setLayers([grid(1, MAP), grid(2, "costs", "costs"), points(3, "particles")]);
   for (const name of ["costs", "particles"]) layers.subscribe(name);
   layers.begin(geometry(2, 7));
@@ -77,7 +77,7 @@ test("a new epoch of one grid leaves the others alone", () => {
   expect(changes).toBe(1);
 });
 
-test("a new connection is told of each grid what is still there, and what is wanted", () => {
+test("a new connection resumes each complete grid and subscribes again", () => {
   expect(layers.opening(undefined)).toEqual([]);
   layers.setLayers([grid(1, MAP), grid(2, "costs")]);
   expect(layers.opening("e")).toEqual([]);
@@ -95,7 +95,7 @@ test("a new connection is told of each grid what is still there, and what is wan
   expect(layers.opening("e")).toEqual([{ type: "subscribe", layers: [MAP, "costs"] }]);
 });
 
-test("what nobody watches any more is gone, and what still comes of it is dropped", () => {
+test("a layer without subscribers is cleared, and its late frames are dropped", () => {
   layers.setLayers([grid(1, MAP), grid(2, "costs"), points(3, "particles")]);
   const stops = ["costs", "particles"].map((name) => layers.subscribe(name));
   layers.begin(geometry(2, 7));
@@ -113,7 +113,7 @@ test("what nobody watches any more is gone, and what still comes of it is droppe
   expect(layers.grid("costs").map.value?.geometry.epoch).toBe(7);
 });
 
-test("points that the session has no more are not shown", () => {
+test("points of a removed layer are not shown", () => {
   layers.setLayers([grid(1, MAP), points(3, "particles")]);
   layers.subscribe("particles");
   layers.take(table(3, [1]));

@@ -1,4 +1,4 @@
-/** What a session shows, as far as this page has asked for it: layers by name, each kept while somebody watches it. */
+/** The layers of a session by name, received while at least one component of the page is subscribed to them. */
 
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { LayerContent } from "../render/picture/overlays";
@@ -6,7 +6,7 @@ import type { BinaryFrame } from "../wire/decodeFrame";
 import type { Command, Geometry, LayerInfo } from "../wire/protocol";
 import { DisplayedMap } from "./displayedMap";
 
-/** The map of a session: its first layer, which is sent to whoever has not said what it wants. */
+/** The map of a session: its first layer, which is sent by default. */
 export const MAP = "map";
 /** The map beside it, where a session compares. */
 export const SECOND_MAP = "second_map";
@@ -36,7 +36,7 @@ export class Layers {
   readonly #watchers = new Map<string, number>([[MAP, 1]]);
   readonly #send: (command: Command) => void;
 
-  /** `send` tells the server; it may do nothing while there is no connection. */
+  /** `send` sends a command to the server; it may do nothing while there is no connection. */
   constructor(send: (command: Command) => void) {
     this.#send = send;
   }
@@ -55,11 +55,11 @@ export class Layers {
     return kept(this.#contents, name, () => signal(null));
   }
 
-  /** Be sent a layer, now or as soon as the session has it; the result ends that, and with the last one it is gone. */
+  /** Subscribe to a layer, which the session may not have yet; the result unsubscribes, and the last one clears the layer. */
   subscribe(name: string): () => void {
     const count = this.#watchers.get(name) ?? 0;
     this.#watchers.set(name, count + 1);
-    if (count === 0) this.#tell();
+    if (count === 0) this.#sendSubscription();
     let isOver = false;
     return () => {
       if (isOver) return;
@@ -69,15 +69,15 @@ export class Layers {
       if (left > 0) return;
       this.#watchers.delete(name);
       this.#drop(name);
-      this.#tell();
+      this.#sendSubscription();
     };
   }
 
-  #tell(): void {
+  #sendSubscription(): void {
     this.#send({ type: "subscribe", layers: [...this.#watchers.keys()] });
   }
 
-  /** What a new connection begins with: which tiles are still there, and what is wanted. */
+  /** The first commands of a new connection: the tiles to resume from, and the subscriptions. */
   opening(epochId: string | undefined): readonly Command[] {
     const commands: Command[] = [];
     for (const [name, grid] of this.#grids) {
@@ -90,13 +90,13 @@ export class Layers {
     return commands;
   }
 
-  // -- what the stream brings ------------------------------------------------------------------------------------
+  // -- received from the stream ------------------------------------------------------------------------------------
 
   setLayers(infos: readonly LayerInfo[]): void {
     const before = this.#infos.peek();
     batch(() => {
       this.#infos.value = infos;
-      // Of what the session has no more, or has made anew, only a grid stays on show: until there is another.
+      // A layer that was removed or created again is cleared, except a grid: it stays until its successor is complete.
       for (const { name, id, kind } of before)
         if (kind !== "grid" && !infos.some((one) => one.id === id)) this.#content(name).value = null;
     });
@@ -109,7 +109,7 @@ export class Layers {
 
   take(frame: BinaryFrame): void {
     const info = this.#infos.peek().find(({ id }) => id === frame.layer);
-    if (!info || !this.#watchers.has(info.name)) return; // gone, or no longer wanted
+    if (!info || !this.#watchers.has(info.name)) return; // removed, or no longer subscribed
     if (frame.kind === "tiles") this.grid(info.name).takeTiles(frame);
     else if (info.kind !== "grid") {
       const { columns, kind, style } = info;
@@ -126,7 +126,7 @@ export class Layers {
     });
   }
 
-  /** Everything received is void; what is on show stays until there is something newer. */
+  /** Forget what was received; the displayed maps stay until newer ones are complete. */
   forget(): void {
     for (const grid of this.#grids.values()) grid.forget();
   }

@@ -8,75 +8,75 @@ import { Store } from "./store";
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-describe("values that the hand sets", () => {
+describe("values that are set locally", () => {
   let values: Optimistic;
   beforeEach(() => {
     values = new Optimistic();
-    values.hear({ hit: 1, miss: -1 });
+    values.update({ hit: 1, miss: -1 });
   });
 
-  test("show at once, and no older word takes them back", () => {
+  test("are displayed at once, and older messages do not overwrite them", () => {
     values.set("hit", 2);
     expect(values.values.value).toEqual({ hit: 2, miss: -1 });
     values.set("hit", 3);
-    values.hear({ hit: 1, miss: -0.5 }); // about another value
-    values.hear({ hit: 2, miss: -0.5 });
+    values.update({ hit: 1, miss: -0.5 }); // about another value
+    values.update({ hit: 2, miss: -0.5 });
     expect(values.values.value).toEqual({ hit: 3, miss: -0.5 });
-    values.hear({ hit: 3, miss: -0.5 });
+    values.update({ hit: 3, miss: -0.5 });
     expect(values.pending()).toEqual({});
-    values.hear({ hit: 2, miss: -0.5 }); // somebody else, later
+    values.update({ hit: 2, miss: -0.5 }); // somebody else, later
     expect(values.values.value.hit).toBe(2);
   });
 
-  test("stand while the hand goes back and forth, though older answers are the same value", () => {
+  test("are kept while the user goes back and forth, though older answers have the same value", () => {
     const seen: unknown[] = [];
     for (const value of [2, 3, 2]) values.set("hit", value);
     effect(() => void seen.push(values.values.value.hit));
-    for (const hit of [2, 3, 2]) values.hear({ hit, miss: -1 });
+    for (const hit of [2, 3, 2]) values.update({ hit, miss: -1 });
     expect(seen).toEqual([2]);
     expect(values.pending()).toEqual({});
     for (const value of [5, 2, 6]) values.set("hit", value);
-    values.hear({ hit: 2, miss: -0.5 }); // still the word from before
-    for (const hit of [5, 2, 6]) values.hear({ hit, miss: -0.5 });
+    values.update({ hit: 2, miss: -0.5 }); // still the previous value
+    for (const hit of [5, 2, 6]) values.update({ hit, miss: -0.5 });
     expect(seen).toEqual([2, 5, 2, 6, 6]); // as set here, and once more for the other value
   });
 
-  test("are forgotten in the end where several were answered as one", () => {
-    for (const value of [2, 1]) values.set("hit", value); // and the server, which took both at once, says nothing
+  test("are discarded after a while if several were answered as one", () => {
+    for (const value of [2, 1]) values.set("hit", value); // the server, which received both at once, sends nothing
     expect(values.pending()).toEqual({ hit: 1 });
     vi.advanceTimersByTime(60_000);
     expect(values.pending()).toEqual({});
-    values.hear({ hit: 2, miss: -1 }); // somebody else
+    values.update({ hit: 2, miss: -1 }); // somebody else
     expect(values.values.value.hit).toBe(2);
     values.set("hit", 2);
     expect(values.pending()).toEqual({}); // as it is: nothing to wait for
   });
 
-  test("give way to a value that nobody set here, and to a refusal", () => {
+  test("are replaced by a value that was not set here, and by a refusal", () => {
     values.set("hit", 9);
-    values.hear({ hit: 4, miss: -1 });
+    values.update({ hit: 4, miss: -1 });
     expect(values.values.value.hit).toBe(4);
     values.set("hit", 9);
     values.refuse();
     expect(values.values.value.hit).toBe(4);
   });
 
-  test("stand when a new connection says what holds, and until it answers", () => {
+  test("are kept at a new connection until it confirms them", () => {
     for (const value of [7, 8, 9]) values.set("hit", value);
-    values.greet({ hit: 0.85, miss: -1 }); // the server began anew
+    values.reconnected({ hit: 0.85, miss: -1 }); // the server began anew
     vi.advanceTimersByTime(60_000);
     expect(values.values.value.hit).toBe(9);
     expect(values.pending()).toEqual({ hit: 9 });
-    values.hear({ hit: 9, miss: -1 });
+    values.update({ hit: 9, miss: -1 });
     expect(values.pending()).toEqual({});
   });
 
-  test("an echo of what holds already is no change", () => {
+  test("an unchanged value is no change", () => {
     const seen: unknown[] = [];
     effect(() => void seen.push(values.values.value));
     values.set("hit", 2);
-    expect(values.hear({ hit: 2, miss: -1 })).toBe(true);
-    expect(values.hear({ miss: -1, hit: 2 })).toBe(false);
+    expect(values.update({ hit: 2, miss: -1 })).toBe(true);
+    expect(values.update({ miss: -1, hit: 2 })).toBe(false);
     expect(seen).toEqual([
       { hit: 1, miss: -1 },
       { hit: 2, miss: -1 },
@@ -87,7 +87,7 @@ describe("values that the hand sets", () => {
 /** How long the server takes to answer, in milliseconds. */
 const SLOW = 5000;
 
-/** A store, and a server that carries out each command after SLOW and says what then holds, as the protocol has it. */
+/** A store, and a server that carries out each command after SLOW and sends the values, as in the protocol. */
 function slowServer(judge: (value: number) => number | null) {
   let held: Record<string, Value> = { hit: 1, miss: -1 };
   let faults: Record<string, Value> = { drift: false };
@@ -147,7 +147,7 @@ function drag(store: Store, values: readonly number[]): void {
 }
 
 describe("a server that answers after five seconds", () => {
-  test("never takes back what the hand has set", () => {
+  test("does not overwrite what was set locally", () => {
     const { store, seen, held } = slowServer((value) => value);
     const way = [2, 3, 4, 3, 2, 5];
     drag(store, way);
@@ -177,7 +177,7 @@ describe("a server that answers after five seconds", () => {
     expect(held().hit).toBe(1);
   });
 
-  test("has the last word where it refuses", () => {
+  test("overrides the local value if it refuses", () => {
     const { store, seen } = slowServer((value) => (value > 3 ? null : value));
     drag(store, [2, 9]);
     vi.advanceTimersByTime(3 * SLOW);
@@ -185,7 +185,7 @@ describe("a server that answers after five seconds", () => {
     expect(store.notice.value?.kind).toBe("error");
   });
 
-  test("has the last word where it clamps", () => {
+  test("overrides the local value if it clamps", () => {
     const { store, seen } = slowServer((value) => Math.min(value, 4));
     drag(store, [8, 9]);
     vi.advanceTimersByTime(3 * SLOW);

@@ -1,12 +1,12 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import type { Value, Values } from "../wire/protocol";
 
-/** When the server and the hand have said the same for so long, no older answer is under way any more. */
+/** Once a local value has agreed with the server's for this time, no older answer is expected. */
 const AGREED_MS = 30_000;
 
 interface Local {
   readonly value: Value;
-  /** What was set here and may still be answered, the oldest first; `value` is the last of it. */
+  /** The values set locally that the server may still confirm, oldest first; `value` is the last of them. */
   readonly unanswered: readonly Value[];
 }
 
@@ -16,10 +16,10 @@ const isSame = (a: Values, b: Values): boolean => {
 };
 
 /**
- * Values that the server owns and the hand moves. What is set here shows at once, and however slow the server is, none of
- * its older words takes it back: each is known by being a value that was set here, or the one that held before. They are
- * answered in the order in which they were set, though not each: of several that wait the server takes the newest. A value
- * that nobody set here is the server's own word, and holds at once; so does a refusal.
+ * Values that the server owns and the user changes. A value that is set locally is displayed at once, and older messages
+ * of a slow server do not overwrite it: they contain a value that was set here before, or the one before that. The server
+ * confirms values in the order in which they were set, but may skip some: of several waiting values it uses the newest. A
+ * value that was not set here is a change by the server, which is displayed at once; so is a refusal.
  */
 export class Optimistic {
   readonly values: ReadonlySignal<Values>;
@@ -33,13 +33,13 @@ export class Optimistic {
     this.values = computed(() => {
       const values: Record<string, Value> = { ...this.#server.value };
       for (const [name, { value }] of this.#local.value) values[name] = value;
-      // An echo of what is there already is no change: nothing that hangs on the values begins anew for it.
+      // The same object if nothing changed, so that nothing that depends on the values is computed again.
       if (!isSame(values, last)) last = values;
       return last;
     });
   }
 
-  /** The hand sets a value. */
+  /** Set a value locally. */
   set(name: string, value: Value): void {
     const before = this.#local.peek().get(name)?.unanswered ?? [];
     if (before.length === 0 && this.#server.peek()[name] === value) return;
@@ -48,47 +48,45 @@ export class Optimistic {
     if (this.#server.peek()[name] === value) this.#agree(name);
   }
 
-  /** What the server has not confirmed yet. */
+  /** The values that the server has not confirmed yet. */
   pending(): Values {
     return Object.fromEntries([...this.#local.peek()].map(([name, { value }]) => [name, value]));
   }
 
-  /** The server says what holds. Says whether that is something else than what it said before. */
-  hear(values: Values): boolean {
+  /** Set the server's values; returns whether they differ from its previous ones. */
+  update(values: Values): boolean {
     const before = this.#server.peek();
     this.#server.value = values;
     const agreed: string[] = [];
     const kept = new Map<string, Local>();
     for (const [name, local] of this.#local.peek()) {
-      const word = values[name];
-      // The word that held before comes again when the message is about another value.
-      const answered = word === undefined || word === before[name] ? -1 : local.unanswered.indexOf(word);
-      if (answered < 0 && word !== before[name]) continue;
+      const received = values[name];
+      // An unchanged value: the message is about another one.
+      const answered = received === undefined || received === before[name] ? -1 : local.unanswered.indexOf(received);
+      if (answered < 0 && received !== before[name]) continue;
       const unanswered = local.unanswered.slice(answered + 1);
       if (unanswered.length === 0) continue;
       kept.set(name, { value: local.value, unanswered });
-      if (word === local.value) agreed.push(name);
+      if (received === local.value) agreed.push(name);
     }
     if (this.#local.peek().size > 0) this.#local.value = kept;
     for (const name of agreed) this.#agree(name);
     return !isSame(values, before);
   }
 
-  /** A new connection says what holds: no answer to what was set here, which still stands and is to be sent anew. */
-  greet(values: Values): void {
+  /** Set the server's values at a new connection: local values are kept, and the caller sends them again. */
+  reconnected(values: Values): void {
     this.#server.value = values;
-    const standing = [...this.#local.peek()].map(
-      ([name, { value }]) => [name, { value, unanswered: [value] }] as const,
-    );
-    this.#local.value = new Map(standing);
+    const kept = [...this.#local.peek()].map(([name, { value }]) => [name, { value, unanswered: [value] }] as const);
+    this.#local.value = new Map(kept);
   }
 
-  /** The server refused what was set here. */
+  /** The server refused a value: discard all local ones. */
   refuse(): void {
     if (this.#local.peek().size > 0) this.#local.value = new Map();
   }
 
-  /** Server and hand say the same, but older answers may be under way: the hand goes back and forth. */
+  /** The server's value agrees with the local one, but older answers may still arrive if values were repeated. */
   #agree(name: string): void {
     const local = this.#local.peek().get(name);
     this.#later(() => {

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { Command } from "../wire/protocol";
 import { Outbox } from "./outbox";
 
-test("of questions about two maps the newest of each leaves", () => {
+test("of requests about two layers the newest of each is sent", () => {
   const sent: Command[] = [];
   const tasks: (() => void)[] = [];
   const outbox = new Outbox(

@@ -1,12 +1,12 @@
 import type { Command, Value, Values } from "../wire/protocol";
 
 /**
- * Once the next frame is painted. The hand sees its own doing first: what the server then does, on the same machine
- * perhaps, takes no time from that frame.
+ * Run a task after the next frame is painted: the user's own change is displayed first, and a server on the same machine
+ * takes no time from that frame.
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
-/** Commands of which only the newest counts: at most one of each kind leaves per animation frame. */
+/** Waiting commands: of each kind only the newest is sent, once per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
   readonly #send: (command: Command) => void;
@@ -19,7 +19,7 @@ export class Outbox {
 
   put(command: Command): void {
     const isFirst = this.#waiting.size === 0;
-    // Of questions about two maps the newest of each counts.
+    // Of requests about two layers the newest for each is sent.
     const about = "layer" in command ? ` ${command.layer}` : "";
     this.#waiting.set(command.type + about, command);
     if (isFirst) this.#schedule(() => this.flush());

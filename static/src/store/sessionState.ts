@@ -1,4 +1,4 @@
-/** What the stream brings, and where a person looks: the part of the store that changes nothing on the server. */
+/** The state received from the stream, and the view: the part of the store that changes nothing on the server. */
 
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
@@ -27,13 +27,13 @@ import type {
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
-import type { DisplayedMap, OnBloom } from "./displayedMap";
+import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
+import type { Stepping } from "./stepping";
 import type { Receiver } from "./stream";
-import type { Walk } from "./walk";
 
 interface Notice {
   readonly kind: "note" | "error";
@@ -41,14 +41,14 @@ interface Notice {
   readonly message: string;
 }
 
-/** The cell of a map that holds a place; null outside the grid. */
+/** The cell of a map at a point; null outside the grid. */
 export function cellIn(map: MapPicture | null, point: Point): Cell | null {
   if (!map) return null;
   const cell = cellAt(map.geometry, point[0], point[1]);
   return contains(map.geometry, cell) ? cell : null;
 }
 
-/** What a page knows of the session that it watches, and where it looks. */
+/** State of the session that a page displays, and of its view. */
 export class SessionState implements Receiver {
   readonly hello = signal<Hello | null>(null);
   readonly frame = signal<Frame | null>(null);
@@ -59,96 +59,96 @@ export class SessionState implements Receiver {
   protected readonly robot: Optimistic;
   readonly #hasRobot = signal(false);
 
-  /** What of the frame changes seldom: whoever shows only that is not rendered anew 30 times a second. */
+  /** Parts of the frame that change rarely: components that show only these are not rendered 30 times a second. */
   readonly isReady = computed(() => this.frame.value !== null);
   readonly playing = computed(() => this.frame.value?.playing ?? true);
   readonly speed = computed(() => this.frame.value?.speed ?? 1);
   readonly auto = computed(() => this.frame.value?.auto ?? true);
-  /** Whether the robot goes where a person sends or drives it. */
+  /** Whether the user can drive the robot. */
   readonly isDriven = computed(() => KINDS[this.hello.value?.kind ?? ""]?.isDriven ?? false);
 
-  /** The map on show. */
+  /** The displayed map. */
   readonly map: ReadonlySignal<MapPicture | null>;
-  /** Grows whenever cells of the map on show change. */
+  /** Incremented whenever cells of the displayed map change. */
   readonly mapVersion: ReadonlySignal<number>;
-  /** The newest thing that a person should know. */
+  /** The newest message to the user. */
   readonly notice = signal<Notice | null>(null);
 
-  /** What the server computes that takes longer than a moment; null while nothing does. */
+  /** Progress of a long computation of the server; null for none. */
   readonly working = signal<Work | null>(null);
 
-  /** What both pictures show; null until their size and the world are known. */
+  /** The view of all pictures; null until their size and the world are known. */
   readonly view = signal<View | null>(null);
-  /** Whether the view was moved by hand: it then no longer follows the map's growth. */
+  /** Whether the user moved the view: it then no longer follows the growth of the map. */
   readonly viewHeld = signal(false);
-  /** The sizes of all pictures that show the view: what shows everything has to fit into the smallest of them. */
+  /** The sizes of all pictures that show the view: a view of everything must fit into the smallest. */
   readonly pictures = new Map<object, Size>();
-  /** Where the pointer is in the world, in whichever picture. */
+  /** The pointer's position in the world, in any picture. */
   readonly pointer = signal<Point | null>(null);
-  /** A place that is looked at although the pointer is elsewhere: chosen by click or by the keyboard's cursor. */
+  /** An inspected point that does not follow the pointer: chosen by click or by the keyboard's cursor. */
   readonly pinned = signal<Point | null>(null);
   readonly inspected = signal<CellMessage | null>(null);
-  /** The same of the cell of the second map. */
+  /** The values of the same cell in the second map. */
   readonly inspectedSecond = signal<CellMessage | null>(null);
-  /** Where the robot was last sent by hand, and when (performance.now). */
+  /** Where the user last moved the robot, and when (performance.now). */
   readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
 
-  /** Where the hand has the robot while it drags it. */
-  readonly carried = signal<Point | null>(null);
+  /** The point to which the robot is being dragged; null while it is not dragged. */
+  readonly draggedTo = signal<Point | null>(null);
 
-  /** The place whose cell is explained; null while nobody asks why. */
-  readonly asked = signal<Point | null>(null);
-  /** The layer of the map in which it is explained. */
-  readonly askedMap = signal<string>(MAP);
-  /** The answer about that cell, the newest there is. */
+  /** The point whose cell is explained; null while no explanation is shown. */
+  readonly explainedPoint = signal<Point | null>(null);
+  /** The layer of the explained cell. */
+  readonly explainedLayer = signal<string>(MAP);
+  /** The newest explanation of that cell. */
   readonly why = signal<WhyMessage | null>(null);
-  /** Number of the touch that is looked at; null for the newest. */
-  readonly touched = signal<number | null>(null);
+  /** Number of the selected update of the explained cell, from 1; null for the newest. */
+  readonly selectedUpdate = signal<number | null>(null);
 
-  /** The place that is looked at. */
+  /** The inspected point. */
   readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
-  /** The cell that is looked at; null outside the grid. */
+  /** The inspected cell; null outside the grid. */
   readonly cell: ReadonlySignal<Cell | null>;
-  /** The cell that is explained; null outside the grid. */
-  readonly askedCell: ReadonlySignal<Cell | null>;
-  /** The map in which it is. */
-  readonly askedPicture: ReadonlySignal<MapPicture | null>;
-  /** The touch that is looked at; null where the answer does not tell of it. */
-  readonly touch: ReadonlySignal<Contribution | null>;
-  /** Where the map has the sensor at the newest scan: the stated mount with its correction among the parameters. */
+  /** The explained cell; null outside the grid. */
+  readonly explainedCell: ReadonlySignal<Cell | null>;
+  /** The map of the explained cell. */
+  readonly explainedMap: ReadonlySignal<MapPicture | null>;
+  /** The contribution of the selected update; null if the answer does not contain it. */
+  readonly selectedContribution: ReadonlySignal<Contribution | null>;
+  /** The sensor's pose at the newest scan as the map uses it: the given mount with its correction from the parameters. */
   readonly beliefPose: ReadonlySignal<Pose | null>;
-  /** The newest scan as the map takes it: mirrored where the mount is said to be upside down. */
+  /** The newest scan as the map uses it: mirrored if the mount is set to upside down. */
   readonly beliefFrame: ReadonlySignal<Frame | null>;
-  /** The beam towards the place that is looked at, straight ahead where there is none. */
+  /** The beam towards the inspected point; without one the beam straight ahead. */
   readonly inspectedBeam: ReadonlySignal<Beam | null>;
-  /** All that is worth seeing, in world metres. */
+  /** Bounds of the world or of the maps, in metres. */
   readonly bounds: ReadonlySignal<Bounds | null>;
 
-  /** Which faults of the robot enter the map; null where there is no robot. */
+  /** The robot's faults; null if there is no robot. */
   readonly faults: ReadonlySignal<Values | null>;
-  /** What the second map has otherwise; null where there is none. */
+  /** In what the second map differs; null if there is none. */
   readonly compared = signal<Compared | null>(null);
-  /** The second map, while the page watches it. */
+  /** The second map while the page is subscribed to it. */
   readonly second = signal<DisplayedMap | null>(null);
   /** How the two maps of a log differ. */
   readonly comparison = signal<ComparisonMessage | null>(null);
-  /** The layer of the map that a person sees at a place, where the page shows two in one picture. */
+  /** The layer displayed at a point, if the page shows two maps in one picture. */
   mapAt: ((point: Point) => string) | null = null;
-  /** How far the maps have forgotten what was taken away; null while nobody watches that. */
+  /** How far the maps have forgotten a removed object; null while this is not measured. */
   readonly forgetting = signal<Forgetting | null>(null);
 
-  /** The scan that is walked through cell by cell; null while none is. */
-  readonly walk = signal<Walk | null>(null);
-  /** What is in the hand. */
+  /** The scan that is stepped through cell by cell; null for none. */
+  readonly stepping = signal<Stepping | null>(null);
+  /** The selected editing tool. */
   readonly editing = new Editing();
 
-  /** What the session shows. */
+  /** The layers of the session. */
   readonly layers: Layers;
   readonly #shown: DisplayedMap;
   readonly #transmit: (command: Command) => boolean;
   protected readonly outbox: Outbox;
 
-  /** `transmit` sends a command and says whether there was a connection. */
+  /** `transmit` sends a command and returns whether there was a connection. */
   constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
     this.#transmit = transmit;
     this.outbox = outbox ?? new Outbox((command) => void transmit(command));
@@ -160,7 +160,7 @@ export class SessionState implements Receiver {
     this.sensor = new Optimistic();
     this.robot = new Optimistic();
     this.faults = computed(() => (this.#hasRobot.value ? this.robot.values.value : null));
-    // One by one: of a parameter that does not turn the sensor nothing follows here, and no picture is painted for it.
+    // A signal for each parameter of the mount, so that the pictures are not repainted for the others.
     const mount = (name: string) => computed(() => Number(this.mapping.values.value[name] ?? 0));
     const [mountX, mountY, mountYaw] = [mount("mount_x"), mount("mount_y"), mount("mount_yaw")];
     const isUpsideDown = computed(() => this.mapping.values.value.mount_upside_down === true);
@@ -181,18 +181,18 @@ export class SessionState implements Receiver {
       void this.map.value;
       return probe && this.cellOf(probe);
     });
-    this.askedPicture = computed(() =>
-      this.askedMap.value === SECOND_MAP ? (this.second.value?.map.value ?? null) : this.map.value,
+    this.explainedMap = computed(() =>
+      this.explainedLayer.value === SECOND_MAP ? (this.second.value?.map.value ?? null) : this.map.value,
     );
-    this.askedCell = computed(() => {
-      const asked = this.asked.value;
-      return asked && cellIn(this.askedPicture.value, asked);
+    this.explainedCell = computed(() => {
+      const point = this.explainedPoint.value;
+      return point && cellIn(this.explainedMap.value, point);
     });
-    this.touch = computed(() => {
+    this.selectedContribution = computed(() => {
       const why = this.why.value;
       const first = why?.contributions[0];
       if (!why || !first) return null;
-      const wanted = Math.min(this.touched.value ?? why.total, why.total);
+      const wanted = Math.min(this.selectedUpdate.value ?? why.total, why.total);
       return why.contributions[wanted - first.n] ?? null;
     });
     this.inspectedBeam = computed(() => {
@@ -212,13 +212,13 @@ export class SessionState implements Receiver {
     });
   }
 
-  /** The cell of the map on show that holds a place; null outside the grid. */
+  /** The cell of the displayed map at a point; null outside the grid. */
   cellOf(point: Point): Cell | null {
     return cellIn(this.map.peek(), point);
   }
 
-  /** Show everything, in every picture, unless a person has chosen a part. */
-  fit(): void {
+  /** Show everything in every picture, unless the user has chosen a view. */
+  fitView(): void {
     const bounds = this.bounds.peek();
     if (!bounds || this.viewHeld.peek()) return;
     const views = [...this.pictures.values()].map((size) => fitted(bounds, size));
@@ -226,8 +226,8 @@ export class SessionState implements Receiver {
     if (widest) this.view.value = widest;
   }
 
-  /** Show a part of the world that a person chose. */
-  look(view: View): void {
+  /** Show a part of the world that the user chose. */
+  setView(view: View): void {
     batch(() => {
       this.viewHeld.value = true;
       this.view.value = view;
@@ -238,13 +238,13 @@ export class SessionState implements Receiver {
     this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
-  /** Send a command at once, after those that wait for the next animation frame: they were given before it. */
+  /** Send a command at once, after the earlier commands that wait for the next animation frame. */
   send(command: Command): void {
     this.outbox.flush();
     this.#transmit(command);
   }
 
-  /** Send a command of which only the newest counts, with the next animation frame. */
+  /** Send a command with the next animation frame; a newer one of its kind replaces it. */
   sendSoon(command: Command): void {
     this.outbox.put(command);
   }
@@ -254,26 +254,26 @@ export class SessionState implements Receiver {
     if (map) this.sendSoon({ type: "inspect", row, col, epoch: map.geometry.epoch, layer });
   }
 
-  /** Ask why the cell at a place is what it is, in the map that is seen there; null for no more questions. */
-  ask(place: Point | null, layer: string = (place && this.mapAt?.(place)) ?? MAP): void {
+  /** Request the explanation of the cell at a point, by default in the map displayed there; null to close it. */
+  explain(point: Point | null, layer: string = (point && this.mapAt?.(point)) ?? MAP): void {
     batch(() => {
-      const before = this.askedCell.peek();
-      const map = this.askedMap.peek();
-      this.asked.value = place;
-      this.askedMap.value = layer;
-      const now = this.askedCell.peek();
+      const before = this.explainedCell.peek();
+      const map = this.explainedLayer.peek();
+      this.explainedPoint.value = point;
+      this.explainedLayer.value = layer;
+      const now = this.explainedCell.peek();
       if (map === layer && now && before && now.row === before.row && now.col === before.col) return;
       this.why.value = null;
-      this.touched.value = null;
+      this.selectedUpdate.value = null;
     });
   }
 
-  /** Hears of cells that are seen for the first time or change their mind, while the map on show changes. */
-  set onBloom(hear: OnBloom | null) {
-    this.#shown.onBloom = hear;
+  /** Called for changed cells of the displayed map; see {@link DisplayedMap.onCellChange}. */
+  set onCellChange(listener: OnCellChange | null) {
+    this.#shown.onCellChange = listener;
   }
 
-  // -- what the stream brings ------------------------------------------------------------------------------------
+  // -- received from the stream ------------------------------------------------------------------------------------
 
   receive(message: ServerMessage): void {
     batch(() => this.#receive(message));
@@ -282,7 +282,7 @@ export class SessionState implements Receiver {
   #receive(message: ServerMessage): void {
     switch (message.type) {
       case "hello":
-        this.#greet(message);
+        this.#begin(message);
         return;
       case "layers":
         this.layers.setLayers(message.layers);
@@ -291,7 +291,7 @@ export class SessionState implements Receiver {
         this.layers.begin(message);
         return;
       case "frame":
-        this.#look(message);
+        this.#setFrame(message);
         return;
       case "world":
         if ((this.world.peek() ?? message).name !== message.name) this.viewHeld.value = false;
@@ -302,9 +302,9 @@ export class SessionState implements Receiver {
         this.trajectory.value = message;
         return;
       case "parameters":
-        if (this.mapping.hear(message.values)) this.#shown.remake();
-        if (message.sensor) this.sensor.hear(message.sensor);
-        this.robot.hear(message.faults ?? {});
+        if (this.mapping.update(message.values)) this.#shown.remake();
+        if (message.sensor) this.sensor.update(message.sensor);
+        this.robot.update(message.faults ?? {});
         this.#hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
         return;
@@ -316,8 +316,8 @@ export class SessionState implements Receiver {
         else this.inspected.value = message;
         return;
       case "why": {
-        const cell = this.askedCell.peek();
-        const isAsked = message.layer === this.askedMap.peek();
+        const cell = this.explainedCell.peek();
+        const isAsked = message.layer === this.explainedLayer.peek();
         if (isAsked && cell?.row === message.row && cell.col === message.col) this.why.value = message;
         return;
       }
@@ -333,7 +333,7 @@ export class SessionState implements Receiver {
         this.notice.value = { kind: "note", code: message.code, message: message.message };
         return;
       case "error":
-        // A question about a map that was replaced meanwhile: no fault of the person's, and asked again of the new one.
+        // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
@@ -343,7 +343,7 @@ export class SessionState implements Receiver {
     }
   }
 
-  #look(message: FrameMessage): void {
+  #setFrame(message: FrameMessage): void {
     const before = this.frame.peek();
     const { ranges } = message;
     if (ranges !== undefined) this.frame.value = message as Frame;
@@ -360,13 +360,13 @@ export class SessionState implements Receiver {
     }
   }
 
-  #greet(hello: Hello): void {
+  #begin(hello: Hello): void {
     const before = this.hello.peek();
     if (before && before.epoch_id !== hello.epoch_id) this.forget();
     this.hello.value = hello;
-    this.mapping.greet(hello.parameters.values);
-    if (hello.sensor) this.sensor.greet(hello.sensor.values);
-    // What the hand set while the server was away still stands.
+    this.mapping.reconnected(hello.parameters.values);
+    if (hello.sensor) this.sensor.reconnected(hello.sensor.values);
+    // Send the values that were set while there was no connection.
     for (const [type, set] of [["parameters", this.mapping] as const, ["sensor", this.sensor] as const]) {
       for (const [name, value] of Object.entries(set.pending())) this.outbox.putValue(type, name, value);
     }
@@ -374,7 +374,7 @@ export class SessionState implements Receiver {
     if (Object.keys(faults).length > 0) this.send({ type: "faults", values: faults });
   }
 
-  /** What was set in a session that has ended, and never confirmed there, stands in the one that is made again. */
+  /** Take over the values that were set in an ended session and not confirmed there. */
   takeOver(from: SessionState): void {
     for (const kind of ["mapping", "sensor", "robot"] as const)
       for (const [name, value] of Object.entries(from[kind].pending())) this[kind].set(name, value);

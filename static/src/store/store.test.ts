@@ -118,7 +118,7 @@ describe("the store", () => {
     expect(store.opening()).toEqual([]);
     store.take(tiles(1, 5, true));
     expect(store.opening()).toEqual([{ type: "resume", epoch_id: "a", layer: "map", epoch: 1, revision: 7 }]);
-    store.receive(geometry(1)); // said again after a reconnect: the same epoch
+    store.receive(geometry(1)); // sent again after a reconnect: the same epoch
     expect(store.opening()).toHaveLength(1);
     store.receive(geometry(2));
     expect(store.opening()).toEqual([]);
@@ -185,7 +185,7 @@ describe("the store", () => {
     expect(() => store.take(broken)).toThrow(expect.objectContaining({ code: "tile.data" }));
   });
 
-  test("what the hand set while the server was away is sent when it is back", () => {
+  test("values that were set without a connection are sent after the reconnect", () => {
     store.receive(hello("a"));
     store.setParameter("log_odds_hit", 2);
     sent.length = 0;
@@ -193,22 +193,22 @@ describe("the store", () => {
     expect(sent).toEqual([{ type: "parameters", values: { log_odds_hit: 2 } }]);
   });
 
-  test("cells bloom while the map changes, not while a whole picture arrives", () => {
-    let bloomed = 0;
-    store.onBloom = () => void bloomed++;
+  test("changed cells are reported while the map changes, not while a whole picture arrives", () => {
+    let changed = 0;
+    store.onCellChange = () => void changed++;
     store.receive(hello("a"));
     store.receive(LAYERS);
     store.receive(geometry(1));
     store.take(tiles(1, 1, true));
-    expect(bloomed).toBe(0);
+    expect(changed).toBe(0);
     store.take({ ...tiles(1, 2, true), tiles: [{ tx: 1, ty: 0, revision: 2, data: zstd }] });
-    expect(bloomed).toBeGreaterThan(0);
+    expect(changed).toBeGreaterThan(0);
   });
 
-  test("a map that is made anew of the same readings does not bloom, and what is seen after it does", () => {
-    const bloomed: number[] = [];
+  test("no changed cells are reported for a map recomputed from the same readings, but for new readings after it", () => {
+    const changed: number[] = [];
     const more = (tx: number) => ({ ...tiles(1, 2 + tx, true), tiles: [{ tx, ty: 0, revision: 2 + tx, data: zstd }] });
-    store.onBloom = () => void bloomed.push(1);
+    store.onCellChange = () => void changed.push(1);
     store.receive(hello("a"));
     store.receive(LAYERS);
     store.receive(geometry(1));
@@ -217,10 +217,10 @@ describe("the store", () => {
     store.receive(retuned);
     store.take({ ...more(1), complete: false });
     store.take(more(2));
-    expect(bloomed).toHaveLength(0);
-    store.receive(retuned); // says nothing new: no map follows
+    expect(changed).toHaveLength(0);
+    store.receive(retuned); // nothing new: no map follows
     store.take(more(3));
-    expect(bloomed.length).toBeGreaterThan(0);
+    expect(changed.length).toBeGreaterThan(0);
   });
 
   test("the correction of the mount turns the beams in the map, not in the world", () => {
@@ -232,7 +232,7 @@ describe("the store", () => {
     expect(store.frame.value?.scan_pose).toEqual([1, 2, 0]);
   });
 
-  test("a mount that is said to be upside down mirrors the beams in the map, not in the world", () => {
+  test("a mount that is set to upside down mirrors the beams in the map, not in the world", () => {
     store.receive(hello("a"));
     store.receive({ ...frame, angle_min: -1, angle_increment: 0.5 });
     expect(store.beliefFrame.value).toBe(store.frame.value);
@@ -253,7 +253,7 @@ describe("the store", () => {
 });
 
 describe("beams", () => {
-  test("directions wrap, and a sensor that does not look there has no beam", () => {
+  test("directions wrap, and there is no beam outside the sensor's field of view", () => {
     const from = [0, 0, 0] as const;
     expect(beamToward(frame, from, [-1, 1e-9])?.index).toBe(0);
     expect(beamToward(frame, from, [-1, -1e-9])?.index).toBe(0);

@@ -1,4 +1,4 @@
-/** The one store of a page that watches a session: every figure is a view of it and changes it; none knows another. */
+/** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
 import type { Command, Edits, Parameter, Point, Value, Values } from "../wire/protocol";
@@ -10,11 +10,11 @@ import { SessionState } from "./sessionState";
 const initialOf = (table: readonly Parameter[]): Values =>
   Object.fromEntries(table.map((row) => [row.name, row.initial]));
 
-/** What a person changes, and can take back. */
+/** The changes of the user, with undo and redo. */
 export class Store extends SessionState {
-  /** What a person changed, to be taken back. */
+  /** The user's changes, for undo and redo. */
   readonly history = new History((command) => this.#perform(command));
-  /** Which faults a person has switched on, and what was there before. */
+  /** The faults that the user has switched on, and the values before. */
   readonly activeFaults = signal<ActiveFaults>(NO_ACTIVE_FAULTS);
 
   setParameter(name: string, value: Value): void {
@@ -44,13 +44,13 @@ export class Store extends SessionState {
   teleport(point: Point): void {
     this.teleported.value = { at: performance.now(), point };
     this.#sendTo(point, "teleport");
-    this.outbox.flush(); // a click has no successor to wait for
+    this.outbox.flush(); // a click is not followed by others: send it at once
   }
 
-  /** The hand has the robot at a place; null when it lets go. */
-  carry(point: Point | null): void {
-    this.carried.value = point;
-    if (point) this.#sendTo(point, "carry");
+  /** Drag the robot to a point; null when it is released. */
+  dragRobot(point: Point | null): void {
+    this.draggedTo.value = point;
+    if (point) this.#sendTo(point, "drag");
   }
 
   #sendTo([x, y]: Point, key: string): void {
@@ -65,7 +65,7 @@ export class Store extends SessionState {
     this.#change("world", [{ type: "world", name: before.name, ...before.edits }], [{ type: "world", name }]);
   }
 
-  /** Change the world as it was built; `watch` counts how long the maps remember what is erased. */
+  /** Set the edits of the world; with `watch` the server counts how long the maps keep what is erased. */
   edit(edits: Edits, watch = false): void {
     const before = this.world.peek()?.edits ?? NO_EDITS;
     this.#change(
@@ -75,7 +75,7 @@ export class Store extends SessionState {
     );
   }
 
-  /** Everything as it was at first, except where the robot is and what it has seen. */
+  /** Restore all initial values, except the robot's pose and the map. */
   reset(): void {
     const hello = this.hello.peek();
     const world = this.world.peek();
@@ -117,7 +117,7 @@ export class Store extends SessionState {
     });
   }
 
-  /** Carry out a change: what shows at once shows at once, and of what comes often only the newest is sent. */
+  /** Carry out a command: values are displayed at once, and of frequent commands only the newest is sent. */
   #perform(command: Command): void {
     if (command.type === "parameters" || command.type === "sensor") {
       const target = command.type === "parameters" ? this.mapping : this.sensor;

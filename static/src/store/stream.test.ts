@@ -2,7 +2,7 @@ import { beforeEach, expect, test } from "vitest";
 import type { BinaryFrame } from "../wire/decodeFrame";
 import type { Command, ServerMessage } from "../wire/protocol";
 import vectors from "../wire/protocol.vectors.json";
-import { type Receiver, type Socket, Stream, type Surroundings } from "./stream";
+import { type Environment, type Receiver, type Socket, Stream } from "./stream";
 
 class FakeSocket implements Socket {
   binaryType = "";
@@ -24,7 +24,7 @@ class FakeSocket implements Socket {
     this.readyState = 1;
     this.onopen?.();
   }
-  say(message: object): void {
+  receive(message: object): void {
     this.onmessage?.({ data: JSON.stringify(message) });
   }
   breakOff(code = 1006): void {
@@ -33,7 +33,7 @@ class FakeSocket implements Socket {
   }
 }
 
-class FakeBrowser implements Surroundings {
+class FakeBrowser implements Environment {
   sockets: FakeSocket[] = [];
   waits: { task: () => void; ms: number }[] = [];
   paints: (() => void)[] = [];
@@ -78,7 +78,7 @@ class FakeBrowser implements Surroundings {
   }
 }
 
-class Heard implements Receiver {
+class RecordingReceiver implements Receiver {
   messages: ServerMessage[] = [];
   frames: BinaryFrame[] = [];
   forgotten = 0;
@@ -115,15 +115,15 @@ const binary = (hex: string): ArrayBuffer =>
   Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16)).buffer;
 
 let browser: FakeBrowser;
-let heard: Heard;
+let received: RecordingReceiver;
 let gone: boolean;
 let stream: Stream;
 
 beforeEach(() => {
   browser = new FakeBrowser();
-  heard = new Heard();
+  received = new RecordingReceiver();
   gone = false;
-  stream = new Stream("ws://x", heard, () => Promise.resolve(gone), browser);
+  stream = new Stream("ws://x", received, () => Promise.resolve(gone), browser);
   stream.start();
 });
 
@@ -131,15 +131,15 @@ test("live with the first hello, and nothing is sent before that a first connect
   expect(stream.status.value).toBe("connecting");
   browser.socket.open();
   expect(browser.socket.sent).toEqual([]);
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   expect(stream.status.value).toBe("live");
-  expect(heard.messages.map((message) => message.type)).toEqual(["hello"]);
+  expect(received.messages.map((message) => message.type)).toEqual(["hello"]);
 });
 
 test("a frame is acknowledged after it could be painted, not before", () => {
   browser.socket.open();
   browser.socket.onmessage?.({ data: binary(tiles?.hex ?? "") });
-  expect(heard.frames.length).toBe(1);
+  expect(received.frames.length).toBe(1);
   expect(browser.socket.sent).toEqual([]);
   for (const paint of browser.paints) paint();
   expect(browser.socket.sent).toEqual([{ type: "ack", seq: 1 }]);
@@ -147,8 +147,8 @@ test("a frame is acknowledged after it could be painted, not before", () => {
 
 test("after a cut it comes back with what it has, waiting longer each time", async () => {
   browser.socket.open();
-  browser.socket.say(hello);
-  heard.kept = [
+  browser.socket.receive(hello);
+  received.kept = [
     { type: "resume", epoch_id: "e", layer: "map", epoch: 4, revision: 99 },
     { type: "subscribe", layers: ["map", "costs"] },
   ];
@@ -166,7 +166,7 @@ test("after a cut it comes back with what it has, waiting longer each time", asy
     { type: "resume", epoch_id: "e", layer: "map", epoch: 4, revision: 99 },
     { type: "subscribe", layers: ["map", "costs"] },
   ]);
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   expect(stream.status.value).toBe("live");
   browser.socket.breakOff();
   expect(await browser.wait()).toBe(waits[0]);
@@ -182,7 +182,7 @@ test("an acknowledgement that belongs to an older socket is not sent on a newer 
   expect(browser.socket.sent).toEqual([]);
 });
 
-test("a session that ended is said to be gone, and nothing is tried any more", async () => {
+test("a session that ended is gone, and the stream stops", async () => {
   gone = true;
   browser.socket.breakOff();
   await browser.wait();
@@ -197,10 +197,10 @@ test("a session that ended is said to be gone, and nothing is tried any more", a
   expect(browser.sockets.length).toBe(count);
 });
 
-test("where the server says that the session ended, the first retry asks whether it did", async () => {
+test("after a close code for an ended session the first retry checks whether it exists", async () => {
   gone = true;
   browser.socket.open();
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   browser.socket.breakOff(4410);
   await browser.wait();
   expect([stream.status.value, stream.trouble.value]).toEqual(["gone", "This session has ended."]);
@@ -208,13 +208,13 @@ test("where the server says that the session ended, the first retry asks whether
 
 test("a hidden page has no socket; a page that is seen again has one at once", () => {
   browser.socket.open();
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   const first = browser.socket;
   browser.setHidden(true);
   expect(first.closed).toBe(true);
   expect(stream.status.value).toBe("away");
   expect(browser.waits).toEqual([]);
-  heard.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
+  received.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
   browser.setHidden(false);
   expect(browser.sockets.length).toBe(2);
   browser.socket.open();
@@ -223,18 +223,18 @@ test("a hidden page has no socket; a page that is seen again has one at once", (
 
 test("a frame that cannot be read starts everything anew", async () => {
   browser.socket.open();
-  browser.socket.say(hello);
-  heard.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
+  browser.socket.receive(hello);
+  received.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];
   const first = browser.socket;
   browser.socket.onmessage?.({ data: new ArrayBuffer(3) });
   expect(first.closed).toBe(true);
-  expect(heard.forgotten).toBe(1);
+  expect(received.forgotten).toBe(1);
   await browser.wait();
   browser.socket.open();
   expect(browser.socket.sent).toEqual([]);
 });
 
-test("commands go nowhere while there is no connection, and say so", () => {
+test("commands are not sent without a connection, and send returns false", () => {
   expect(stream.send({ type: "play" })).toBe(false);
   browser.socket.open();
   expect(stream.send({ type: "play" })).toBe(true);
@@ -244,26 +244,26 @@ test.each([
   ["a message", { type: "weather" }],
   ["a session kind", { ...hello, kind: "slam" }],
 ])("%s that the page does not know ends the connection for good, with one sentence", (_, message) => {
-  const told: (string | null)[] = [];
-  stream.trouble.subscribe((sentence) => told.push(sentence));
+  const reported: (string | null)[] = [];
+  stream.trouble.subscribe((sentence) => reported.push(sentence));
   browser.socket.open();
   const { socket } = browser;
-  socket.say(message);
+  socket.receive(message);
   expect(stream.status.value).toBe("outdated");
-  expect(told).toEqual([null, "This page is older than the server. Reload the page."]);
+  expect(reported).toEqual([null, "This page is older than the server. Reload the page."]);
   expect(socket.closed).toBe(true);
   browser.setHidden(true);
   browser.setHidden(false);
   expect(browser.waits).toEqual([]);
   expect(browser.sockets).toEqual([socket]);
-  expect(heard.messages).toEqual([]);
+  expect(received.messages).toEqual([]);
 });
 
-test("a server whose frames can never be read is not asked forever", async () => {
+test("the stream stops retrying when no frame can be read", async () => {
   for (let i = 0; i < 10 && stream.status.value !== "outdated"; i++) {
     browser.socket.open();
-    browser.socket.say(hello);
-    browser.socket.say({ type: "pong", id: "one", t: 0 });
+    browser.socket.receive(hello);
+    browser.socket.receive({ type: "pong", id: "one", t: 0 });
     await browser.wait();
   }
   expect(stream.status.value).toBe("outdated");
@@ -276,9 +276,9 @@ test.each([
   [4408, "The server closed the connection because this page did not answer for a long time."],
   [4410, "This session has ended."],
   [1006, "The server does not answer."],
-])("close code %i is said as a sentence until the server answers again", async (code, sentence) => {
+])("close code %i is shown as a sentence until the server answers again", async (code, sentence) => {
   browser.socket.open();
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   browser.socket.breakOff(code);
   expect(stream.trouble.value).toBe(`${sentence} The page tries again by itself.`);
   await browser.wait();
@@ -286,6 +286,6 @@ test.each([
   expect(stream.trouble.value).toBe(`${sentence} The page tries again by itself.`);
   await browser.wait();
   browser.socket.open();
-  browser.socket.say(hello);
+  browser.socket.receive(hello);
   expect(stream.trouble.value).toBeNull();
 });

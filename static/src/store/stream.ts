@@ -1,6 +1,6 @@
 /**
- * The socket: connects, reads frames and hands them on, acknowledges once a picture could be painted, and comes back
- * by itself. While the page is hidden there is no socket, so neither side works for nobody.
+ * The socket: connects, decodes frames and passes them to the receiver, acknowledges each after the next animation frame,
+ * and reconnects. While the page is hidden there is no socket, so that neither side works in vain.
  */
 
 import { batch, signal } from "@preact/signals";
@@ -16,15 +16,15 @@ import {
   SUBPROTOCOL,
 } from "../wire/protocol";
 
-/** Of these, "gone" and "outdated" are final: the session has ended, or the page is older than the server. */
+/** "gone" and "outdated" are final: the session has ended, or the page is older than the server. */
 export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone" | "outdated";
 
 export interface Receiver {
   receive(message: ServerMessage): void;
   take(frame: BinaryFrame): void;
-  /** The commands with which a new connection begins: what is still there, and what is wanted. */
+  /** The first commands of a new connection: the tiles to resume from, and the subscriptions. */
   opening(): readonly Command[];
-  /** Everything received is void: the next connection starts anew. */
+  /** Forget what was received: the next connection starts from the beginning. */
   forget(): void;
 }
 
@@ -39,28 +39,28 @@ export interface Socket {
   close(): void;
 }
 
-/** What the stream needs of a browser. */
-export interface Surroundings {
+/** The functions of a browser that the stream needs. */
+export interface Environment {
   open(url: string, protocol: string): Socket;
   /** Run a task after `ms`; the result cancels it. */
   later(task: () => void, ms: number): () => void;
-  /** Run a task when what has changed is painted. */
+  /** Run a task at the next animation frame. */
   painted(task: () => void): void;
   hidden(): boolean;
-  /** Hear of changes of visibility and of a network that came back; the result stops it. */
+  /** Call `changed` when the visibility changes or the network returns; the result stops it. */
   watch(changed: () => void): () => void;
 }
 
 const OPEN = 1;
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
-/** Attempts after which it is worth asking whether the session still exists. */
+/** Failed attempts after which the page asks whether the session still exists. */
 const DOUBTFUL = 2;
-/** Connections that brought a frame which cannot be read, after which the page is taken to be outdated. */
+/** Connections with an unreadable frame, after which the page is considered outdated. */
 const MAX_UNREADABLE = 3;
 const OUTDATED = "This page is older than the server. Reload the page.";
 
-export const browser: Surroundings = {
+export const browser: Environment = {
   open: (url, protocol) => new WebSocket(url, protocol) as Socket,
   later: (task, ms) => {
     const timer = setTimeout(task, ms);
@@ -80,13 +80,13 @@ export const browser: Surroundings = {
 
 export class Stream {
   readonly status = signal<Status>("connecting");
-  /** What is wrong with the connection, for the person; null while nothing is. */
+  /** An error of the connection, for the user; null for none. */
   readonly trouble = signal<string | null>(null);
   /** Totals since the page opened. */
   readonly traffic = { bytes: 0, frames: 0, tiles: 0, connections: 0 };
   readonly #url: string;
   readonly #receiver: Receiver;
-  readonly #around: Surroundings;
+  readonly #environment: Environment;
   readonly #isGone: () => Promise<boolean>;
   #socket: Socket | null = null;
   #failures = 0;
@@ -95,16 +95,16 @@ export class Stream {
   #cancelWait: (() => void) | null = null;
   #unwatch: (() => void) | null = null;
 
-  /** `isGone` asks whether the session has ended for good; `status` is then "gone" and nothing is tried any more. */
-  constructor(url: string, receiver: Receiver, isGone: () => Promise<boolean>, around: Surroundings = browser) {
+  /** `isGone` asks the server whether the session has ended; `status` is then "gone" and the stream stops. */
+  constructor(url: string, receiver: Receiver, isGone: () => Promise<boolean>, environment: Environment = browser) {
     this.#url = url;
     this.#receiver = receiver;
     this.#isGone = isGone;
-    this.#around = around;
+    this.#environment = environment;
   }
 
   start(): void {
-    this.#unwatch = this.#around.watch(() => this.#visibilityChanged());
+    this.#unwatch = this.#environment.watch(() => this.#visibilityChanged());
     this.#visibilityChanged();
   }
 
@@ -114,7 +114,7 @@ export class Stream {
     this.#disconnect();
   }
 
-  /** Send a command; says whether there is a connection to send it on. */
+  /** Send a command; returns false without a connection. */
   send(command: Command): boolean {
     if (this.#socket?.readyState !== OPEN) return false;
     this.#socket.send(encodeCommand(command));
@@ -123,7 +123,7 @@ export class Stream {
 
   #visibilityChanged(): void {
     if (this.#stopped || this.#isFinal()) return;
-    if (this.#around.hidden()) {
+    if (this.#environment.hidden()) {
       this.#disconnect();
       this.status.value = "away";
     } else if (!this.#socket) {
@@ -145,7 +145,7 @@ export class Stream {
   #connect(): void {
     this.#disconnect();
     this.status.value = this.traffic.connections === 0 && this.#failures === 0 ? "connecting" : "reconnecting";
-    const socket = this.#around.open(this.#url, SUBPROTOCOL);
+    const socket = this.#environment.open(this.#url, SUBPROTOCOL);
     this.#socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
@@ -162,7 +162,7 @@ export class Stream {
           this.#end("outdated", OUTDATED);
           return;
         }
-        // What follows a frame that cannot be read cannot be trusted: start anew.
+        // After an unreadable frame the state is unknown: start from the beginning.
         this.#receiver.forget();
         this.#lost("The server sent something that this page cannot read.");
       }
@@ -191,7 +191,7 @@ export class Stream {
     this.traffic.frames++;
     if (frame.kind === "tiles") this.traffic.tiles += frame.tiles.length;
     this.#receiver.take(frame);
-    this.#around.painted(() => {
+    this.#environment.painted(() => {
       if (this.#socket === socket) this.send({ type: "ack", seq: frame.seq });
     });
   }
@@ -211,15 +211,15 @@ export class Stream {
 
   #lost(why = "The server does not answer."): void {
     this.#disconnect();
-    if (this.#stopped || this.#around.hidden()) return;
+    if (this.#stopped || this.#environment.hidden()) return;
     batch(() => {
       this.status.value = "reconnecting";
-      // The first cause stays until the server answers again.
+      // The first error is kept until the server answers again.
       this.trouble.value ??= `${why} The page tries again by itself.`;
     });
     const wait = Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures);
     this.#failures++;
-    this.#cancelWait = this.#around.later(() => void this.#retry(), wait);
+    this.#cancelWait = this.#environment.later(() => void this.#retry(), wait);
   }
 
   async #retry(): Promise<void> {
@@ -228,6 +228,6 @@ export class Stream {
       this.#end("gone", "This session has ended.");
       return;
     }
-    if (!this.#stopped && !this.#socket && !this.#around.hidden()) this.#connect();
+    if (!this.#stopped && !this.#socket && !this.#environment.hidden()) this.#connect();
   }
 }

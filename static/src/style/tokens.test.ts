@@ -98,7 +98,7 @@ const PAIRS: readonly (readonly [a: string, b: string, least: number])[] = [
 ];
 
 describe.each(THEMES)("colours in the %s theme", (theme) => {
-  test.each(Object.entries(EYES))("can be told apart: %s", (_, eye) => {
+  test.each(Object.entries(EYES))("can be distinguished: %s", (_, eye) => {
     for (const [a, b, least] of PAIRS) {
       const distance = apart(seenBy(eye, token(a, theme)), seenBy(eye, token(b, theme)));
       expect(distance, `${a} and ${b}`).toBeGreaterThan(least);

@@ -20,13 +20,13 @@ interface ChoiceProps {
 /** A choice of one option: radio buttons in a row if the options are few and short, otherwise a select. */
 export function Choice({ label, options, value, sentence, disabled = false, bare = false, onChange }: ChoiceProps) {
   const id = useId();
-  const described = sentence ? { "aria-describedby": `${id}-says` } : {};
+  const described = sentence ? { "aria-describedby": `${id}-description` } : {};
   const segmented = options.length <= 4 && options.reduce((n, option) => n + option.label.length, 0) <= 44;
   return (
     <div class="field" {...(segmented ? { role: "radiogroup", "aria-labelledby": `${id}-label`, ...described } : {})}>
       <span class={bare ? "visually-hidden" : "field-label"}>
         {segmented ? <span id={`${id}-label`}>{label}</span> : <label for={id}>{label}</label>}
-        {sentence && <Tooltip id={`${id}-says`} text={sentence} about={label} />}
+        {sentence && <Tooltip id={`${id}-description`} text={sentence} about={label} />}
       </span>
       {segmented ? (
         <span class="choice">

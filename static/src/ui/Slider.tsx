@@ -48,7 +48,7 @@ export function Slider(props: SliderProps) {
     <div class={`field slider tone-${tone}${value === initial ? "" : " changed"}`}>
       <span class="field-label">
         <label for={`${id}-range`}>{label}</label>
-        <Tooltip id={`${id}-says`} text={sentence} about={label} />
+        <Tooltip id={`${id}-description`} text={sentence} about={label} />
       </span>
       <span class="slider-value">
         <input
@@ -74,7 +74,7 @@ export function Slider(props: SliderProps) {
         value={Math.round(fraction * POSITIONS)}
         disabled={disabled}
         aria-valuetext={text}
-        aria-describedby={`${id}-says`}
+        aria-describedby={`${id}-description`}
         title={`${text} (double-click: reset to ${written(initial, places)})`}
         style={{ "--filled": `${fraction * 100}%` }}
         onPointerDown={() => {

@@ -1,4 +1,4 @@
-/** Checks of JSON values, of which the generated validators in `messages.ts` are made. */
+/** Checks of JSON values, used by the generated validators in `messages.ts`. */
 
 export type Check = (value: unknown) => boolean;
 
@@ -35,7 +35,7 @@ export const isRecordOf = (check: Check): Check => {
   return (value) => isPlainObject(value) && Object.values(value as object).every(check);
 };
 
-/** An object that has these fields, and perhaps more. */
+/** An object with at least these fields. */
 export const isObject = (fields: Readonly<Record<string, Check>>): Check => {
   return (value) =>
     isPlainObject(value) &&

@@ -10,7 +10,7 @@ const HEADER_BYTES = 16;
 interface Header {
   /** Id of the layer; 0 for none. */
   readonly layer: number;
-  /** Of tiles the epoch of their geometry, of other content its number. */
+  /** The epoch of the geometry for tiles, a sequence number for other content. */
   readonly epoch: number;
   readonly seq: number;
   /** Whether the layer is complete with this frame. */

@@ -18,9 +18,9 @@ export interface GraphBody {
   readonly kind: "graph";
   /** The table of the nodes. */
   readonly columns: readonly Float32Array[];
-  /** Of each edge the places of its two nodes in the table, one after the other. */
+  /** The indices of the two nodes of each edge in the table. */
   readonly edges: Uint32Array;
-  /** Of each edge its value. */
+  /** The value of each edge. */
   readonly values: Float32Array;
 }
 
@@ -40,14 +40,14 @@ export function decodeGraph(view: DataView<ArrayBuffer>, at: number, count: numb
   const first = at + GRAPH_HEADER_BYTES;
   const nodes = 4 * columns * count;
   checkSize(view, first, nodes + 12 * edges);
-  const places = new Uint32Array(view.buffer, first + nodes, 2 * edges);
-  for (const place of places) {
-    if (place >= count) throw new ProtocolError("frame.edge", `An edge ends at node ${place} of ${count}.`);
+  const ends = new Uint32Array(view.buffer, first + nodes, 2 * edges);
+  for (const end of ends) {
+    if (end >= count) throw new ProtocolError("frame.edge", `An edge ends at node ${end} of ${count}.`);
   }
   return {
     kind: "graph",
     columns: columnsOf(view.buffer, first, columns, count),
-    edges: places,
+    edges: ends,
     values: new Float32Array(view.buffer, first + nodes + 8 * edges, edges),
   };
 }

@@ -1,10 +1,10 @@
-/** The text frames of the stream: JSON, of which every field is checked. */
+/** The text frames of the stream: JSON, validated field by field. */
 
 import { KINDS } from "./kinds";
 import { FIELDS } from "./messages";
 import { ProtocolError, type ServerMessage, SUBPROTOCOL } from "./protocol";
 
-/** A frame of a server that is newer than this page: nothing helps but to load the page again. */
+/** A frame of a server that is newer than this page: the page must be reloaded. */
 export class OutdatedPageError extends ProtocolError {
   constructor(code: string, message: string) {
     super(code, message);
@@ -14,7 +14,7 @@ export class OutdatedPageError extends ProtocolError {
 
 /**
  * Read a text frame. Throws {@link OutdatedPageError} for a type, a session kind or a protocol that this page does not
- * know, and {@link ProtocolError} for what is no message.
+ * know, and {@link ProtocolError} for an invalid message.
  */
 export function decodeText(text: string): ServerMessage {
   let message: unknown;

@@ -1,7 +1,7 @@
-/** The kinds of session that the pages know; one that is not here makes a page outdated. */
+/** The session kinds of the pages; for another kind a page is outdated. */
 
 export interface SessionKind {
-  /** Whether the robot goes where a person sends or drives it. */
+  /** Whether the user can drive the robot. */
   readonly isDriven: boolean;
 }
 

@@ -1,7 +1,7 @@
 /**
- * What the pages know of the wire. The messages and commands are generated from the server's (`messages.ts`), the text
+ * The wire protocol in the pages. The messages and commands are generated from the server's (`messages.ts`), the text
  * frames are read by `decodeText.ts` and the binary ones by `decodeFrame.ts`. `protocol.vectors.json` is written by the
- * server's side and read by the tests of this one.
+ * server's tests and read by those of the pages.
  */
 
 import type { Command, FrameMessage, Geometry } from "./messages";
@@ -41,7 +41,7 @@ export { CLOSE_SENTENCES, MAYBE_OVER, SUBPROTOCOL } from "./messages";
 /** Cells along the side of a tile. */
 export const TILE: Geometry["tile"] = 64;
 
-/** The newest state with the newest scan, which comes only with some of the frame messages. */
+/** The newest state with the newest scan, which only some of the frame messages contain. */
 export type Frame = FrameMessage &
   Required<Pick<FrameMessage, "scan_pose" | "ranges" | "angle_min" | "angle_increment" | "range_max">>;
 

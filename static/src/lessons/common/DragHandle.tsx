@@ -1,10 +1,10 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
 import type { Point } from "../../wire/protocol";
-import type { Place } from "./Stage";
+import type { StageTransform } from "./Stage";
 
 interface DragHandleProps {
-  readonly place: Place;
+  readonly transform: StageTransform;
   readonly at: Point;
   readonly label: string;
   /** One sentence on what it does. */
@@ -29,7 +29,7 @@ const DIRECTIONS: Record<string, Point> = {
 
 /** A handle at a point of the world that moves in two directions, by mouse, touch or arrow keys. */
 export function DragHandle({
-  place,
+  transform,
   at,
   label,
   sentence,
@@ -42,7 +42,7 @@ export function DragHandle({
 }: DragHandleProps) {
   const id = useId();
   const start = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
-  const [x, y] = [place.x(at[0]), place.y(at[1])];
+  const [x, y] = [transform.x(at[0]), transform.y(at[1])];
   const end = (): void => {
     start.current = null;
   };
@@ -54,8 +54,8 @@ export function DragHandle({
       aria-label={label}
       aria-roledescription="handle that moves in two directions"
       aria-valuenow={Number(at[0].toFixed(3))}
-      aria-valuemin={Number(place.world(0, 0)[0].toFixed(3))}
-      aria-valuemax={Number(place.world(place.width, 0)[0].toFixed(3))}
+      aria-valuemin={Number(transform.world(0, 0)[0].toFixed(3))}
+      aria-valuemax={Number(transform.world(transform.width, 0)[0].toFixed(3))}
       aria-valuetext={text}
       aria-describedby={id}
       transform={`translate(${x} ${y})`}
@@ -71,7 +71,7 @@ export function DragHandle({
         if (!start.current) return;
         const { px, from } = start.current;
         const [dx, dy] = [event.clientX - px[0], event.clientY - px[1]];
-        onMove([from[0] + dx / place.metre, from[1] - dy / place.metre]);
+        onMove([from[0] + dx / transform.metre, from[1] - dy / transform.metre]);
       }}
       onPointerUp={end}
       onPointerCancel={end}

@@ -11,7 +11,7 @@ import "./lesson.css";
 import { useWidth } from "../../ui/useWidth";
 
 /** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
-export interface Place {
+export interface StageTransform {
   readonly width: number;
   readonly height: number;
   /** Pixels of a metre, and of a cell. */
@@ -22,7 +22,7 @@ export interface Place {
   world(px: number, py: number): Point;
 }
 
-const placeOf = (geometry: GridGeometry, width: number): Place => {
+const transformOf = (geometry: GridGeometry, width: number): StageTransform => {
   const cell = width / geometry.cols;
   const height = cell * geometry.rows;
   return {
@@ -75,7 +75,7 @@ interface StageProps {
   readonly greys?: ReadonlySignal<Uint8Array>;
   /** Draw the borders of the cells. */
   readonly lines?: boolean;
-  readonly children?: (place: Place) => ComponentChildren;
+  readonly children?: (transform: StageTransform) => ComponentChildren;
 }
 
 /**
@@ -96,7 +96,7 @@ export function Stage({ geometry, label, grid, greys, lines, children }: StagePr
       }),
     [grid, greys],
   );
-  const now = placeOf(geometry, width.value);
+  const now = transformOf(geometry, width.value);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
       {(grid || greys) && (
@@ -104,17 +104,17 @@ export function Stage({ geometry, label, grid, greys, lines, children }: StagePr
       )}
       {!(grid || greys) && <p class="visually-hidden">{label}</p>}
       <svg width={now.width} height={now.height} viewBox={`0 0 ${now.width} ${now.height}`} role="presentation">
-        {lines && <Lines geometry={geometry} place={now} />}
+        {lines && <Lines geometry={geometry} transform={now} />}
         {children?.(now)}
       </svg>
     </div>
   );
 }
 
-function Lines({ geometry, place }: { geometry: GridGeometry; place: Place }) {
+function Lines({ geometry, transform }: { geometry: GridGeometry; transform: StageTransform }) {
   const path = [
-    ...Array.from({ length: geometry.cols - 1 }, (_, i) => `M${(i + 1) * place.cell} 0V${place.height}`),
-    ...Array.from({ length: geometry.rows - 1 }, (_, i) => `M0 ${(i + 1) * place.cell}H${place.width}`),
+    ...Array.from({ length: geometry.cols - 1 }, (_, i) => `M${(i + 1) * transform.cell} 0V${transform.height}`),
+    ...Array.from({ length: geometry.rows - 1 }, (_, i) => `M0 ${(i + 1) * transform.cell}H${transform.width}`),
   ];
   return <path class="cell-lines" d={path.join("")} />;
 }

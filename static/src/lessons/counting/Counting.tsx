@@ -47,20 +47,20 @@ export function Counting({ beams, scans }: CountingProps) {
             <div key={update}>
               <h3>{name}</h3>
               <Scene geometry={GEOMETRY} label={`The map, updated ${name}`} grid={map} walls={WALLS}>
-                {(place) => (
+                {(transform) => (
                   <>
-                    <g transform={`translate(${place.x(SENSOR[0])} ${place.y(SENSOR[1])})`}>
+                    <g transform={`translate(${transform.x(SENSOR[0])} ${transform.y(SENSOR[1])})`}>
                       <RobotShape yaw={0} size={7} />
                     </g>
                     <rect
                       class="probe-cell"
-                      x={cell.col * place.cell}
-                      y={place.height - (cell.row + 1) * place.cell}
-                      width={place.cell}
-                      height={place.cell}
+                      x={cell.col * transform.cell}
+                      y={transform.height - (cell.row + 1) * transform.cell}
+                      width={transform.cell}
+                      height={transform.cell}
                     />
                     <DragHandle
-                      place={place}
+                      transform={transform}
                       at={probe.value}
                       label={`Selected cell, map ${name}`}
                       sentence="Selects the cell whose values are shown under both maps."

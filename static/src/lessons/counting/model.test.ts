@@ -6,7 +6,7 @@ const near = { row: 11, col: 14 };
 const at = (cell: { row: number; col: number }): number => cell.row * GEOMETRY.cols + cell.col;
 
 describe("per beam or per scan", () => {
-  it("tells the sensor's own cell what every beam says, and a cell in view once a scan", () => {
+  it("updates the sensor's own cell with every beam, and a cell in view once per scan", () => {
     const counts = beamsPerCell(180);
     const own = at({ row: Math.floor(SENSOR[1] / 0.1), col: Math.floor(SENSOR[0] / 0.1) });
     expect(counts[own]).toBe(180);

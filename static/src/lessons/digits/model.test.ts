@@ -4,7 +4,7 @@ import { asLogOdds, bayesStep, run, saturatedAt } from "./model";
 
 const READINGS = { hits: 60, misses: 60, pHit: 0.7, pMiss: 0.3 };
 
-describe("three ways to keep a belief in single precision", () => {
+describe("three representations of a belief in single precision", () => {
   it("agree while there are digits", () => {
     const path = run({ ...READINGS, hits: 6, misses: 3 });
     const exact = 3 * logOdds(0.7);

@@ -189,10 +189,10 @@ function Room({ name, line, history, seen, t }: RoomProps) {
         </svg>
       </h3>
       <Scene geometry={GEOMETRY} label={`The map ${name}`} grid={shown} walls={ROOM}>
-        {(place) => (
+        {(transform) => (
           <>
-            <Walls place={place} walls={TABLE} tone={t === null ? "wall" : "wall gone"} />
-            <g transform={`translate(${place.x(SENSOR[0])} ${place.y(SENSOR[1])})`}>
+            <Walls transform={transform} walls={TABLE} tone={t === null ? "wall" : "wall gone"} />
+            <g transform={`translate(${transform.x(SENSOR[0])} ${transform.y(SENSOR[1])})`}>
               <RobotShape yaw={0} size={9} />
             </g>
           </>

@@ -22,7 +22,7 @@ export const TABLE: readonly Wall[] = box(3.1, 1.5, 3.9, 2.5);
 export const SENSOR: Pose = [1.53, 2.07, 0];
 const LIDAR = allRound(150, 8);
 
-/** What each scan says of each cell, with the table and without: the robot stands still, so it is always the same. */
+/** The evidence of a scan for each cell, with the table and without; the robot stands still, so it is constant. */
 const [WITH_TABLE, WITHOUT] = [[...ROOM, ...TABLE], ROOM].map((walls) =>
   inverseRangeSensorModel(GEOMETRY, scanFrom(walls, SENSOR, LIDAR), SENSOR, INITIAL_CONFIG),
 ) as [Float64Array, Float64Array];

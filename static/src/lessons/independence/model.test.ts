@@ -13,7 +13,7 @@ describe("independent cells and the joint", () => {
     }
   });
 
-  it("is Bayes' rule, worked by hand for two cells", () => {
+  it("is Bayes' rule, computed by hand for two cells", () => {
     // Maps 00, 10, 01, 11 with prior .64, .16, .16, .04; the echo, then a beam that passes cell 0.
     const weights = [0.64 * 0.05 * 0.9, 0.16 * 0.95 * 0.1, 0.16 * 0.95 * 0.9, 0.04 * 0.95 * 0.1];
     const total = weights.reduce((a, b) => a + b, 0);
@@ -22,7 +22,7 @@ describe("independent cells and the joint", () => {
     });
   });
 
-  it("only the joint shifts the echo's blame to the cells that are left", () => {
+  it("only the joint increases the probability of the remaining cells on the arc", () => {
     const before = beamResults("none", "none", "none", "none", "none");
     const after = beamResults("passed", "passed", "none", "passed", "passed");
     const [jointBefore, jointAfter] = [joint(before, SENSOR), joint(after, SENSOR)];

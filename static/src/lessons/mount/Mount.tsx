@@ -9,7 +9,7 @@ import type { Point, Pose } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
-import { type Place, Stage } from "../common/Stage";
+import { Stage, type StageTransform } from "../common/Stage";
 import { CORRECT, type Correction, GEOMETRY, LIDAR, mapWith, POSES, TRUE_MOUNT, WALLS } from "./model";
 import "./mount.css";
 
@@ -42,20 +42,20 @@ export function Mount() {
       <div class="mount-robot">
         <h3>Mount that the map is made with</h3>
         <Stage geometry={CLOSE} label="The robot from above, with its sensor">
-          {(place) => <Robot place={place} correction={now} set={set} />}
+          {(transform) => <Robot transform={transform} correction={now} set={set} />}
         </Stage>
       </div>
       <div class="mount-map">
         <h3>Resulting map</h3>
         <Scene geometry={GEOMETRY} label="The map made with this mount" grid={grid} walls={WALLS}>
-          {(place) => (
+          {(transform) => (
             <>
               <path
                 class="mount-path"
-                d={POSES.map(([x, y], i) => `${i === 0 ? "M" : "L"}${place.x(x)} ${place.y(y)}`).join("")}
+                d={POSES.map(([x, y], i) => `${i === 0 ? "M" : "L"}${transform.x(x)} ${transform.y(y)}`).join("")}
               />
               {POSES.filter((_, i) => i % 3 === 0).map(([x, y, yaw]) => (
-                <g key={`${x} ${y}`} transform={`translate(${place.x(x)} ${place.y(y)})`}>
+                <g key={`${x} ${y}`} transform={`translate(${transform.x(x)} ${transform.y(y)})`}>
                   <RobotShape yaw={yaw} size={6} />
                 </g>
               ))}
@@ -87,20 +87,20 @@ export function Mount() {
 }
 
 /** The fan of beams, with an arrow in the direction of the sweep. */
-function Fan({ place, pose, over, tone }: { place: Place; pose: Pose; over: boolean; tone: string }) {
+function Fan({ transform, pose, over, tone }: { transform: StageTransform; pose: Pose; over: boolean; tone: string }) {
   const r = 0.34;
   const sign = over ? -1 : 1;
   const at = (bearing: number, far = r): string =>
-    `${place.x(pose[0] + far * Math.cos(pose[2] + sign * bearing))} ${place.y(pose[1] + far * Math.sin(pose[2] + sign * bearing))}`;
+    `${transform.x(pose[0] + far * Math.cos(pose[2] + sign * bearing))} ${transform.y(pose[1] + far * Math.sin(pose[2] + sign * bearing))}`;
   const { angle_min, angle_increment, beams } = LIDAR;
   const last = angle_min + angle_increment * (beams - 1);
-  const size = r * place.metre;
+  const size = r * transform.metre;
   const head = [0.055, -0.055].map((side) => `M${at(last - 0.02)}L${at(last - 0.18, r + side)}`).join("");
   return (
     <g class={`fan ${tone}`}>
       <path
         class="fan-body"
-        d={`M${place.x(pose[0])} ${place.y(pose[1])}L${at(angle_min)}A${size} ${size} 0 1 ${over ? 1 : 0} ${at(last)}Z`}
+        d={`M${transform.x(pose[0])} ${transform.y(pose[1])}L${at(angle_min)}A${size} ${size} 0 1 ${over ? 1 : 0} ${at(last)}Z`}
       />
       <path class="fan-sweep" d={`M${at(angle_min)}A${size} ${size} 0 1 ${over ? 1 : 0} ${at(last)}${head}`} />
     </g>
@@ -108,43 +108,43 @@ function Fan({ place, pose, over, tone }: { place: Place; pose: Pose; over: bool
 }
 
 interface RobotProps {
-  readonly place: Place;
+  readonly transform: StageTransform;
   readonly correction: Correction;
   readonly set: (change: Partial<Correction>) => void;
 }
 
-function Robot({ place, correction, set }: RobotProps) {
+function Robot({ transform, correction, set }: RobotProps) {
   const { x, y, yaw, upsideDown } = correction;
   const believed = compose(TRUE_MOUNT, [x, y, yaw]);
   const tip: Point = [believed[0] + STICK * Math.cos(yaw), believed[1] + STICK * Math.sin(yaw)];
-  const [left, right, top, bottom] = [place.x(-0.4), place.x(0.4), place.y(0.3), place.y(-0.3)];
+  const [left, right, top, bottom] = [transform.x(-0.4), transform.x(0.4), transform.y(0.3), transform.y(-0.3)];
   return (
     <>
       <rect class="mount-body" x={left} y={top} width={right - left} height={bottom - top} rx={14} />
       <path
         class="mount-axis"
-        d={`M${place.x(0)} ${place.y(0)}H${place.x(0.78)}M${place.x(0)} ${place.y(0)}V${place.y(0.62)}`}
+        d={`M${transform.x(0)} ${transform.y(0)}H${transform.x(0.78)}M${transform.x(0)} ${transform.y(0)}V${transform.y(0.62)}`}
       />
-      <text class="mount-name" x={place.x(0.8)} y={place.y(-0.09)}>
+      <text class="mount-name" x={transform.x(0.8)} y={transform.y(-0.09)}>
         x
       </text>
-      <text class="mount-name" x={place.x(-0.07)} y={place.y(0.6)}>
+      <text class="mount-name" x={transform.x(-0.07)} y={transform.y(0.6)}>
         y
       </text>
-      <text class="mount-label" x={place.x(-0.37)} y={place.y(-0.24)}>
+      <text class="mount-label" x={transform.x(-0.37)} y={transform.y(-0.24)}>
         base_link
       </text>
-      <Fan place={place} pose={TRUE_MOUNT} over={false} tone="truth" />
-      <Fan place={place} pose={believed} over={upsideDown} tone="belief" />
+      <Fan transform={transform} pose={TRUE_MOUNT} over={false} tone="truth" />
+      <Fan transform={transform} pose={believed} over={upsideDown} tone="belief" />
       <line
         class="mount-stick"
-        x1={place.x(believed[0])}
-        y1={place.y(believed[1])}
-        x2={place.x(tip[0])}
-        y2={place.y(tip[1])}
+        x1={transform.x(believed[0])}
+        y1={transform.y(believed[1])}
+        x2={transform.x(tip[0])}
+        y2={transform.y(tip[1])}
       />
       <DragHandle
-        place={place}
+        transform={transform}
         at={[believed[0], believed[1]]}
         label="Position of the sensor"
         sentence="Changes the position of the mount that the map is made with; the readings stay the same."
@@ -156,7 +156,7 @@ function Robot({ place, correction, set }: RobotProps) {
         }
       />
       <DragHandle
-        place={place}
+        transform={transform}
         at={tip}
         label="Direction of the sensor"
         sentence="Changes the rotation of the mount that the map is made with; the readings stay the same."

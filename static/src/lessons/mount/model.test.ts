@@ -16,7 +16,7 @@ describe("a mount", () => {
     expect(smear({ ...CORRECT, upsideDown: true })).toBeGreaterThan(50);
   });
 
-  it("is forgiving of a robot that never turned: here it turned, and the smear grows with the error", () => {
+  it("that is wrong smears walls when the robot turns, and more with a larger error", () => {
     const angles = [0, 0.05, 0.1, 0.2].map((yaw) => smear({ ...CORRECT, yaw }));
     expect(angles).toEqual([...angles].sort((a, b) => a - b));
   });

@@ -58,12 +58,12 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
     <div>
       <h3>{NAMES[policy]}</h3>
       <Scene geometry={GEOMETRY} label={`The map with no returns ${NAMES[policy]}`} grid={grid} walls={WALLS}>
-        {(place) => (
+        {(transform) => (
           <>
-            <Beams place={place} pose={[x, y, 0]} scan={scan} />
-            <Walls place={place} walls={GLASS} tone="wall glass" />
+            <Beams transform={transform} pose={[x, y, 0]} scan={scan} />
+            <Walls transform={transform} walls={GLASS} tone="wall glass" />
             <DragHandle
-              place={place}
+              transform={transform}
               at={at.value}
               label={`Robot, map with no returns ${NAMES[policy]}`}
               sentence="Moves the robot; all three maps are made again from scans at the new position."

@@ -14,7 +14,7 @@ describe("beams without return", () => {
     expect(scanAt(HERE, 3).ranges[0]).toBe(Number.POSITIVE_INFINITY); // 6.7 m to the far wall
   });
 
-  it("free more when they are believed, and put a ring of walls where there is none when they are mistaken", () => {
+  it("free more cells when counted as free, and add a ring of walls when counted as hits", () => {
     const [ignored, freed, wrong] = (["ignore", "free", "hit"] as const).map((policy) => mapAt(HERE, 3, policy));
     if (!ignored || !freed || !wrong) throw new Error("three maps");
     expect(cellsOf(freed, "free").length).toBeGreaterThan(cellsOf(ignored, "free").length + 20);
@@ -23,7 +23,7 @@ describe("beams without return", () => {
     expect(phantoms(wrong, [...WALLS, ...GLASS], 0.25).length).toBeGreaterThan(10);
   });
 
-  it("call the place of the glass free when no return is taken for free", () => {
+  it("free the cells of the glass when no return is counted as free", () => {
     expect(stateOf(mapAt([2.4, 1.3], 3, "free"), at(3.9, 1.3))).toBe("free");
     expect(stateOf(mapAt([2.4, 1.3], 3, "ignore"), at(3.9, 1.3))).toBe("unknown");
   });

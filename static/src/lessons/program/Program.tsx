@@ -9,7 +9,7 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
-import type { Place } from "../common/Stage";
+import type { StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
 import { box, type Lidar, scanFrom, type Wall } from "../common/world";
 import { gridBefore, type Run, runProgram, type Step, type StepSize, stepFrom } from "./model";
@@ -81,11 +81,11 @@ export function Program() {
       <ProgramText here={here} />
       <div class="program-world">
         <Scene geometry={GEOMETRY} label="The grid that the program updates" grid={grid} walls={WALLS} lines>
-          {(place) => (
+          {(transform) => (
             <>
-              <CurrentBeam place={place} here={here} pose={pose} scan={scan} />
+              <CurrentBeam transform={transform} here={here} pose={pose} scan={scan} />
               <DragHandle
-                place={place}
+                transform={transform}
                 at={at.value}
                 label="Robot"
                 sentence="Moves the robot; the program then runs on the scan from there."
@@ -193,19 +193,19 @@ function ProgramText({ here }: { here: Step }) {
 }
 
 interface CurrentBeamProps {
-  readonly place: Place;
+  readonly transform: StageTransform;
   readonly here: Step;
   readonly pose: Pose;
   readonly scan: LaserScan;
 }
 
 /** The current beam, the cells that it gives evidence for, and the current cell. */
-function CurrentBeam({ place, here, pose, scan }: CurrentBeamProps) {
+function CurrentBeam({ transform, here, pose, scan }: CurrentBeamProps) {
   const square = (cell: { row: number; col: number }) => ({
-    x: cell.col * place.cell + 1.5,
-    y: place.height - (cell.row + 1) * place.cell + 1.5,
-    width: place.cell - 3,
-    height: place.cell - 3,
+    x: cell.col * transform.cell + 1.5,
+    y: transform.height - (cell.row + 1) * transform.cell + 1.5,
+    width: transform.cell - 3,
+    height: transform.cell - 3,
   });
   const bearing = pose[2] + bearingOf(scan, here.beam ?? 0);
   const range = scan.ranges[here.beam ?? 0] ?? 0;
@@ -222,10 +222,10 @@ function CurrentBeam({ place, here, pose, scan }: CurrentBeamProps) {
       {here.beam !== null && (
         <line
           class={`program-beam${Number.isFinite(range) ? "" : " none"}`}
-          x1={place.x(pose[0])}
-          y1={place.y(pose[1])}
-          x2={place.x(pose[0] + z * Math.cos(bearing))}
-          y2={place.y(pose[1] + z * Math.sin(bearing))}
+          x1={transform.x(pose[0])}
+          y1={transform.y(pose[1])}
+          x2={transform.x(pose[0] + z * Math.cos(bearing))}
+          y2={transform.y(pose[1] + z * Math.sin(bearing))}
         />
       )}
     </>

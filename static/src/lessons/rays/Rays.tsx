@@ -11,7 +11,7 @@ import { keyedIndex } from "../../ui/seek";
 import { Toggle } from "../../ui/Toggle";
 import type { Point } from "../../wire/protocol";
 import { DragHandle } from "../common/DragHandle";
-import { type Place, Stage } from "../common/Stage";
+import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
 import "./rays.css";
 
@@ -61,19 +61,19 @@ export function Rays() {
   return (
     <figure class="rays" ref={root} aria-label="Bresenham's line on a grid, step by step">
       <Stage geometry={GEOMETRY} label={`The line's cells from ${named(from.value)} to ${named(to.value)}`} lines>
-        {(place) => (
+        {(transform) => (
           <>
-            <Cells place={place} line={line.value} at={at} />
-            {exact.value && <Crossed place={place} cells={crossed.value} />}
+            <Cells transform={transform} line={line.value} at={at} />
+            {exact.value && <Crossed transform={transform} cells={crossed.value} />}
             <line
               class="rays-beam"
-              x1={place.x(from.value[0])}
-              y1={place.y(from.value[1])}
-              x2={place.x(to.value[0])}
-              y2={place.y(to.value[1])}
+              x1={transform.x(from.value[0])}
+              y1={transform.y(from.value[1])}
+              x2={transform.x(to.value[0])}
+              y2={transform.y(to.value[1])}
             />
             <DragHandle
-              place={place}
+              transform={transform}
               at={from.value}
               label="First cell of the line"
               sentence="Moves the cell of the sensor, in which the line begins."
@@ -84,7 +84,7 @@ export function Rays() {
               }}
             />
             <DragHandle
-              place={place}
+              transform={transform}
               at={to.value}
               label="Last cell of the line"
               sentence="Moves the cell in which the beam ends; the eight octants lie around the sensor."
@@ -135,35 +135,35 @@ export function Rays() {
   );
 }
 
-function Cells({ place, line, at }: { place: Place; line: Line; at: number }) {
+function Cells({ transform, line, at }: { transform: StageTransform; line: Line; at: number }) {
   return (
     <>
       {line.steps.map(({ cell }, i) => (
         <rect
           key={`${cell.row} ${cell.col}`}
           class={`rays-cell ${i < at ? "done" : i === at ? "now" : "ahead"}`}
-          x={cell.col * place.cell}
-          y={place.height - (cell.row + 1) * place.cell}
-          width={place.cell}
-          height={place.cell}
+          x={cell.col * transform.cell}
+          y={transform.height - (cell.row + 1) * transform.cell}
+          width={transform.cell}
+          height={transform.cell}
         />
       ))}
     </>
   );
 }
 
-function Crossed({ place, cells }: { place: Place; cells: readonly Cell[] }) {
-  const inset = Math.max(1.5, place.cell * 0.1);
+function Crossed({ transform, cells }: { transform: StageTransform; cells: readonly Cell[] }) {
+  const inset = Math.max(1.5, transform.cell * 0.1);
   return (
     <>
       {cells.map(({ row, col }) => (
         <rect
           key={`${row} ${col}`}
           class="rays-crossed"
-          x={col * place.cell + inset}
-          y={place.height - (row + 1) * place.cell + inset}
-          width={place.cell - 2 * inset}
-          height={place.cell - 2 * inset}
+          x={col * transform.cell + inset}
+          y={transform.height - (row + 1) * transform.cell + inset}
+          width={transform.cell - 2 * inset}
+          height={transform.cell - 2 * inset}
         />
       ))}
     </>

@@ -9,7 +9,7 @@ import { Slider } from "../../ui/Slider";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
-import type { Place } from "../common/Stage";
+import type { StageTransform } from "../common/Stage";
 import {
   type Certainties,
   noCertainties,
@@ -97,11 +97,11 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
           <div key={name}>
             <h3>{name}</h3>
             <Scene geometry={GEOMETRY} label={`The map by ${name}`} grid={grid} walls={WALLS}>
-              {(place) => (
+              {(transform) => (
                 <>
-                  {last && <LastCone place={place} taken={last} opening={settings.value.opening} />}
+                  {last && <LastCone transform={transform} taken={last} opening={settings.value.opening} />}
                   <DragHandle
-                    place={place}
+                    transform={transform}
                     at={probe.value}
                     label={`Selected cell, ${name}`}
                     sentence="Selects the cell whose values are shown under both maps."
@@ -150,25 +150,25 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
 }
 
 /** The robot, and the cone of the newest reading with its arc. */
-function LastCone({ place, taken, opening }: { place: Place; taken: Taken; opening: number }) {
+function LastCone({ transform, taken, opening }: { transform: StageTransform; taken: Taken; opening: number }) {
   const { pose, scan } = taken;
   const k = scan.ranges.length - 1;
   const range = scan.ranges[k] ?? 0;
   const z = Number.isFinite(range) ? range : scan.range_max;
   const bearing = pose[2] + (scan.bearings[k] ?? 0);
   const at = (angle: number): string =>
-    `${place.x(pose[0] + z * Math.cos(bearing + angle))} ${place.y(pose[1] + z * Math.sin(bearing + angle))}`;
-  const r = z * place.metre;
+    `${transform.x(pose[0] + z * Math.cos(bearing + angle))} ${transform.y(pose[1] + z * Math.sin(bearing + angle))}`;
+  const r = z * transform.metre;
   return (
     <>
       <path
         class="sonar-cone"
-        d={`M${place.x(pose[0])} ${place.y(pose[1])}L${at(-opening / 2)}A${r} ${r} 0 0 0 ${at(opening / 2)}Z`}
+        d={`M${transform.x(pose[0])} ${transform.y(pose[1])}L${at(-opening / 2)}A${r} ${r} 0 0 0 ${at(opening / 2)}Z`}
       />
       {Number.isFinite(range) && (
         <path class="sonar-arc" d={`M${at(-opening / 2)}A${r} ${r} 0 0 0 ${at(opening / 2)}`} />
       )}
-      <g transform={`translate(${place.x(pose[0])} ${place.y(pose[1])})`}>
+      <g transform={`translate(${transform.x(pose[0])} ${transform.y(pose[1])})`}>
         <RobotShape yaw={pose[2]} size={8} />
       </g>
     </>

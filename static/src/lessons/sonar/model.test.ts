@@ -33,7 +33,7 @@ describe("wide beams", () => {
     });
   });
 
-  it("hear the nearest surface in the cone, not the one on its axis", () => {
+  it("measure the nearest surface in the cone, not the one on its axis", () => {
     const pose: Pose = [1, 1, 0];
     expect(sonarScan(pose, 0.5).ranges[12]).toBeCloseTo(0.6, 5); // straight down to the wall
     // Ahead the door is open; the nearest surface in the cone is where its edge meets the upper wall.

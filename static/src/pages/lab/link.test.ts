@@ -18,7 +18,7 @@ test("what is packed comes out again, in letters that an address may hold", asyn
   expect(await linkFromAddress("")).toBeNull();
 });
 
-test("a link from before cells and second maps were told opens as it did", async () => {
+test("an older link without explained cell and second map still opens", async () => {
   const { pinned, why, right, ...before } = SHOWN;
   expect(await unpackLink(await packLink(before as LinkState))).toEqual({
     ...before,

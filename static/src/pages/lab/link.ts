@@ -77,13 +77,13 @@ export async function unpackLink(letters: string): Promise<LinkState | null> {
 
 /** What the page shows of the world now. */
 export function visibleState(store: Store): VisibleState {
-  const at = store.asked.peek();
+  const at = store.explainedPoint.peek();
   const compared = store.compared.peek();
   return {
     wrong: store.activeFaults.peek(),
     view: store.viewHeld.peek() ? store.view.peek() : null,
     pinned: store.pinned.peek(),
-    why: at && { at, touch: store.touched.peek() },
+    why: at && { at, touch: store.selectedUpdate.peek() },
     // The second map of the moving table depends on when it was started and cannot be restored.
     right: compared && !compared.with_faults ? compared.values : null,
   };

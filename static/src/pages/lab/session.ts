@@ -57,11 +57,11 @@ export async function openSession(): Promise<Opened> {
 /** Restore the state of a link; what needs the server is restored when the connection is ready. */
 export function restore(store: Store, shown: VisibleState): void {
   store.activeFaults.value = shown.wrong;
-  if (shown.view) store.look(shown.view);
+  if (shown.view) store.setView(shown.view);
   store.pinned.value = shown.pinned;
   if (shown.why) {
-    store.ask(shown.why.at);
-    store.touched.value = shown.why.touch;
+    store.explain(shown.why.at);
+    store.selectedUpdate.value = shown.why.touch;
   }
   const { right } = shown;
   if (!right) return;
@@ -88,7 +88,7 @@ export function keepAddress(id: string, store: Store): () => void {
     void store.history.version.value;
     void store.viewHeld.value;
     if (store.viewHeld.value) void store.view.value;
-    void [store.pinned.value, store.asked.value, store.touched.value, store.compared.value];
+    void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);

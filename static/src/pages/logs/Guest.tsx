@@ -55,7 +55,7 @@ export function Guest({ token }: { token: string }) {
       key={session}
       session={session}
       onGone={() => void open()}
-      guest={{ look: view.look, onEnded: () => void checkLink() }}
+      guest={{ view: view.look, onEnded: () => void checkLink() }}
     />
   );
 }

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import type { Look } from "../../render/view";
+import type { SharedView } from "../../render/view";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { described, type Link, linksTo, makeLink, revokeLink } from "./links";
@@ -10,7 +10,7 @@ interface ShareProps {
   readonly session: string;
   readonly log: string;
   /** The visible part of the map; null for all of it. */
-  readonly look: () => Look | null;
+  readonly sharedView: () => SharedView | null;
 }
 
 /** Copy an address; resolves to the message for the visitor. */
@@ -29,7 +29,7 @@ const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
 /** A dialog to create links to this view, and to list and revoke one's own. */
-export function Share({ session, log, look }: ShareProps) {
+export function Share({ session, log, sharedView }: ShareProps) {
   const dialog = useRef<HTMLDialogElement>(null);
   const links = useSignal<readonly Link[] | null>(null);
   const failure = useSignal<string | null>(null);
@@ -54,7 +54,7 @@ export function Share({ session, log, look }: ShareProps) {
   };
   const make = (): Promise<void> =>
     attempt(async () => {
-      const link = await makeLink(session, look());
+      const link = await makeLink(session, sharedView());
       links.value = [link, ...(links.peek() ?? [])];
       // The comparison is in the fragment of the address.
       await copy(absolute(link) + location.hash, "Link copied.");

@@ -2,7 +2,7 @@ import { computed, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
-import { framed, type Look } from "../../render/view";
+import { framed, type SharedView } from "../../render/view";
 import { type Connection, connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
@@ -38,7 +38,7 @@ interface ViewerProps {
   /** Whether to do so at once. */
   readonly reopens?: boolean;
   /** For a visitor with a shared link: the initial view, and a callback for the end of the session. */
-  readonly guest?: { readonly look: Look | null; readonly onEnded: () => void };
+  readonly guest?: { readonly view: SharedView | null; readonly onEnded: () => void };
 }
 
 /** The view of one log: its map, playback, parameters, downloads. */
@@ -75,7 +75,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
     if (hello) document.title = `${hello.title} · Gridbloom`;
   }, [hello]);
 
-  useEffect(() => applySharedView(store, picture, guest?.look ?? null), [connection]);
+  useEffect(() => applySharedView(store, picture, guest?.view ?? null), [connection]);
   const ended = status.value === "gone";
   useEffect(() => {
     if (ended) guest?.onEnded();
@@ -138,12 +138,12 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
 }
 
 /** Show the shared part of the map as soon as the picture has a size. */
-function applySharedView(store: Store, picture: RefObject<Picture | null>, look: Look | null): () => void {
+function applySharedView(store: Store, picture: RefObject<Picture | null>, view: SharedView | null): () => void {
   let waiting = 0;
   const wait = (): void => {
     const size = picture.current?.size;
-    if (look && size && size.width > 0) store.look(framed(look, size));
-    else if (look) waiting = requestAnimationFrame(wait);
+    if (view && size && size.width > 0) store.setView(framed(view, size));
+    else if (view) waiting = requestAnimationFrame(wait);
   };
   wait();
   return () => cancelAnimationFrame(waiting);
@@ -160,7 +160,7 @@ function Head({ connection, session, onClose, picture }: HeadProps) {
   const { store } = connection;
   const hello = store.hello.value;
   /** The visitor's view, if they moved it: otherwise the link shows everything on any screen. */
-  const look = (): Look | null => {
+  const sharedView = (): SharedView | null => {
     const view = store.view.peek();
     const size = picture.current?.size;
     return store.viewHeld.peek() && view && size ? { ...view, width: size.width, height: size.height } : null;
@@ -175,7 +175,7 @@ function Head({ connection, session, onClose, picture }: HeadProps) {
           <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
             <span class="button-text">3D</span>
           </Button>
-          {hello?.log && <Share session={session} log={hello.log.id} look={look} />}
+          {hello?.log && <Share session={session} log={hello.log.id} sharedView={sharedView} />}
         </>
       ) : (
         <span class="guest-note">Shared view: your changes are not seen by others.</span>

@@ -1,6 +1,6 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
-import type { Look } from "../../render/view";
+import type { SharedView } from "../../render/view";
 import { trajectoryLabel } from "./describeLog";
 import { AWAY, sentence } from "./library";
 
@@ -26,7 +26,7 @@ export interface Link {
 export interface Shared {
   readonly title: string;
   /** The visible part of the map; null for all of it. */
-  readonly look: Look | null;
+  readonly look: SharedView | null;
 }
 
 async function request<T>(address: string, method = "GET", body?: unknown): Promise<T> {
@@ -44,7 +44,7 @@ async function request<T>(address: string, method = "GET", body?: unknown): Prom
 }
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
-export const makeLink = (session: string, look: Look | null): Promise<Link> =>
+export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
   request("/api/links", "POST", { session, look });
 
 /** One's own links to a log, the newest first. */

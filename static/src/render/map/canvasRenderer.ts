@@ -1,11 +1,11 @@
-/** Draws a map into a 2D canvas, where no graphics card would: the same picture as `WebGLRenderer`'s. */
+/** Draws a map into a 2D canvas if there is no graphics card: the same picture as `WebGLRenderer`'s. */
 
 import { fromLattice } from "../../grid/lattice";
 import { tokenRgb } from "../../style/colour";
 import type { Geometry } from "../../wire/protocol";
 import { type Size, toScreen, type View } from "../view";
 import { canvasContext } from "./context";
-import { Glow, strengthOf } from "./glow";
+import { Highlights, opacityOf } from "./highlights";
 import type { Palette } from "./palette";
 import { paletteOf } from "./palettes";
 import { overlay, rasterise } from "./raster";
@@ -13,16 +13,16 @@ import { type Layer, MAX_PALETTES, type MapRenderer } from "./renderer";
 import { type PaintCanvas, resizeCanvas } from "./surface";
 
 export class CanvasRenderer implements MapRenderer {
-  readonly glow = new Glow();
+  readonly highlights = new Highlights();
   readonly #canvas: HTMLCanvasElement;
   readonly #context: CanvasRenderingContext2D;
-  /** The cells alone: made anew only where they, the view or the colours changed. */
+  /** The cells without overlay, redrawn only if they, the view or the colours changed. */
   readonly #cells = document.createElement("canvas");
   #image = new ImageData(1, 1);
   #made: readonly unknown[] = [];
-  #glowing: unknown = null;
+  #highlighted: unknown = null;
   readonly #palettes = new Map<string, Uint32Array>();
-  #colours: { readonly background: string; readonly glow: string } | null = null;
+  #colours: { readonly background: string; readonly highlight: string } | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
     this.#canvas = canvas;
@@ -37,14 +37,14 @@ export class CanvasRenderer implements MapRenderer {
   draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean {
     const { width, height } = this.#canvas;
     const context = this.#context;
-    const glowing = layers.find((layer) => layer.glows)?.map ?? null;
-    if (glowing?.cells !== this.#glowing) {
-      this.glow.clear();
-      this.#glowing = glowing?.cells;
+    const highlighted = layers.find((layer) => layer.hasHighlights)?.map ?? null;
+    if (highlighted?.cells !== this.#highlighted) {
+      this.highlights.clear();
+      this.#highlighted = highlighted?.cells;
     }
     this.#colours ??= {
       background: `rgb(${tokenRgb("--map-unobserved").join(" ")})`,
-      glow: `rgb(${tokenRgb("--beam-fill").join(" ")})`,
+      highlight: `rgb(${tokenRgb("--beam-fill").join(" ")})`,
     };
     context.setTransform(1, 0, 0, 1, 0, 0);
     if (layers.some((layer) => layer.map)) {
@@ -54,9 +54,10 @@ export class CanvasRenderer implements MapRenderer {
       context.fillStyle = this.#colours.background;
       context.fillRect(0, 0, width, height);
     }
-    const glows = glowing !== null && this.#paintGlow(glowing.geometry, view, size, now, this.#colours.glow);
+    const isFading =
+      highlighted !== null && this.#paintHighlights(highlighted.geometry, view, size, now, this.#colours.highlight);
     over(this.#canvas);
-    return glows;
+    return isFading;
   }
 
   #refresh(layers: readonly Layer[], view: View, size: Size): void {
@@ -84,21 +85,21 @@ export class CanvasRenderer implements MapRenderer {
     canvasContext(this.#cells).putImageData(this.#image, 0, 0);
   }
 
-  #paintGlow(geometry: Geometry, view: View, size: Size, now: number, colour: string): boolean {
-    const { glow } = this;
-    if (!glow.isAlive(now)) return false;
+  #paintHighlights(geometry: Geometry, view: View, size: Size, now: number, colour: string): boolean {
+    const { highlights } = this;
+    if (!highlights.isFading(now)) return false;
     const context = this.#context;
     const ratio = this.#canvas.width / size.width;
     const side = Math.max(1, Math.ceil((ratio * geometry.resolution) / view.scale));
-    const seconds = glow.seconds(now);
+    const seconds = highlights.seconds(now);
     context.fillStyle = colour;
-    const { data } = glow;
-    for (let i = 0; i < 3 * glow.count; i += 3) {
-      const strength = strengthOf(seconds - (data[i + 2] as number));
-      if (strength === 0) continue;
+    const { data } = highlights;
+    for (let i = 0; i < 3 * highlights.count; i += 3) {
+      const opacity = opacityOf(seconds - (data[i + 2] as number));
+      if (opacity === 0) continue;
       const [u, v] = [(data[i] as number) + 0.5, (data[i + 1] as number) + 0.5];
       const [x, y] = toScreen(view, size, ...fromLattice(geometry, u, v));
-      context.globalAlpha = strength;
+      context.globalAlpha = opacity;
       context.fillRect(Math.round(ratio * x - side / 2), Math.round(ratio * y - side / 2), side, side);
     }
     context.globalAlpha = 1;

@@ -1,4 +1,4 @@
-/** The cells of one map in the browser: chunks with their pyramids, made where a tile arrives. */
+/** The cells of one map in the browser: chunks with their pyramids, created when their first tile arrives. */
 
 import { TILE } from "../../wire/protocol";
 import { CHUNK, emptyPyramid, LEVELS, type Pyramid, reduce } from "./pyramid";
@@ -6,7 +6,7 @@ import { CHUNK, emptyPyramid, LEVELS, type Pyramid, reduce } from "./pyramid";
 const TILES = CHUNK / TILE;
 const ALL_LEVELS = (1 << LEVELS) - 1;
 
-/** A byte that stands for "never observed". */
+/** The byte for "never observed". */
 export const NEVER = 0;
 
 export class Chunk {
@@ -23,16 +23,16 @@ export class Chunk {
   }
 }
 
-/** Told of each cell that is observed for the first time or changes its mind: grid row and column. */
-export type OnBloom = (row: number, col: number) => void;
+/** Called with the grid row and column of each cell that is observed for the first time or crosses log-odds 0. */
+export type OnCellChange = (row: number, col: number) => void;
 
 export class Cells {
   readonly #chunks = new Map<number, Chunk>();
-  /** Hear of each tile that was taken. */
+  /** Called after each tile that was set. */
   readonly listeners = new Set<(tx: number, ty: number) => void>();
   #revision = 0;
 
-  /** Grows with every tile that is taken. */
+  /** Incremented with every tile that is set. */
   get revision(): number {
     return this.#revision;
   }
@@ -53,10 +53,10 @@ export class Cells {
   }
 
   /**
-   * Take a tile of int8 values, row 0 at the smallest y. `bloom` hears of the cells that are new, and of those that
-   * crossed `undecided`, the byte of log-odds 0.
+   * Set a tile of int8 values, row 0 at the smallest y. `onChange` is called for cells that are new and
+   * for those that crossed `undecided`, the byte of log-odds 0.
    */
-  setTile(tx: number, ty: number, values: Uint8Array, undecided = 0, bloom?: OnBloom): void {
+  setTile(tx: number, ty: number, values: Uint8Array, undecided = 0, onChange?: OnCellChange): void {
     if (values.length !== TILE * TILE) throw new RangeError(`A tile has ${TILE * TILE} cells, not ${values.length}.`);
     this.#revision++;
     const chunk = this.#chunkOf(ty >> 3, tx >> 3);
@@ -70,12 +70,12 @@ export class Cells {
         const old = level0[at] as number;
         if (now === old) continue;
         level0[at] = now;
-        if (bloom && (old === NEVER || now > undecided !== old > undecided)) bloom(ty * TILE + r, tx * TILE + c);
+        if (onChange && (old === NEVER || now > undecided !== old > undecided)) onChange(ty * TILE + r, tx * TILE + c);
       }
     }
     reduce(chunk.pyramid, row0, col0, TILE);
     chunk.stale[(ty & (TILES - 1)) * TILES + (tx & (TILES - 1))] = ALL_LEVELS;
-    for (const hear of this.listeners) hear(tx, ty);
+    for (const listener of this.listeners) listener(tx, ty);
   }
 
   /** Copy the bytes of a tile, row by row; false, and nothing copied, where nothing of its chunk was ever observed. */
@@ -90,7 +90,7 @@ export class Cells {
     return true;
   }
 
-  /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; what was never seen is not counted. */
+  /** Count cells by class: `free` below and `occupied` above two bytes, `undecided` between; cells never observed are not counted. */
   count(below: number, above: number): { free: number; undecided: number; occupied: number } {
     const counts = { free: 0, undecided: 0, occupied: 0 };
     for (const chunk of this.#chunks.values()) {

@@ -1,8 +1,8 @@
 /**
- * With what a picture is drawn: by a graphics card through WebGL, or by the processor into a 2D canvas.
+ * The context of a picture's canvas: WebGL with a graphics card, otherwise a 2D canvas.
  *
- * A browser without a graphics card may still offer WebGL. It then computes every pixel in a program that plays the
- * card, reads the picture back and hands it on: several times the work of painting it at once.
+ * A browser without a graphics card may still offer WebGL. It then emulates the card in software and copies the picture,
+ * which takes several times as long as painting into a 2D canvas.
  */
 
 const ATTRIBUTES: WebGLContextAttributes = {
@@ -13,14 +13,14 @@ const ATTRIBUTES: WebGLContextAttributes = {
   failIfMajorPerformanceCaveat: true,
 };
 
-/** How the programs call themselves that play a graphics card: Chromium's, Mesa's two, those of macOS and Windows. */
+/** Names of software renderers: Chromium's, Mesa's two, those of macOS and Windows. */
 const SOFTWARE_RENDERERS = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
 export const isSoftwareRenderer = (renderer: string): boolean => SOFTWARE_RENDERERS.test(renderer);
 
 let hasGraphicsCard: boolean | undefined;
 
-/** Ask once, with a canvas of its own: one that has given a WebGL context gives no other. */
+/** Determined once, with a separate canvas: a canvas with a WebGL context can have no other context. */
 function findGraphicsCard(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2", ATTRIBUTES);
   if (!gl) return false;
@@ -36,7 +36,7 @@ export function webglContext(canvas: HTMLCanvasElement): WebGL2RenderingContext 
   return hasGraphicsCard ? canvas.getContext("webgl2", ATTRIBUTES) : null;
 }
 
-/** A 2D context for an opaque picture that the processor paints; throws one clear sentence where the browser has none. */
+/** A 2D context for an opaque picture that the processor paints; throws if the browser has none. */
 export function canvasContext(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
   const context = canvas.getContext("2d", { alpha: false, willReadFrequently: true });
   if (!context) throw new Error("This browser offers no canvas, on which the pictures are drawn.");

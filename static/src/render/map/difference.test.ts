@@ -3,7 +3,7 @@ import { logOddsAt, stateAt } from "../../grid/cellValues";
 import { toLab } from "../../style/oklab";
 import type { Geometry } from "../../wire/protocol";
 import { Cells } from "./cells";
-import { commonLattice, Derived } from "./derived";
+import { CombinedMap, commonLattice } from "./combinedMap";
 import {
   differenceCodes,
   differencePalette,
@@ -44,7 +44,7 @@ describe("what a difference is drawn as", () => {
   const codes = differenceCodes(RANGE, RANGE);
   const at = (a: number, b: number): number => codes[(a << 8) | b] as number;
 
-  test("equal cells are equal, and what one map lacks is apart", () => {
+  test("equal cells are equal, and a cell that only one map has observed is distinguished", () => {
     expect(at(0, 0)).toBe(0);
     expect(at(7, 0)).toBe(ONLY_A);
     expect(at(0, 7)).toBe(ONLY_B);
@@ -83,7 +83,7 @@ describe("what a difference is drawn as", () => {
     expect(spanOf(RANGE, WIDE)).toBe(10);
   });
 
-  test("marked are just the cells of the two states, and never those that nobody has seen", () => {
+  test("only the cells of the two states are marked, never unobserved ones", () => {
     const marked = markedCodes(RANGE, WIDE, { a: "unknown", b: "free" });
     let n = 0;
     for (let i = 0; i < 256; i++)
@@ -114,7 +114,7 @@ describe("colours", () => {
     }
   });
 
-  test("stripes fall where only a knows, rise where only b does, and nothing else is striped", () => {
+  test("stripes fall where only a has observed a cell, rise where only b has, and nothing else is striped", () => {
     expect([0, 1, 2, 3].map((row) => at(ONLY_A, row)[0])).toEqual([10, 90, 10, 90]);
     expect([0, 1, 2, 3].map((row) => at(ONLY_B, row)[0])).toEqual([10, 10, 90, 90]);
     for (const byte of [0, SAME, SAME_WALL, 5, 200]) expect(at(byte, 3)).toEqual(at(byte, 0));
@@ -122,7 +122,7 @@ describe("colours", () => {
 });
 
 describe("two maps on one lattice", () => {
-  test("the lattice holds both, wherever they lie", () => {
+  test("the lattice contains both, wherever they are", () => {
     // The first begins two tiles to the right of the second and one below it.
     const place = commonLattice(geometry(128, 64, 6.4, -3.2), geometry(64, 128, 0, 0));
     expect(place?.a).toEqual([0, 2]);
@@ -131,7 +131,7 @@ describe("two maps on one lattice", () => {
     expect(place?.geometry.origin[1]).toBeCloseTo(-3.2, 9);
   });
 
-  test("cells of other sizes or places have none in common", () => {
+  test("maps with other cell sizes or offsets have no common lattice", () => {
     expect(commonLattice(geometry(64, 64, 0, 0, 0.1), geometry(64, 64, 0, 0))).toBeNull();
     expect(commonLattice(geometry(64, 64, 0.02, 0), geometry(64, 64, 0, 0))).toBeNull();
   });
@@ -143,17 +143,17 @@ describe("two maps on one lattice", () => {
     a.setTile(0, 0, tile(100));
     const place = commonLattice(geometry(64, 64, 3.2, 0), geometry(128, 128, 0, 0));
     if (!place) throw new Error("they have a lattice in common");
-    const derived = new Derived(a, b, place, differenceCodes(RANGE, RANGE));
-    expect(derived.update().at(0, 64)).toBe(ONLY_A);
+    const combined = new CombinedMap(a, b, place, differenceCodes(RANGE, RANGE));
+    expect(combined.update().at(0, 64)).toBe(ONLY_A);
     b.setTile(1, 0, tile(100));
-    expect(derived.cells.at(0, 64)).toBe(ONLY_A);
-    expect(derived.update().at(0, 64)).toBe(SAME);
+    expect(combined.cells.at(0, 64)).toBe(ONLY_A);
+    expect(combined.update().at(0, 64)).toBe(SAME);
     b.setTile(1, 0, tile(150));
     b.setTile(0, 1, tile(150));
-    expect((derived.update().at(63, 127) - FIRST) % 2).toBe(1);
-    expect(derived.cells.at(64, 0)).toBe(ONLY_B);
-    derived.dispose();
+    expect((combined.update().at(63, 127) - FIRST) % 2).toBe(1);
+    expect(combined.cells.at(64, 0)).toBe(ONLY_B);
+    combined.dispose();
     a.setTile(0, 0, tile(150));
-    expect(derived.update().at(0, 64)).toBeGreaterThanOrEqual(FIRST);
+    expect(combined.update().at(0, 64)).toBeGreaterThanOrEqual(FIRST);
   });
 });

@@ -9,7 +9,7 @@ import { logOddsAt, stateAt } from "../../grid/cellValues";
 import { type Rgb, tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
 import type { CellState, Geometry } from "../../wire/protocol";
-import type { Codes } from "./derived";
+import type { Codes } from "./combinedMap";
 import { PALETTE_ROWS, type Palette, plain } from "./palette";
 
 export const SAME = 1;

@@ -3,7 +3,7 @@ import { logOdds } from "../../grid/logOdds";
 import type { Rgb } from "../../style/colour";
 import { fromLab, toLab } from "../../style/oklab";
 import { Cells } from "./cells";
-import { Glow } from "./glow";
+import { Highlights } from "./highlights";
 import { palette } from "./palette";
 import { CHUNK, emptyPyramid, LEVELS, levelFor, reduce, sideOf } from "./pyramid";
 import { clipMatrix } from "./renderer";
@@ -44,7 +44,7 @@ describe("the pyramid", () => {
     }
   });
 
-  test("one part re-made is as good as all of it", () => {
+  test("recomputing one part gives the same as recomputing all", () => {
     const cells = new Cells();
     const next = random(3);
     for (let i = 0; i < 30; i++) {
@@ -58,7 +58,7 @@ describe("the pyramid", () => {
     expect(chunk?.pyramid).toEqual(whole);
   });
 
-  test("a wall one cell thick survives to the top, and free space beats what was never seen", () => {
+  test("a wall one cell thick is kept up to the top level, and free space takes precedence over unobserved", () => {
     const pyramid = emptyPyramid();
     const level0 = pyramid[0] as Uint8Array;
     level0.fill(10, 0, 100);
@@ -95,20 +95,20 @@ describe("cells", () => {
     expect(cells.count(100, 200)).toEqual({ free: 1, undecided: 0, occupied: 1 });
   });
 
-  test("only cells that are new or change their mind bloom", () => {
+  test("only new cells and cells that cross log-odds 0 are reported as changed", () => {
     const cells = new Cells();
-    const bloomed: number[][] = [];
-    const note = (row: number, col: number): void => void bloomed.push([row, col]);
+    const changed: number[][] = [];
+    const note = (row: number, col: number): void => void changed.push([row, col]);
     const tile = new Uint8Array(4096).fill(0x80);
     tile[3] = 0x10;
     cells.setTile(0, 0, tile, 100, note);
-    expect(bloomed).toEqual([[0, 3]]);
+    expect(changed).toEqual([[0, 3]]);
     tile[3] = 0x11; // a little more of the same
     cells.setTile(0, 0, tile, 100, note);
-    expect(bloomed.length).toBe(1);
+    expect(changed.length).toBe(1);
     tile[3] = 0x90; // −112: from occupied to free
     cells.setTile(0, 0, tile, 100, note);
-    expect(bloomed.length).toBe(2);
+    expect(changed.length).toBe(2);
   });
 
   test("a tile of another size is refused", () => {
@@ -171,12 +171,12 @@ describe("where a cell is drawn", () => {
   });
 });
 
-test("the glow remembers the newest cells and goes out", () => {
-  const glow = new Glow(0);
-  for (let i = 0; i < 20000; i++) glow.add(i, 0, 100);
-  expect(glow.count).toBe(16384);
-  expect(glow.isAlive(500)).toBe(true);
-  expect(glow.isAlive(701)).toBe(false);
-  glow.clear();
-  expect(glow.count).toBe(0);
+test("the newest changed cells are highlighted until the highlight has faded", () => {
+  const highlights = new Highlights(0);
+  for (let i = 0; i < 20000; i++) highlights.add(i, 0, 100);
+  expect(highlights.count).toBe(16384);
+  expect(highlights.isFading(500)).toBe(true);
+  expect(highlights.isFading(701)).toBe(false);
+  highlights.clear();
+  expect(highlights.count).toBe(0);
 });

@@ -6,7 +6,7 @@ const RANGE = { low: -2, high: 3.5 };
 const WIDE = { low: -4, high: 6 };
 const chance = (logOdds: number): number => 1 / (1 + Math.exp(-logOdds));
 
-test("what one map has not observed stays as the other has it", () => {
+test("a cell that one map has not observed keeps the value of the other", () => {
   const codes = mergedCodes(RANGE, RANGE, 0.4);
   expect(codes[0]).toBe(0);
   for (let i = 1; i < 256; i++) {
@@ -22,8 +22,8 @@ test("two independent pieces of evidence multiply the odds, the prior's counted 
   let inside = 0;
   for (let i = 1; i < 256; i += 3) {
     for (let j = 1; j < 256; j += 3) {
-      const told = (odds(chance(logOddsAt(i, WIDE))) * odds(chance(logOddsAt(j, RANGE)))) / odds(chance(prior));
-      const wanted = Math.log(told);
+      const oddsProduct = (odds(chance(logOddsAt(i, WIDE))) * odds(chance(logOddsAt(j, RANGE)))) / odds(chance(prior));
+      const wanted = Math.log(oddsProduct);
       const shown = logOddsAt(codes[(i << 8) | j] as number, RANGE);
       const half = 0.5 * (5.5 / 254) + 1e-9;
       if (wanted < RANGE.low) expect(shown).toBe(RANGE.low);

@@ -2,7 +2,7 @@
 
 import { logOddsAt, shownByteAt } from "../../grid/cellValues";
 import type { Geometry } from "../../wire/protocol";
-import type { Codes } from "./derived";
+import type { Codes } from "./combinedMap";
 
 type Range = Pick<Geometry, "low" | "high">;
 

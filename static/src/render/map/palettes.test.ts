@@ -15,12 +15,12 @@ afterEach(() => {
   delete PALETTES.stars;
 });
 
-test("a belief has a palette of its own for each range", () => {
+test("a belief has a separate palette for each range", () => {
   expect(paletteOf(map("belief")).key).toBe(paletteOf(map("belief")).key);
   expect(paletteOf(map("belief")).key).not.toBe(paletteOf(map("belief", -4)).key);
 });
 
-test("a style is painted in its palette, one that the page does not know as values", () => {
+test("a style is painted in its palette, an unknown one in the palette of values", () => {
   const unknown = paletteOf(map("stars"));
   expect(unknown.key).toBe(paletteOf(map("values")).key);
   expect(unknown.colours()).toHaveLength(256 * 4 * PALETTE_ROWS);

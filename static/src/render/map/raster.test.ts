@@ -59,7 +59,7 @@ describe("the map painted by the processor", () => {
   });
 });
 
-test("a graphics card that a program plays is told from a real one", () => {
+test("a software renderer is distinguished from a graphics card", () => {
   expect(isSoftwareRenderer("ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero)), SwiftShader driver)")).toBe(
     true,
   );

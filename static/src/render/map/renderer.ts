@@ -1,16 +1,16 @@
-/** Draws a map into a canvas with a graphics card: crisp cells at every zoom and pixel ratio, and only when asked to. */
+/** Draws a map into a canvas with WebGL 2: cells with sharp borders at every zoom and pixel ratio, only on request. */
 
 import { fromLattice } from "../../grid/lattice";
 import { type Rgb, tokenRgb } from "../../style/colour";
 import type { Size, View } from "../view";
 import { CanvasOverlay, CORNERS, nearestTexture, vertexArray } from "./canvasOverlay";
 import type { Cells } from "./cells";
-import { Glow } from "./glow";
+import { Highlights } from "./highlights";
 import type { MapPicture } from "./mapPicture";
 import { PALETTE_ROWS, type Palette } from "./palette";
 import { paletteOf } from "./palettes";
 import { CHUNK, levelFor } from "./pyramid";
-import { CELLS_FRAGMENT, CELLS_VERTEX, GLOW_FRAGMENT, GLOW_VERTEX, program, uniforms } from "./shaders";
+import { CELLS_FRAGMENT, CELLS_VERTEX, HIGHLIGHT_FRAGMENT, HIGHLIGHT_VERTEX, program, uniforms } from "./shaders";
 import { type PaintCanvas, resizeCanvas } from "./surface";
 import { ChunkTextures } from "./textures";
 
@@ -29,31 +29,31 @@ export function clipMatrix(
   return { matrix, cellPx: geometry.resolution / view.scale };
 }
 
-/** A map as a part of a picture; later ones lie over earlier ones. */
+/** A map as a layer of a picture; later layers are drawn over earlier ones. */
 export interface Layer {
   readonly map: MapPicture | null;
-  /** How its bytes are coloured; without it as a belief. */
+  /** The colours of its bytes; by default those of its style. */
   readonly palette?: Palette;
-  /** The part of the picture that shows it: from … to, of its width. What is not shown now is kept for the next time. */
+  /** The part of the picture that shows it, as fractions of its width. The textures of an empty part are kept. */
   readonly part?: readonly [from: number, to: number];
-  /** Whether the colours' transparency counts. */
+  /** Whether the palette's alpha is used. */
   readonly blends?: boolean;
-  /** Whether the cells that glow are this map's. */
-  readonly glows?: boolean;
+  /** Whether the highlighted cells belong to this map. */
+  readonly hasHighlights?: boolean;
 }
 
-/** Palettes kept: the clamp's limits, which a palette is made for, move under the hand. */
+/** Number of cached palettes. A palette depends on the limits of the clamp, which a slider can change. */
 export const MAX_PALETTES = 16;
 
-/** What depends on the context and is made anew when it was lost. */
+/** What depends on the WebGL context and is created again after it was lost. */
 interface Resources {
   readonly cells: WebGLProgram;
   readonly cellsAt: Record<
     "u_clip" | "u_box" | "u_cells" | "u_palette" | "u_level" | "u_mip" | "u_stripe",
     WebGLUniformLocation | null
   >;
-  readonly glow: WebGLProgram;
-  readonly glowAt: Record<"u_clip" | "u_now" | "u_size" | "u_colour", WebGLUniformLocation | null>;
+  readonly highlight: WebGLProgram;
+  readonly highlightUniforms: Record<"u_clip" | "u_now" | "u_size" | "u_colour", WebGLUniformLocation | null>;
   readonly quad: WebGLVertexArrayObject;
   readonly points: WebGLVertexArrayObject;
   readonly pointBuffer: WebGLBuffer;
@@ -65,28 +65,28 @@ interface Resources {
 /** Draws maps into a canvas. */
 export interface MapRenderer {
   /** The cells that have just changed. */
-  readonly glow: Glow;
-  /** Colours are read from the page's tokens anew with the next drawing. */
+  readonly highlights: Highlights;
+  /** Read the colours from the page's tokens again at the next drawing. */
   recolour(): void;
   /**
-   * Draw maps and, over them, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Says whether something
-   * still moves.
+   * Draw maps and, over them, what `over` paints. `size` in CSS pixels, `now` in milliseconds. Returns whether
+   * an animation is running.
    */
   draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean;
 }
 
 export class WebGLRenderer implements MapRenderer {
-  readonly glow = new Glow();
+  readonly highlights = new Highlights();
   readonly #overlay = document.createElement("canvas");
   readonly #canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
   #resources: Resources | null = null;
-  #glowing: Cells | null = null;
-  /** Of what was never observed, and of the cells that glow: read from the page's tokens once. */
-  #colours: { readonly background: Rgb; readonly glow: Rgb } | null = null;
+  #highlighted: Cells | null = null;
+  /** The colours of unobserved and of highlighted cells, read from the page's tokens once. */
+  #colours: { readonly background: Rgb; readonly highlight: Rgb } | null = null;
   #draws = 0;
 
-  /** `redraw` is called when the canvas must be drawn again although nothing of the map changed. */
+  /** `redraw` is called when the canvas must be drawn again although the map is unchanged. */
   constructor(canvas: HTMLCanvasElement, gl: WebGL2RenderingContext, redraw: () => void) {
     this.#canvas = canvas;
     this.#gl = gl;
@@ -97,7 +97,7 @@ export class WebGLRenderer implements MapRenderer {
     canvas.addEventListener("webglcontextrestored", redraw);
   }
 
-  /** Colours are read from the page's tokens anew with the next drawing. */
+  /** Read the colours from the page's tokens again at the next drawing. */
   recolour(): void {
     this.#colours = null;
     if (this.#resources) this.#dropPalettes(this.#resources);
@@ -108,21 +108,21 @@ export class WebGLRenderer implements MapRenderer {
     palettes.clear();
   }
 
-  /** One opaque canvas with maps and overlay in it costs the browser far less than two that it has to blend. */
+  /** Maps and overlay are drawn into one opaque canvas: blending two canvases takes the browser far longer. */
   draw(layers: readonly Layer[], view: View, size: Size, now: number, over: PaintCanvas): boolean {
     const gl = this.#gl;
     if (gl.isContextLost()) return false;
     this.#resources ??= this.#make();
     const made = this.#resources;
-    this.#forget(made, layers);
+    this.#release(made, layers);
     const { width, height } = this.#canvas;
     gl.viewport(0, 0, width, height);
-    this.#colours ??= { background: tokenRgb("--map-unobserved"), glow: tokenRgb("--beam-fill") };
+    this.#colours ??= { background: tokenRgb("--map-unobserved"), highlight: tokenRgb("--beam-fill") };
     const [red, green, blue] = this.#colours.background;
     gl.clearColor(red / 255, green / 255, blue / 255, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     this.#draws++;
-    let glows = false;
+    let isFading = false;
     for (const layer of layers) {
       const { map, part = [0, 1] } = layer;
       const [from, to] = part.map((at) => Math.round(at * width)) as [number, number];
@@ -137,7 +137,7 @@ export class WebGLRenderer implements MapRenderer {
       }
       this.#drawCells(made, layer, map, matrix, levelFor(devicePx), width > 1.5 * size.width ? 3 : 2);
       gl.disable(gl.BLEND);
-      if (layer.glows) glows = this.#drawGlow(made, matrix, devicePx, now, this.#colours.glow);
+      if (layer.hasHighlights) isFading = this.#drawHighlights(made, matrix, devicePx, now, this.#colours.highlight);
       gl.disable(gl.SCISSOR_TEST);
     }
     const overlay = this.#overlay;
@@ -147,14 +147,14 @@ export class WebGLRenderer implements MapRenderer {
     context?.clearRect(0, 0, overlay.width, overlay.height);
     over(overlay);
     made.overlay.draw(overlay);
-    return glows;
+    return isFading;
   }
 
-  /** Let go of what no layer shows any more. */
-  #forget(made: Resources, layers: readonly Layer[]): void {
-    const glowing = layers.find((layer) => layer.glows)?.map?.cells ?? null;
-    if (glowing !== this.#glowing) this.glow.clear();
-    this.#glowing = glowing;
+  /** Delete the textures of maps that no layer shows any more. */
+  #release(made: Resources, layers: readonly Layer[]): void {
+    const highlighted = layers.find((layer) => layer.hasHighlights)?.map?.cells ?? null;
+    if (highlighted !== this.#highlighted) this.highlights.clear();
+    this.#highlighted = highlighted;
     const kept = new Set(layers.map((layer) => layer.map?.cells));
     for (const [cells, textures] of made.textures) {
       if (kept.has(cells)) continue;
@@ -201,20 +201,26 @@ export class WebGLRenderer implements MapRenderer {
     textures.trim(this.#draws);
   }
 
-  #drawGlow(made: Resources, matrix: Float32Array, devicePx: number, now: number, [red, green, blue]: Rgb): boolean {
-    if (!this.glow.isAlive(now)) return false;
+  #drawHighlights(
+    made: Resources,
+    matrix: Float32Array,
+    devicePx: number,
+    now: number,
+    [red, green, blue]: Rgb,
+  ): boolean {
+    if (!this.highlights.isFading(now)) return false;
     const gl = this.#gl;
-    gl.useProgram(made.glow);
+    gl.useProgram(made.highlight);
     gl.bindVertexArray(made.points);
     gl.bindBuffer(gl.ARRAY_BUFFER, made.pointBuffer);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.glow.data, 0, 3 * this.glow.count);
-    gl.uniformMatrix3fv(made.glowAt.u_clip, false, matrix);
-    gl.uniform3f(made.glowAt.u_colour, red / 255, green / 255, blue / 255);
-    gl.uniform1f(made.glowAt.u_now, this.glow.seconds(now));
-    gl.uniform1f(made.glowAt.u_size, Math.max(1, Math.ceil(devicePx)));
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.highlights.data, 0, 3 * this.highlights.count);
+    gl.uniformMatrix3fv(made.highlightUniforms.u_clip, false, matrix);
+    gl.uniform3f(made.highlightUniforms.u_colour, red / 255, green / 255, blue / 255);
+    gl.uniform1f(made.highlightUniforms.u_now, this.highlights.seconds(now));
+    gl.uniform1f(made.highlightUniforms.u_size, Math.max(1, Math.ceil(devicePx)));
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.drawArrays(gl.POINTS, 0, this.glow.count);
+    gl.drawArrays(gl.POINTS, 0, this.highlights.count);
     gl.disable(gl.BLEND);
     return true;
   }
@@ -236,18 +242,25 @@ export class WebGLRenderer implements MapRenderer {
   #make(): Resources {
     const gl = this.#gl;
     const cells = program(gl, CELLS_VERTEX, CELLS_FRAGMENT);
-    const glow = program(gl, GLOW_VERTEX, GLOW_FRAGMENT);
+    const highlight = program(gl, HIGHLIGHT_VERTEX, HIGHLIGHT_FRAGMENT);
     const cellsAt = uniforms(gl, cells, ["u_clip", "u_box", "u_cells", "u_palette", "u_level", "u_mip", "u_stripe"]);
     gl.useProgram(cells);
     gl.uniform1i(cellsAt.u_cells, 0);
     gl.uniform1i(cellsAt.u_palette, 1);
     const quad = vertexArray(gl, cells, "a_corner", 2, CORNERS, gl.STATIC_DRAW);
-    const points = vertexArray(gl, glow, "a_cell", 3, new Float32Array(this.glow.data.length), gl.DYNAMIC_DRAW);
+    const points = vertexArray(
+      gl,
+      highlight,
+      "a_cell",
+      3,
+      new Float32Array(this.highlights.data.length),
+      gl.DYNAMIC_DRAW,
+    );
     return {
       cells,
       cellsAt,
-      glow,
-      glowAt: uniforms(gl, glow, ["u_clip", "u_now", "u_size", "u_colour"]),
+      highlight,
+      highlightUniforms: uniforms(gl, highlight, ["u_clip", "u_now", "u_size", "u_colour"]),
       quad: quad.array,
       points: points.array,
       pointBuffer: points.buffer,
@@ -258,7 +271,7 @@ export class WebGLRenderer implements MapRenderer {
   }
 }
 
-/** Whether a rectangle of the lattice lies outside what is seen. */
+/** Whether a rectangle of the lattice is outside the visible part. */
 function isOutside(m: Float32Array, col: number, row: number, cols: number, rows: number): boolean {
   let left = 0;
   let right = 0;

@@ -1,6 +1,6 @@
-/** The programs of the grid renderer, GLSL ES 3.00, and their making. */
+/** The shader programs of the grid renderer in GLSL ES 3.00, and functions to compile them. */
 
-/** A chunk of cells: a rectangle of the lattice, each pixel one look into the cells and one into the palette. */
+/** A chunk of cells: a rectangle of the lattice; each pixel reads the cell texture and the palette once. */
 export const CELLS_VERTEX = `#version 300 es
 uniform mat3 u_clip;   // lattice (column, row) -> clip space
 uniform vec4 u_box;    // column, row, columns, rows
@@ -30,31 +30,31 @@ void main() {
   colour = texelFetch(u_palette, ivec2(value, row), 0);
 }`;
 
-/** Cells that have just changed: a square each, which fades. */
-export const GLOW_VERTEX = `#version 300 es
+/** The highlights of cells that have just changed: a fading square for each. */
+export const HIGHLIGHT_VERTEX = `#version 300 es
 uniform mat3 u_clip;
 uniform float u_now;   // seconds
 uniform float u_size;  // device pixels
 in vec3 a_cell;        // column, row, seconds at which it changed
-out float v_glow;
+out float v_strength;
 void main() {
   float age = (u_now - a_cell.z) / 0.6;
-  v_glow = age < 0.0 || age > 1.0 ? 0.0 : (1.0 - age) * (1.0 - age);
+  v_strength = age < 0.0 || age > 1.0 ? 0.0 : (1.0 - age) * (1.0 - age);
   vec2 at = (u_clip * vec3(a_cell.xy + 0.5, 1.0)).xy;
-  gl_Position = vec4(v_glow > 0.0 ? at : vec2(2.0), 0.0, 1.0);
+  gl_Position = vec4(v_strength > 0.0 ? at : vec2(2.0), 0.0, 1.0);
   gl_PointSize = u_size;
 }`;
 
-export const GLOW_FRAGMENT = `#version 300 es
+export const HIGHLIGHT_FRAGMENT = `#version 300 es
 precision mediump float;
 uniform vec3 u_colour;
-in float v_glow;
+in float v_strength;
 out vec4 colour;
 void main() {
-  colour = vec4(u_colour, 0.75 * v_glow);
+  colour = vec4(u_colour, 0.75 * v_strength);
 }`;
 
-/** What is painted over the map, a picture of the canvas's own size with premultiplied alpha. */
+/** The overlay of the map: an image of the size of the canvas with premultiplied alpha. */
 export const OVERLAY_VERTEX = `#version 300 es
 in vec2 a_corner;
 out vec2 v_at;
@@ -72,7 +72,7 @@ void main() {
   colour = texture(u_overlay, v_at);
 }`;
 
-/** Compile and link; throws with the driver's words where that fails. */
+/** Compile and link; throws with the driver's message if that fails. */
 export function program(gl: WebGL2RenderingContext, vertex: string, fragment: string): WebGLProgram {
   const linked = gl.createProgram();
   for (const [type, source] of [
@@ -93,7 +93,7 @@ export function program(gl: WebGL2RenderingContext, vertex: string, fragment: st
   return linked;
 }
 
-/** The places of a program's uniforms, by name. */
+/** The locations of a program's uniforms by name. */
 export function uniforms<Name extends string>(
   gl: WebGL2RenderingContext,
   of: WebGLProgram,

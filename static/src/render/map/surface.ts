@@ -8,7 +8,7 @@ export type PaintCanvas = (canvas: HTMLCanvasElement) => void;
 
 export type Surface = (paint: PaintCanvas) => void;
 
-/** How a canvas is painted on this machine; `redraw` is called when it must be painted again. */
+/** The way to paint a canvas on this machine; `redraw` is called when it must be painted again. */
 export function createSurface(canvas: HTMLCanvasElement, redraw: () => void): Surface {
   const gl = webglContext(canvas);
   if (gl) return webglSurface(canvas, gl, redraw);

@@ -4,7 +4,7 @@ import { Picture } from "./Picture";
 
 type Tell = (...inSight: boolean[]) => void;
 
-/** A browser whose observers tell what the test says; the result tells all that were made. */
+/** Replace the browser's observers; the returned function reports entries to all that were created. */
 function observers(): Tell {
   const callbacks: IntersectionObserverCallback[] = [];
   class Told {
@@ -25,20 +25,20 @@ function observers(): Tell {
 
 afterEach(() => vi.unstubAllGlobals());
 
-test("of several changes told at once the newest counts", () => {
-  const tell = observers();
-  const heard: boolean[] = [];
-  const stop = watchVisibility(document.body, ({ isIntersecting }) => heard.push(isIntersecting));
-  tell(true);
-  tell(false, true);
-  tell(true, false);
+test("of several changes reported at once the newest is used", () => {
+  const report = observers();
+  const reported: boolean[] = [];
+  const stop = watchVisibility(document.body, ({ isIntersecting }) => reported.push(isIntersecting));
+  report(true);
+  report(false, true);
+  report(true, false);
   stop();
-  tell(true);
-  expect(heard).toEqual([true, true, false]);
+  report(true);
+  expect(reported).toEqual([true, true, false]);
 });
 
-test("a picture that went and came back while the browser was busy is painted again", () => {
-  const tell = observers();
+test("a picture that left the screen and returned while the browser was busy is painted again", () => {
+  const report = observers();
   let paints = 0;
   const frame = document.createElement("div");
   frame.getBoundingClientRect = () => new DOMRect(0, 0, 20, 10);
@@ -50,14 +50,14 @@ test("a picture that went and came back while the browser was busy is painted ag
     paints++;
     return false;
   });
-  tell(true);
-  tell(false);
+  report(true);
+  report(false);
   picture.invalidate();
   const before = paints;
-  tell(true, false);
+  report(true, false);
   picture.invalidate();
   expect(paints).toBe(before); // out of sight nothing is painted
-  tell(false, true);
+  report(false, true);
   picture.invalidate();
   expect(paints).toBeGreaterThan(before + 1);
   picture.dispose();

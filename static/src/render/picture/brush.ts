@@ -8,7 +8,7 @@ import { fromLattice } from "../../grid/lattice";
 import { ROBOT_RADIUS } from "../../wire/constants";
 import type { Frame, Geometry, Point, Pose } from "../../wire/protocol";
 import { type Size, toScreen, type View } from "../view";
-import type { Inks } from "./inks";
+import type { PictureColours } from "./pictureColours";
 
 const SMALLEST_ROBOT_PX = 8;
 const NEAR_PX = 40;
@@ -18,16 +18,22 @@ export interface Brush {
   readonly ctx: CanvasRenderingContext2D;
   readonly size: Size;
   readonly view: View;
-  readonly inks: Inks;
+  readonly colours: PictureColours;
 }
 
 /** A brush whose unit is one CSS pixel; null if the browser gives no context. The canvas is not cleared. */
-export function brushOn(canvas: HTMLCanvasElement, size: Size, ratio: number, view: View, inks: Inks): Brush | null {
+export function brushOn(
+  canvas: HTMLCanvasElement,
+  size: Size,
+  ratio: number,
+  view: View,
+  colours: PictureColours,
+): Brush | null {
   // Read frequently: every painted canvas is copied from main memory to a texture.
   const ctx = canvas.getContext("2d", { willReadFrequently: true });
   if (!ctx) return null;
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-  return { ctx, size, view, inks };
+  return { ctx, size, view, colours };
 }
 
 const place = ({ view, size }: Brush, [x, y]: Point): Point => toScreen(view, size, x, y);
@@ -62,7 +68,7 @@ export function paintBeams(
   strength: number,
   dotPx = 2.5,
 ): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const ends = endpoints(brush, from, frame, rangeMax);
   const [sx, sy] = place(brush, [from[0], from[1]]);
   // Of a dense scan only every n-th line is drawn; every reading has its dot.
@@ -76,11 +82,11 @@ export function paintBeams(
     ctx.lineTo(x, ends[i + 1] as number);
   }
   ctx.globalAlpha = 0.16 + 0.3 * strength;
-  ctx.strokeStyle = inks.beamFill;
+  ctx.strokeStyle = colours.beamFill;
   ctx.lineWidth = 1;
   ctx.stroke();
   ctx.globalAlpha = 0.55 + 0.45 * strength;
-  ctx.fillStyle = inks.beam;
+  ctx.fillStyle = colours.beam;
   const dot = dotPx + strength;
   for (let i = 0; i < ends.length; i += 2) {
     const x = ends[i] as number;
@@ -91,10 +97,10 @@ export function paintBeams(
 
 /** The cones of sonars: the nearest surface is somewhere on each arc. */
 function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, width: number, strength: number): void {
-  const { ctx, view, inks } = brush;
+  const { ctx, view, colours } = brush;
   const [sx, sy] = place(brush, [from[0], from[1]]);
-  ctx.fillStyle = inks.beamFill;
-  ctx.strokeStyle = inks.beam;
+  ctx.fillStyle = colours.beamFill;
+  ctx.strokeStyle = colours.beam;
   ctx.lineWidth = 2;
   for (let i = 0; i < frame.ranges.length; i++) {
     if (Number.isNaN(ends[2 * i] as number)) continue;
@@ -113,7 +119,7 @@ function paintCones(brush: Brush, from: Pose, frame: Frame, ends: Float32Array, 
 
 /** The inspected beam. */
 export function paintBeam(brush: Brush, from: Pose, beam: Beam, rangeMax: number): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const returned = beam.range !== null && beam.range <= rangeMax;
   const [sx, sy] = place(brush, [from[0], from[1]]);
   const [x, y] = place(brush, along(from, beam.bearing, returned ? (beam.range as number) : rangeMax));
@@ -122,38 +128,38 @@ export function paintBeam(brush: Brush, from: Pose, beam: Beam, rangeMax: number
   ctx.lineTo(x, y);
   ctx.setLineDash(returned ? [] : [5, 5]);
   ctx.lineWidth = 2;
-  ctx.strokeStyle = inks.beam;
+  ctx.strokeStyle = colours.beam;
   ctx.stroke();
   ctx.setLineDash([]);
   if (!returned) return;
   ctx.beginPath();
   ctx.arc(x, y, 4, 0, 2 * Math.PI);
-  ctx.fillStyle = inks.beam;
+  ctx.fillStyle = colours.beam;
   ctx.fill();
   ctx.lineWidth = 1.5;
-  ctx.strokeStyle = inks.halo;
+  ctx.strokeStyle = colours.halo;
   ctx.stroke();
 }
 
 export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const [x, y] = place(brush, [pose[0], pose[1]]);
   const radius = robotPx(brush.view) * (isHeld ? 1.2 : 1);
   if (radius <= NEAR_PX) {
     ctx.beginPath();
     ctx.arc(x, y, radius + 2, 0, 2 * Math.PI);
-    ctx.fillStyle = inks.halo;
+    ctx.fillStyle = colours.halo;
     ctx.fill();
   }
   ctx.beginPath();
   ctx.arc(x, y, radius, 0, 2 * Math.PI);
   // When zoomed in it would hide the cells under it.
   ctx.globalAlpha = radius > NEAR_PX ? 0.3 : 1;
-  ctx.fillStyle = inks.robotFill;
+  ctx.fillStyle = colours.robotFill;
   ctx.fill();
   ctx.globalAlpha = 1;
   ctx.lineWidth = 2;
-  ctx.strokeStyle = inks.robot;
+  ctx.strokeStyle = colours.robot;
   ctx.stroke();
   // The heading: a wedge from the centre to the rim. Screen y points down.
   const c = Math.cos(pose[2]);
@@ -164,7 +170,7 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
   ctx.lineTo(x - radius * (0.45 * c + 0.5 * s), y - radius * (0.45 * s - 0.5 * c));
   ctx.closePath();
   ctx.globalAlpha = radius > NEAR_PX ? 0.4 : 1;
-  ctx.fillStyle = inks.halo;
+  ctx.fillStyle = colours.halo;
   ctx.fill();
   ctx.globalAlpha = 1;
   ctx.lineWidth = 1;
@@ -173,11 +179,11 @@ export function paintRobot(brush: Brush, pose: Pose, isHeld: boolean): void {
 
 /** A crosshair at the inspected point, which is shown in all pictures. */
 export function paintCrosshair(brush: Brush, point: Point): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const [x, y] = place(brush, point);
   for (const [width, style] of [
-    [3, inks.halo],
-    [1.25, inks.ink],
+    [3, colours.halo],
+    [1.25, colours.outline],
   ] as const) {
     ctx.beginPath();
     for (const [dx, dy] of [
@@ -197,7 +203,7 @@ export function paintCrosshair(brush: Brush, point: Point): void {
 
 /** The outline of a cell. For cells of a few pixels it is larger than the cell, so that it can be seen. */
 export function paintCell(brush: Brush, geometry: Geometry, row: number, col: number, style: string): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const grow = Math.max(0, (6 * brush.view.scale) / geometry.resolution - 1) / 2;
   ctx.beginPath();
   for (const [u, v] of [
@@ -210,7 +216,7 @@ export function paintCell(brush: Brush, geometry: Geometry, row: number, col: nu
   }
   ctx.closePath();
   ctx.lineWidth = 4;
-  ctx.strokeStyle = inks.halo;
+  ctx.strokeStyle = colours.halo;
   ctx.stroke();
   ctx.lineWidth = 2;
   ctx.strokeStyle = style;
@@ -220,11 +226,11 @@ export function paintCell(brush: Brush, geometry: Geometry, row: number, col: nu
 /** Rings that spread from the point to which the robot was moved; returns false when the animation is over. */
 export function paintRipple(brush: Brush, point: Point, age: number): boolean {
   if (age < 0 || age >= RIPPLE_MS) return false;
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const [x, y] = place(brush, point);
   const t = age / RIPPLE_MS;
   ctx.lineWidth = 2.5;
-  ctx.strokeStyle = inks.robot;
+  ctx.strokeStyle = colours.robot;
   for (const lag of [0, 0.25]) {
     const u = t - lag;
     if (u <= 0) continue;
@@ -251,7 +257,7 @@ export function tracePolygon(brush: Brush, points: readonly Point[]): void {
 
 /** The path of a log's robot: solid up to pose `done`, faint beyond. */
 export function paintPath(brush: Brush, poses: readonly Point[], done: number): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const near = 1.5 * brush.view.scale;
   for (const [from, to, alpha] of [
     [Math.max(0, done - 1), poses.length, 0.25],
@@ -267,7 +273,7 @@ export function paintPath(brush: Brush, poses: readonly Point[], done: number): 
     }
     ctx.globalAlpha = alpha;
     ctx.lineWidth = 1.5;
-    ctx.strokeStyle = inks.trail;
+    ctx.strokeStyle = colours.trail;
     ctx.stroke();
   }
   ctx.globalAlpha = 1;

@@ -2,28 +2,28 @@ import { beforeEach, expect, test, vi } from "vitest";
 import { type Gestures, listen } from "./gestures";
 
 let element: HTMLElement;
-let told: unknown[][];
+let calls: unknown[][];
 let drawing: boolean;
 
 beforeEach(() => {
   element = document.createElement("div");
   element.setPointerCapture = () => undefined;
-  told = [];
+  calls = [];
   drawing = false;
-  const tell =
+  const record =
     (name: string) =>
-    (...words: unknown[]): void =>
-      void told.push([name, ...words]);
+    (...parameters: unknown[]): void =>
+      void calls.push([name, ...parameters]);
   const gestures: Gestures = {
     grabs: (x, y) => Math.hypot(x - 100, y - 100) < 10,
-    tap: tell("tap"),
-    ask: tell("ask"),
-    doubleTap: tell("doubleTap"),
-    carry: tell("carry"),
+    tap: record("tap"),
+    explain: record("explain"),
+    doubleTap: record("doubleTap"),
+    dragRobot: record("dragRobot"),
     draws: () => drawing,
-    stroke: tell("stroke"),
-    pan: tell("pan"),
-    zoom: tell("zoom"),
+    stroke: record("stroke"),
+    pan: record("pan"),
+    zoom: record("zoom"),
     hover: () => undefined,
   };
   listen(element, gestures);
@@ -48,7 +48,7 @@ test("press and release in place is a tap", () => {
   point("pointerdown", 20, 30);
   point("pointermove", 22, 31);
   point("pointerup", 22, 31);
-  expect(told).toEqual([["tap", 22, 31]]);
+  expect(calls).toEqual([["tap", 22, 31]]);
 });
 
 test("two quick taps in one place are one and a double tap", () => {
@@ -57,7 +57,7 @@ test("two quick taps in one place are one and a double tap", () => {
   clock -= 1900;
   point("pointerdown", 20, 30);
   point("pointerup", 20, 30);
-  expect(told.map(([name]) => name)).toEqual(["tap", "doubleTap"]);
+  expect(calls.map(([name]) => name)).toEqual(["tap", "doubleTap"]);
 });
 
 test("a drag of empty space pans by all of its way and taps nothing", () => {
@@ -65,19 +65,19 @@ test("a drag of empty space pans by all of its way and taps nothing", () => {
   point("pointermove", 30, 30);
   point("pointermove", 35, 37);
   point("pointerup", 35, 37);
-  expect(told).toEqual([
+  expect(calls).toEqual([
     ["pan", 10, 0],
     ["pan", 5, 7],
   ]);
 });
 
-test("a drag that begins on the robot carries it and then lets go", () => {
+test("a drag that begins on the robot drags it and releases it at the end", () => {
   point("pointerdown", 104, 100);
   point("pointermove", 150, 120);
   point("pointerup", 150, 120);
-  expect(told).toEqual([
-    ["carry", [150, 120]],
-    ["carry", null],
+  expect(calls).toEqual([
+    ["dragRobot", [150, 120]],
+    ["dragRobot", null],
   ]);
 });
 
@@ -86,49 +86,49 @@ test("a second finger turns everything into a pinch about the middle", () => {
   point("pointerdown", 100, 100, finger(1));
   point("pointerdown", 200, 100, finger(2));
   point("pointermove", 300, 100, finger(2));
-  expect(told).toEqual([
-    ["carry", null],
+  expect(calls).toEqual([
+    ["dragRobot", null],
     ["pan", 50, 0],
     ["zoom", 200, 100, 2],
   ]);
   point("pointerup", 300, 100, finger(2));
   point("pointerup", 100, 100, finger(1));
-  expect(told.length).toBe(3);
+  expect(calls.length).toBe(3);
 });
 
 test("a cancelled touch is no tap", () => {
   point("pointerdown", 20, 30, { pointerType: "touch" });
   point("pointercancel", 20, 30, { pointerType: "touch" });
-  expect(told).toEqual([]);
+  expect(calls).toEqual([]);
 });
 
-test("a finger that sets out upwards leaves the view alone; one that sets out sideways pans", () => {
+test("a finger that starts upwards does not pan; one that starts sideways does", () => {
   point("pointerdown", 20, 80, { pointerType: "touch" });
   point("pointermove", 22, 50, { pointerType: "touch" });
   point("pointercancel", 22, 50, { pointerType: "touch" });
-  expect(told).toEqual([]);
+  expect(calls).toEqual([]);
   point("pointerdown", 20, 80, { pointerType: "touch" });
   point("pointermove", 50, 78, { pointerType: "touch" });
-  expect(told).toEqual([["pan", 30, -2]]);
+  expect(calls).toEqual([["pan", 30, -2]]);
 });
 
-test("a click with Shift or Alt asks, and takes no robot along", () => {
+test("a click with Shift or Alt requests an explanation and does not drag the robot", () => {
   for (const key of [{ shiftKey: true }, { altKey: true }]) {
-    told = [];
+    calls = [];
     point("pointerdown", 100, 100, key);
     point("pointerup", 100, 100, key);
-    expect(told).toEqual([["ask", 100, 100]]);
+    expect(calls).toEqual([["explain", 100, 100]]);
   }
 });
 
-test("a finger that rests asks once; one that moves on or lifts does not", () => {
+test("a long press requests an explanation once; a moved or lifted finger does not", () => {
   vi.useFakeTimers();
   const finger = { pointerType: "touch" };
   point("pointerdown", 20, 30, finger);
   vi.advanceTimersByTime(1000);
   point("pointerup", 20, 30, finger);
-  expect(told).toEqual([["ask", 20, 30]]);
-  told = [];
+  expect(calls).toEqual([["explain", 20, 30]]);
+  calls = [];
   point("pointerdown", 20, 30, finger);
   point("pointermove", 60, 30, finger);
   vi.advanceTimersByTime(1000);
@@ -137,28 +137,28 @@ test("a finger that rests asks once; one that moves on or lifts does not", () =>
   vi.advanceTimersByTime(100);
   point("pointerup", 20, 30, finger);
   vi.advanceTimersByTime(1000);
-  expect(told.map(([name]) => name)).toEqual(["pan", "tap"]);
+  expect(calls.map(([name]) => name)).toEqual(["pan", "tap"]);
   vi.useRealTimers();
 });
 
-test("with a tool in the hand a drag is a stroke, wherever it begins", () => {
+test("with a selected tool a drag is a stroke, wherever it begins", () => {
   drawing = true;
   point("pointerdown", 100, 100);
   point("pointermove", 130, 140);
   point("pointerup", 150, 160);
-  expect(told).toEqual([
+  expect(calls).toEqual([
     ["stroke", [100, 100], [130, 140], false],
     ["stroke", [100, 100], [150, 160], true],
   ]);
 });
 
-test("a stroke that the browser takes away is broken off, and so is one that a second finger joins", () => {
+test("a stroke is cancelled by the browser's pointercancel and by a second finger", () => {
   drawing = true;
   point("pointerdown", 20, 20);
   point("pointercancel", 20, 20);
-  expect(told).toEqual([["stroke", [20, 20], null, false]]);
-  told = [];
+  expect(calls).toEqual([["stroke", [20, 20], null, false]]);
+  calls = [];
   point("pointerdown", 20, 20, { pointerType: "touch" });
   point("pointerdown", 60, 20, { pointerType: "touch", pointerId: 2 });
-  expect(told).toEqual([["stroke", [20, 20], null, false]]);
+  expect(calls).toEqual([["stroke", [20, 20], null, false]]);
 });

@@ -5,10 +5,10 @@ export interface Gestures {
   grabs(x: number, y: number, reach: number): boolean;
   tap(x: number, y: number): void;
   /** A request to explain a cell: a click with Shift or Alt, or a long press. */
-  ask(x: number, y: number): void;
+  explain(x: number, y: number): void;
   doubleTap(): void;
   /** The robot is dragged; null when it is released. */
-  carry(at: readonly [x: number, y: number] | null): void;
+  dragRobot(at: readonly [x: number, y: number] | null): void;
   /** Whether a drag that begins here is a stroke of a tool. */
   draws(): boolean;
   /** A stroke so far, and whether it is done; `to` is null if it was cancelled. */
@@ -30,7 +30,7 @@ interface Contact {
   y: number;
 }
 
-type Mode = "idle" | "pressed" | "robot" | "stroke" | "pan" | "pinch" | "asked";
+type Mode = "idle" | "pressed" | "robot" | "stroke" | "pan" | "pinch" | "longPress";
 
 /**
  * Handle the gestures on a picture; the returned function stops it. The element has `touch-action: pan-y`: one finger
@@ -56,9 +56,9 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     element.setPointerCapture(event.pointerId);
     if (contacts.size === 1) {
       start = at;
-      const asks = event.shiftKey || event.altKey;
+      const isExplain = event.shiftKey || event.altKey;
       mode = "pressed";
-      if (event.button === 0 && !asks) {
+      if (event.button === 0 && !isExplain) {
         if (gestures.draws()) mode = "stroke";
         else if (gestures.grabs(at.x, at.y, reachOf(event.pointerType))) mode = "robot";
       }
@@ -67,13 +67,13 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       if (event.pointerType === "touch" && mode === "pressed") {
         resting = setTimeout(() => {
           if (mode !== "pressed") return;
-          mode = "asked";
-          gestures.ask(at.x, at.y);
+          mode = "longPress";
+          gestures.explain(at.x, at.y);
         }, LONG_PRESS_MS);
       }
     } else {
       clearTimeout(resting);
-      if (mode === "robot") gestures.carry(null);
+      if (mode === "robot") gestures.dragRobot(null);
       if (mode === "stroke") gestures.stroke([start.x, start.y], null, false);
       mode = "pinch";
     }
@@ -103,7 +103,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       return;
     }
     if (mode === "pan") gestures.pan(at.x - before.x, at.y - before.y);
-    if (mode === "robot") gestures.carry([at.x, at.y]);
+    if (mode === "robot") gestures.dragRobot([at.x, at.y]);
     if (mode === "stroke") gestures.stroke([start.x, start.y], [at.x, at.y], false);
     if (mode === "robot" || mode === "stroke") gestures.hover([at.x, at.y]);
   };
@@ -120,13 +120,13 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
   const up = (event: PointerEvent): void => {
     if (!contacts.delete(event.pointerId)) return;
     const at = where(event);
-    if (mode === "robot") gestures.carry(null);
+    if (mode === "robot") gestures.dragRobot(null);
     if (mode === "stroke") gestures.stroke([start.x, start.y], [at.x, at.y], true);
     if (mode === "pressed" || (mode === "robot" && Math.hypot(at.x - start.x, at.y - start.y) < SLOP_MOUSE)) {
       const isDouble =
         event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
       lastTap = { at: isDouble ? Number.NEGATIVE_INFINITY : event.timeStamp, ...at };
-      if (mode === "pressed" && (event.shiftKey || event.altKey)) gestures.ask(at.x, at.y);
+      if (mode === "pressed" && (event.shiftKey || event.altKey)) gestures.explain(at.x, at.y);
       else if (isDouble) gestures.doubleTap();
       else if (mode === "pressed") gestures.tap(at.x, at.y);
     }
@@ -141,14 +141,14 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
 
   const cancel = (event: PointerEvent): void => {
     contacts.delete(event.pointerId);
-    if (mode === "robot") gestures.carry(null);
+    if (mode === "robot") gestures.dragRobot(null);
     if (mode === "stroke") gestures.stroke([start.x, start.y], null, false);
     if (contacts.size === 0) settle();
   };
 
   // A long press would open the browser's menu.
   const menu = (event: Event): void => {
-    if ((event as PointerEvent).pointerType === "touch" || mode === "asked") event.preventDefault();
+    if ((event as PointerEvent).pointerType === "touch" || mode === "longPress") event.preventDefault();
   };
 
   const leave = (event: PointerEvent): void => {

@@ -1,7 +1,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import type { Brush } from "./brush";
-import { SHADES } from "./inks";
 import { columnOf, type LayerContent, OVERLAYS, paintLayer, shadesOf } from "./overlays";
+import { SHADES } from "./pictureColours";
 
 /** A brush whose strokes are noted: calls of the canvas by name with their arguments. */
 function noted(): { brush: Brush; calls: [string, ...unknown[]][] } {
@@ -15,9 +15,9 @@ function noted(): { brush: Brush; calls: [string, ...unknown[]][] } {
       return true;
     },
   });
-  const inks = { robot: "robot", trail: "trail", shades: Array.from({ length: SHADES }, (_, i) => `shade ${i}`) };
+  const colours = { robot: "robot", trail: "trail", shades: Array.from({ length: SHADES }, (_, i) => `shade ${i}`) };
   const view = { x: 0, y: 0, scale: 0.1 };
-  return { brush: { ctx, size: { width: 200, height: 100 }, view, inks } as unknown as Brush, calls };
+  return { brush: { ctx, size: { width: 200, height: 100 }, view, colours } as unknown as Brush, calls };
 }
 
 const content = (kind: LayerContent["kind"], columns: Record<string, number[]>, more = {}): LayerContent => ({
@@ -36,7 +36,7 @@ afterEach(() => {
   for (const style of Object.keys(OVERLAYS)) delete OVERLAYS[style];
 });
 
-test("points are dots at their places; what is off the picture or has no place is not painted", () => {
+test("points are dots at their positions; points outside the picture or without a position are not painted", () => {
   const { brush, calls } = noted();
   paintLayer(brush, content("points", { x: [0, 1, 100, Number.NaN], y: [0, 2, 0, 0] }));
   // Ten pixels to the metre around the middle (100, 50), y upwards; dots of 3 pixels.
@@ -69,7 +69,7 @@ test("values are shaded evenly, and one value has one shade", () => {
   expect(shadesOf(new Float32Array())).toHaveLength(0);
 });
 
-test("a path is a line with a gap where it has no place", () => {
+test("a path is a line with a gap where a point has no position", () => {
   const { brush, calls } = noted();
   paintLayer(brush, content("path", { x: [0, 1, Number.NaN, 2, 3], y: [0, 0, 0, 0, 0] }));
   expect(named(calls, "moveTo").map(([x]) => x)).toEqual([100, 120]);
@@ -86,7 +86,7 @@ test("a graph is its edges, coloured by their values, and its nodes", () => {
   expect(named(calls, "fillRect")).toHaveLength(3);
 });
 
-test("a style that is registered paints its layers itself", () => {
+test("a registered style paints its layers", () => {
   const { brush, calls } = noted();
   const paint = vi.fn();
   OVERLAYS.stars = paint;
@@ -98,7 +98,7 @@ test("a style that is registered paints its layers itself", () => {
   expect(columnOf(stars, "yaw")).toBeUndefined();
 });
 
-test("a layer without places paints nothing", () => {
+test("a layer without positions paints nothing", () => {
   for (const kind of ["points", "path", "graph"] as const) {
     const { brush, calls } = noted();
     paintLayer(brush, content(kind, { u: [1] }));

@@ -3,7 +3,7 @@
 import type { LayerKind } from "../../wire/protocol";
 import { toScreen } from "../view";
 import type { Brush } from "./brush";
-import { SHADES } from "./inks";
+import { SHADES } from "./pictureColours";
 
 /** The content of a layer. Places are in metres of the map frame, angles in radians; NaN is no value. */
 export interface LayerContent {
@@ -66,7 +66,7 @@ function shaded(brush: Brush, values: Float32Array | null | undefined, plain: st
   const shades = shadesOf(values);
   const present = new Uint8Array(SHADES);
   for (const shade of shades) present[shade] = 1;
-  for (const [shade, colour] of brush.inks.shades.entries())
+  for (const [shade, colour] of brush.colours.shades.entries())
     if (present[shade]) paint(colour, (i) => shades[i] === shade);
 }
 
@@ -77,12 +77,12 @@ const paintPoints: Overlay = (brush, content) => {
   const xs = columnOf(content, "x");
   const ys = columnOf(content, "y");
   if (!xs || !ys) return;
-  const { ctx, size, inks } = brush;
+  const { ctx, size, colours } = brush;
   const { x0, y0, px } = lens(brush);
   const yaws = columnOf(content, "yaw");
   const every = Math.max(1, Math.ceil(xs.length / MAX_ARROWS));
   ctx.lineWidth = 1;
-  shaded(brush, columnOf(content, "value"), inks.robot, (colour, has) => {
+  shaded(brush, columnOf(content, "value"), colours.robot, (colour, has) => {
     ctx.fillStyle = ctx.strokeStyle = colour;
     ctx.beginPath();
     for (let i = 0; i < xs.length; i++) {
@@ -104,7 +104,7 @@ const paintLine: Overlay = (brush, content) => {
   const xs = columnOf(content, "x");
   const ys = columnOf(content, "y");
   if (!xs || !ys) return;
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const { x0, y0, px } = lens(brush);
   ctx.beginPath();
   let isDown = false;
@@ -117,7 +117,7 @@ const paintLine: Overlay = (brush, content) => {
     isDown = isPoint;
   }
   ctx.lineWidth = 2;
-  ctx.strokeStyle = inks.trail;
+  ctx.strokeStyle = colours.trail;
   ctx.stroke();
 };
 
@@ -127,10 +127,10 @@ const paintGraph: Overlay = (brush, content) => {
   const ys = columnOf(content, "y");
   const { edges, values } = content;
   if (!xs || !ys || !edges) return;
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const { x0, y0, px } = lens(brush);
   ctx.lineWidth = 1;
-  shaded(brush, values, inks.trail, (colour, has) => {
+  shaded(brush, values, colours.trail, (colour, has) => {
     ctx.strokeStyle = colour;
     ctx.beginPath();
     for (let i = 0; i < edges.length / 2; i++) {

@@ -14,13 +14,13 @@ interface CompareOverlayProps {
 
 export function CompareOverlay({ comparison, names, refused }: CompareOverlayProps) {
   if (!comparison.isOn.value) return null;
-  const look = comparison.look.value;
+  const mode = comparison.mode.value;
   const side = (which: "a" | "b") => (
     <span class={`compare-name compare-name-${which}`} data-side={which}>
       <b>{which.toUpperCase()}</b> {names[which]}
     </span>
   );
-  if (look === "swipe") {
+  if (mode === "swipe") {
     return (
       <>
         {side("a")}
@@ -29,11 +29,11 @@ export function CompareOverlay({ comparison, names, refused }: CompareOverlayPro
       </>
     );
   }
-  if (look === "blink") return side(comparison.shown.value);
-  const why = refused ?? (look === "merge" ? comparison.noMerge.value : null);
+  if (mode === "blink") return side(comparison.shown.value);
+  const why = refused ?? (mode === "merge" ? comparison.noMerge.value : null);
   return why === null ? (
-    <span class="compare-name compare-name-a" data-side={look}>
-      <b>{look === "merge" ? "A + B" : "B − A"}</b>
+    <span class="compare-name compare-name-a" data-side={mode}>
+      <b>{mode === "merge" ? "A + B" : "B − A"}</b>
     </span>
   ) : (
     <p class="compare-refused">{why} Swipe and blink can still show both maps.</p>

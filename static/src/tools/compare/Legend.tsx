@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { differenceColour, differenceColours, spanOf, strengthOf } from "../../render/map/difference";
-import { inks } from "../../render/picture/inks";
+import { pictureColours } from "../../render/picture/pictureColours";
 import { signed } from "../../ui/numbers";
 import type { Comparison } from "./comparison";
 
@@ -11,7 +11,7 @@ const TICKS = [-2, -0.5, 0, 0.5, 2];
 export function Legend({ comparison }: { readonly comparison: Comparison }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const pair = comparison.pair.value;
-  const theme = inks.value;
+  const theme = pictureColours.value;
   useEffect(() => {
     const ctx = canvas.current?.getContext("2d");
     if (!ctx) return;

@@ -66,8 +66,8 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
   );
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    const asked: Record<string, string> = {};
-    const ask = effect(() => {
+    const requested: Record<string, string> = {};
+    const request = effect(() => {
       void both.value;
       timer ??= setTimeout(() => {
         timer = undefined;
@@ -78,15 +78,15 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
           const cell = cellIn(map, place);
           if (!map || !cell) continue;
           const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
-          if (question === asked[layer]) continue;
-          asked[layer] = question;
+          if (question === requested[layer]) continue;
+          requested[layer] = question;
           store.inspect(cell, layer);
         }
       }, REQUEST_MS);
     });
     return () => {
       clearTimeout(timer);
-      ask();
+      request();
     };
   }, [store, both]);
   const now = both.value;
@@ -130,7 +130,7 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
         </div>
       </dl>
       <span class="readout-why" title="Click a cell, then ask why it is so in A or in B">
-        <Button disabled={!place} onClick={() => store.ask(place)}>
+        <Button disabled={!place} onClick={() => store.explain(place)}>
           Why?
         </Button>
       </span>

@@ -1,7 +1,7 @@
-/** Two maps of one place in one picture: how a person looks at them, and what is drawn for that. */
+/** The comparison of two maps in one picture: its view mode, and the layers that are drawn. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { type CommonLattice, commonLattice, Derived } from "../../render/map/derived";
+import { CombinedMap, type CommonLattice, commonLattice } from "../../render/map/combinedMap";
 import { DIFFERENCE, differenceCodes, MARKS, type Marked, markedCodes } from "../../render/map/difference";
 import type { MapPicture } from "../../render/map/mapPicture";
 import { mergedCodes } from "../../render/map/merged";
@@ -13,9 +13,9 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import { whyNoMerge } from "./merging";
 
-/** A left and B right of a divider; A and B by turns; what B has otherwise; the evidence of both in one map. */
-export type Look = "swipe" | "blink" | "difference" | "merge";
-export const LOOKS: readonly Look[] = ["swipe", "blink", "difference", "merge"];
+/** A left and B right of a divider; A and B alternating; their difference; their sum. */
+export type ViewMode = "swipe" | "blink" | "difference" | "merge";
+export const VIEW_MODES: readonly ViewMode[] = ["swipe", "blink", "difference", "merge"];
 
 /** Seconds for which each map is shown while they blink: never more than one flash in two seconds. */
 export const BLINK_S = [1, 1.5, 2, 3] as const;
@@ -23,16 +23,16 @@ export const BLINK_S = [1, 1.5, 2, 3] as const;
 interface Pair {
   readonly a: MapPicture;
   readonly b: MapPicture;
-  readonly place: CommonLattice | null;
+  readonly lattice: CommonLattice | null;
 }
 
 /** Shows the second map of a session in the picture of the first, while there is one. */
 export class Comparison {
-  readonly look = signal<Look>("swipe");
+  readonly mode = signal<ViewMode>("swipe");
   /** Where the divider is, 0 … 1 of the picture's width. */
   readonly divider = signal(0.5);
   readonly blinkS = signal<number>(1);
-  /** Whether the maps take turns by themselves. */
+  /** Whether the maps alternate automatically. */
   readonly blinks = signal(!reducedMotion.peek());
   /** Which of the two is shown while they blink. */
   readonly shown = signal<"a" | "b">("a");
@@ -40,14 +40,14 @@ export class Comparison {
   /** Whether the session compares its map. */
   readonly isOn: ReadonlySignal<boolean>;
   readonly pair: ReadonlySignal<Pair | null>;
-  /** Why A and B cannot be added; null where they can. */
+  /** Why A and B cannot be added; null if they can. */
   readonly noMerge: ReadonlySignal<string | null>;
-  /** The log-odds prior, which their sum counts once, while it is looked at; null otherwise. */
+  /** The log-odds prior, which their sum counts once, while the sum is displayed; null otherwise. */
   readonly summedOver: ReadonlySignal<number | null>;
   readonly #store: Store;
-  readonly #difference: ReadonlySignal<Derived | null>;
-  readonly #merge: ReadonlySignal<Derived | null>;
-  readonly #marks: ReadonlySignal<Derived | null>;
+  readonly #difference: ReadonlySignal<CombinedMap | null>;
+  readonly #merge: ReadonlySignal<CombinedMap | null>;
+  readonly #marks: ReadonlySignal<CombinedMap | null>;
 
   constructor(store: Store) {
     this.#store = store;
@@ -55,43 +55,44 @@ export class Comparison {
     this.pair = computed(() => {
       const a = store.second.value?.map.value;
       const b = store.map.value;
-      return a && b ? { a, b, place: commonLattice(a.geometry, b.geometry) } : null;
+      return a && b ? { a, b, lattice: commonLattice(a.geometry, b.geometry) } : null;
     });
-    this.#difference = this.#derived(() =>
-      this.look.value === "difference" ? (a, b) => differenceCodes(a.geometry, b.geometry) : null,
+    this.#difference = this.#combined(() =>
+      this.mode.value === "difference" ? (a, b) => differenceCodes(a.geometry, b.geometry) : null,
     );
     this.noMerge = computed(() => {
       const now = store.mapping.values.value;
       return whyNoMerge({ ...now, ...store.compared.value?.values }, now);
     });
     this.summedOver = computed(() =>
-      this.look.value === "merge" && this.noMerge.value === null
+      this.mode.value === "merge" && this.noMerge.value === null
         ? Number(store.mapping.values.value.log_odds_prior)
         : null,
     );
-    this.#merge = this.#derived(() => {
+    this.#merge = this.#combined(() => {
       const prior = this.summedOver.value;
       return prior === null ? null : (a, b) => mergedCodes(a.geometry, b.geometry, prior);
     });
-    this.#marks = this.#derived(() => {
+    this.#marks = this.#combined(() => {
       const marked = this.marked.value;
       return marked && ((a, b) => markedCodes(a.geometry, b.geometry, marked));
     });
   }
 
   /** The cells that `codes` make of both maps; null while it makes none, or the maps have no lattice in common. */
-  #derived(codes: () => ((a: MapPicture, b: MapPicture) => Uint8Array) | null): ReadonlySignal<Derived | null> {
-    let last: Derived | null = null;
+  #combined(codes: () => ((a: MapPicture, b: MapPicture) => Uint8Array) | null): ReadonlySignal<CombinedMap | null> {
+    let last: CombinedMap | null = null;
     return computed(() => {
       last?.dispose();
       const pair = this.pair.value;
       const make = codes();
-      last = make && pair?.place ? new Derived(pair.a.cells, pair.b.cells, pair.place, make(pair.a, pair.b)) : null;
+      last =
+        make && pair?.lattice ? new CombinedMap(pair.a.cells, pair.b.cells, pair.lattice, make(pair.a, pair.b)) : null;
       return last;
     });
   }
 
-  /** Watch the second map while there is one, and let the maps blink; the result stops it. */
+  /** Subscribe to the second map while there is one, and let the maps blink; the result stops it. */
   start(): () => void {
     const store = this.#store;
     const stops = [
@@ -104,11 +105,11 @@ export class Comparison {
           store.second.value = null;
           store.comparison.value = null;
           store.inspectedSecond.value = null;
-          if (store.askedMap.peek() === SECOND_MAP) store.ask(store.asked.peek(), MAP);
+          if (store.explainedLayer.peek() === SECOND_MAP) store.explain(store.explainedPoint.peek(), MAP);
         };
       }),
       effect(() => {
-        if (!this.isOn.value || this.look.value !== "blink" || !this.blinks.value) return;
+        if (!this.isOn.value || this.mode.value !== "blink" || !this.blinks.value) return;
         const turn = (): void => this.turn();
         const timer = setInterval(turn, 1000 * this.blinkS.value);
         return () => clearInterval(timer);
@@ -129,14 +130,14 @@ export class Comparison {
     this.shown.value = this.shown.peek() === "a" ? "b" : "a";
   }
 
-  /** How much of the picture's width, from the left, shows A. */
+  /** The fraction of the picture's width, from the left, that shows A. */
   get share(): number {
     if (!this.pair.peek()) return 0;
-    if (this.look.peek() === "blink") return this.shown.peek() === "a" ? 1 : 0;
-    return this.look.peek() === "swipe" ? this.divider.peek() : 0;
+    if (this.mode.peek() === "blink") return this.shown.peek() === "a" ? 1 : 0;
+    return this.mode.peek() === "swipe" ? this.divider.peek() : 0;
   }
 
-  /** The layer of the map that is seen at a place of the world. */
+  /** The layer displayed at a point of the world. */
   mapAt(point: Point): string {
     const view = this.#store.view.peek();
     const size = [...this.#store.pictures.values()][0];
@@ -146,31 +147,31 @@ export class Comparison {
 
   /** Read every signal that the picture shows. */
   watch(): void {
-    void [this.isOn.value, this.look.value, this.divider.value, this.shown.value, this.marked.value];
+    void [this.isOn.value, this.mode.value, this.divider.value, this.shown.value, this.marked.value];
     void [this.pair.value, this.noMerge.value, this.#store.second.value?.version.value];
   }
 
   layers(): readonly Layer[] {
     const pair = this.pair.peek();
-    if (!pair) return [{ map: this.#store.map.peek(), glows: true }];
-    const { a, b, place } = pair;
+    if (!pair) return [{ map: this.#store.map.peek(), hasHighlights: true }];
+    const { a, b, lattice } = pair;
     const layers: Layer[] = [];
     const difference = this.#difference.peek();
     const merge = this.#merge.peek();
-    if (difference && place) {
+    if (difference && lattice) {
       layers.push({
-        map: { geometry: place.geometry, cells: difference.update(), style: b.style },
+        map: { geometry: lattice.geometry, cells: difference.update(), style: b.style },
         palette: DIFFERENCE,
       });
-    } else if (merge && place) {
-      layers.push({ map: { geometry: place.geometry, cells: merge.update(), style: b.style } });
+    } else if (merge && lattice) {
+      layers.push({ map: { geometry: lattice.geometry, cells: merge.update(), style: b.style } });
     } else {
-      layers.push({ map: b, part: [this.share, 1], glows: true }, { map: a, part: [0, this.share] });
+      layers.push({ map: b, part: [this.share, 1], hasHighlights: true }, { map: a, part: [0, this.share] });
     }
     const marks = this.#marks.peek();
-    if (marks && place)
+    if (marks && lattice)
       layers.push({
-        map: { geometry: place.geometry, cells: marks.update(), style: b.style },
+        map: { geometry: lattice.geometry, cells: marks.update(), style: b.style },
         palette: MARKS,
         blends: true,
       });
@@ -178,13 +179,13 @@ export class Comparison {
   }
 
   /**
-   * The part of the picture that what belongs to B alone may be drawn over: its robot's way, its beams. Where both maps
-   * have the same poses it is all of it; over a difference it would only be in the way.
+   * The part of the picture in which B's trajectory and beams are drawn: all of it if both maps have the same poses, none
+   * over a difference or a sum.
    */
   ownPart(): readonly [from: number, to: number] {
     const compared = this.#store.compared.peek();
     if (!compared || !this.pair.peek()) return [0, 1];
-    if (this.look.peek() === "difference" || this.look.peek() === "merge") return [1, 1];
+    if (this.mode.peek() === "difference" || this.mode.peek() === "merge") return [1, 1];
     const samePoses = !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
     return samePoses ? [0, 1] : [this.share, 1];
   }

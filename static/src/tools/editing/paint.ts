@@ -1,4 +1,4 @@
-/** What the tools are about to do, drawn over the world; and the faces that swallow beams. */
+/** What the tools are about to do, drawn over the world; and the faces from which no beam returns. */
 
 import { type Brush, tracePolygon } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";
@@ -8,7 +8,7 @@ import { outline } from "./shapes";
 import { underEraser } from "./strokes";
 
 export function paintEditing(store: Store, brush: Brush): void {
-  const { ctx, inks } = brush;
+  const { ctx, colours } = brush;
   const { sketch, corner } = store.editing;
   const world = store.world.peek();
   if (store.faults.peek()?.specular === true && world) paintPolished(brush, world.polished);
@@ -16,7 +16,7 @@ export function paintEditing(store: Store, brush: Brush): void {
   if (doomed !== null) {
     ctx.beginPath();
     tracePolygon(brush, world?.polygons[doomed] ?? []);
-    ctx.fillStyle = inks.hit;
+    ctx.fillStyle = colours.hit;
     ctx.fill();
   }
   const drawing = sketch.peek();
@@ -24,11 +24,11 @@ export function paintEditing(store: Store, brush: Brush): void {
     ctx.beginPath();
     tracePolygon(brush, outline(drawing));
     ctx.globalAlpha = 0.6;
-    ctx.fillStyle = inks.robot;
+    ctx.fillStyle = colours.robot;
     ctx.fill();
     ctx.globalAlpha = 1;
     ctx.lineWidth = 1.5;
-    ctx.strokeStyle = inks.robot;
+    ctx.strokeStyle = colours.robot;
     ctx.stroke();
   }
   const begun = corner.peek();
@@ -36,21 +36,21 @@ export function paintEditing(store: Store, brush: Brush): void {
 }
 
 function paintPolished(brush: Brush, faces: readonly (readonly [number, number, number, number])[]): void {
-  const { ctx, inks, view, size } = brush;
+  const { ctx, colours, view, size } = brush;
   ctx.beginPath();
   for (const [ax, ay, bx, by] of faces) {
     ctx.moveTo(...toScreen(view, size, ax, ay));
     ctx.lineTo(...toScreen(view, size, bx, by));
   }
   ctx.lineWidth = 3;
-  ctx.strokeStyle = inks.miss;
+  ctx.strokeStyle = colours.miss;
   ctx.stroke();
 }
 
-function paintCorner({ ctx, inks, view, size }: Brush, point: Point): void {
+function paintCorner({ ctx, colours, view, size }: Brush, point: Point): void {
   const [x, y] = toScreen(view, size, ...point);
   ctx.beginPath();
   ctx.arc(x, y, 5, 0, 2 * Math.PI);
-  ctx.fillStyle = inks.robot;
+  ctx.fillStyle = colours.robot;
   ctx.fill();
 }

@@ -40,11 +40,11 @@ function watching(): Store {
   return store;
 }
 
-test("a page that does not know the kind says that it is outdated", () => {
+test("a page without the kind is outdated", () => {
   expect(() => decodeText(HELLO)).toThrow('This page knows no session kind "waves".');
 });
 
-test("with it registered, both layers arrive and are painted as the file says", () => {
+test("with it registered, both layers are received and painted as defined in the file", () => {
   registerWaves();
   const store = watching();
   expect(store.hello.value?.kind).toBe("waves");
@@ -68,7 +68,7 @@ test("with it registered, both layers arrive and are painted as the file says", 
   expect(floats.columns.map((column) => column.length)).toEqual([15, 15, 15]);
   const discs: number[][] = [];
   const ctx = { beginPath() {}, fill() {}, arc: (...given: number[]) => discs.push(given) };
-  const brush = { ctx, view: { x: 0, y: 0, scale: 0.1 }, size: { width: 200, height: 100 }, inks: {} };
+  const brush = { ctx, view: { x: 0, y: 0, scale: 0.1 }, size: { width: 200, height: 100 }, colours: {} };
   paintLayer(brush as unknown as Brush, floats);
   // Ten pixels to the metre around the middle (100, 50), y upwards; eight pixels higher for a metre of height.
   expect(discs[0]?.[0]).toBeCloseTo(110);

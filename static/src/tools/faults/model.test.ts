@@ -6,7 +6,7 @@ import { availableFaults, correctValues, FAULTS, type Fault, isOn, switchFault }
 const fault = (name: string): Fault => FAULTS.find((one) => one.name === name) as Fault;
 const START: Values = { mount_yaw: 0.02, clamp: true, update: "per_scan", no_return: "ignore", range_max: 10 };
 
-test("a switch sets what is wrong and gives back what was there, not what the table says", () => {
+test("a switch sets the fault's parameters and restores the previous values, not the initial ones", () => {
   const on = switchFault(NO_ACTIVE_FAULTS, fault("rotated"), true, START);
   expect(on.values).toEqual({ mount_yaw: 0.15 });
   expect(isOn(on.wrong, fault("rotated"), { ...START, ...on.values }, {})).toBe(true);
@@ -67,7 +67,7 @@ test("a fault that the mapper cannot make yet is not offered", () => {
   ).toHaveLength(FAULTS.length);
 });
 
-test("each sentence is one sentence or two, and says where to look", () => {
+test("each text is one or two sentences", () => {
   for (const { look, label } of FAULTS) {
     expect(look).toMatch(/\.$/);
     expect(look.length).toBeLessThan(180);

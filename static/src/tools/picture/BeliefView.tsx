@@ -12,9 +12,9 @@ import {
   paintPath,
   paintRobot,
 } from "../../render/picture/brush";
-import { inks } from "../../render/picture/inks";
 import { paintLayer } from "../../render/picture/overlays";
 import type { Picture } from "../../render/picture/Picture";
+import { pictureColours } from "../../render/picture/pictureColours";
 import { scanFade } from "../../render/picture/scanFade";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
@@ -57,13 +57,13 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
           store,
           canvas,
           invalidate,
-          () => comparison?.layers() ?? [{ map: store.map.peek(), glows: true }],
+          () => comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
-        const glow = surface.renderer?.glow;
-        store.onBloom = (row, col, now) => {
-          if (!reducedMotion.peek()) glow?.add(row, col, now);
+        const highlights = surface.renderer?.highlights;
+        store.onCellChange = (row, col, now) => {
+          if (!reducedMotion.peek()) highlights?.add(row, col, now);
         };
         return {
           watch: () => {
@@ -74,17 +74,17 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
             void store.trajectory.value;
             void store.cell.value;
             void store.inspectedBeam.value;
-            void store.carried.value;
-            void store.askedCell.value;
-            void store.touch.value;
-            void store.walk.value;
+            void store.draggedTo.value;
+            void store.explainedCell.value;
+            void store.selectedContribution.value;
+            void store.stepping.value;
             void store.inspected.value;
-            void inks.value;
+            void pictureColours.value;
             comparison?.watch();
           },
           paint: surface.paint,
           dispose: () => {
-            store.onBloom = null;
+            store.onCellChange = null;
           },
         };
       }}
@@ -114,7 +114,7 @@ function paintOverlay(
   const cell = store.cell.peek();
   const map = store.map.peek();
   if (cell && map) {
-    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(map.geometry, cell));
   }
   return moves;
@@ -128,7 +128,7 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
   const trajectory = store.trajectory.peek();
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
-  if (store.walk.peek()) paintSteps(store, brush, true);
+  if (store.stepping.peek()) paintSteps(store, brush, true);
   else if (frame && from) {
     strength = fade(frame.index, now);
     // Faint, so that the cells under the beams can be seen.
@@ -139,7 +139,7 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
       paintBeamCells(brush, map.geometry, cells);
       paintBeam(brush, from, beam, frame.range_max);
     }
-    paintRobot(brush, frame.pose, store.carried.peek() !== null);
+    paintRobot(brush, frame.pose, store.draggedTo.peek() !== null);
   }
   return strength > 0;
 }

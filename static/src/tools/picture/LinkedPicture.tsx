@@ -40,7 +40,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
     const made = setUp(surface, () => invalidate());
     const follow = (size: Size): void => {
       store.pictures.set(element, size);
-      store.fit();
+      store.fitView();
     };
     const picture = new Picture(element, surface, made.paint, follow);
     invalidate = picture.invalidate;
@@ -53,7 +53,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
     const stops = [
       effect(() => {
         void store.bounds.value;
-        if (!store.viewHeld.value && picture.size.width > 0) store.fit();
+        if (!store.viewHeld.value && picture.size.width > 0) store.fitView();
       }),
       effect(() => {
         void store.view.value;
@@ -73,15 +73,15 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           const point = inWorld(x, y);
           if (point) onTap(point);
         },
-        ask: (x, y) => {
+        explain: (x, y) => {
           const point = inWorld(x, y);
-          if (point) store.ask(point);
+          if (point) store.explain(point);
         },
         doubleTap: () => {
           store.viewHeld.value = false;
         },
-        carry: (at) => {
-          store.carry(at && inWorld(at[0], at[1]));
+        dragRobot: (at) => {
+          store.dragRobot(at && inWorld(at[0], at[1]));
         },
         draws: () => draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box"),
         stroke: (from, to, isDone) => {
@@ -91,11 +91,11 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
         },
         pan: (dx, dy) => {
           const view = store.view.peek();
-          if (view) store.look(panned(view, dx, dy));
+          if (view) store.setView(panned(view, dx, dy));
         },
         zoom: (x, y, factor) => {
           const view = store.view.peek();
-          if (view) store.look(zoomedAt(view, picture.size, x, y, factor));
+          if (view) store.setView(zoomedAt(view, picture.size, x, y, factor));
         },
         hover: (at) => {
           store.pointer.value = at && inWorld(at[0], at[1]);
@@ -105,7 +105,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
       () => picture.dispose(),
       () => {
         store.pictures.delete(element);
-        store.fit();
+        store.fitView();
       },
       () => made.dispose?.(),
     ];

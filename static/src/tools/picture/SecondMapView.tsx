@@ -1,16 +1,16 @@
-/** The second map of the same recording, at the same places of the picture as the first. */
+/** The second map of the same recording, in the same view as the first. */
 
 import { useEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
 import { type Brush, paintCell, paintCrosshair, paintRobot } from "../../render/picture/brush";
-import { inks } from "../../render/picture/inks";
+import { pictureColours } from "../../render/picture/pictureColours";
 import { SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import type { Pose } from "../../wire/protocol";
 import { LinkedPicture } from "./LinkedPicture";
 import { mapSurface } from "./mapSurface";
 
-/** Where this map has the robot: where the first has it, or, in a map made right, where it is. */
+/** The robot's pose in this map: that of the first map or, in the map without faults, the true one. */
 function robotPose(store: Store): Pose | undefined {
   const frame = store.compared.peek()?.with_faults ? store.beliefFrame.peek() : store.frame.peek();
   return frame?.pose;
@@ -27,7 +27,7 @@ export function SecondMapView({ store }: { readonly store: Store }) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       setUp={(canvas, invalidate) => {
-        // Where nothing can be drawn the belief beside it says what is the matter.
+        // If nothing can be drawn, the view of the first map shows the error.
         const { paint } = mapSurface(
           store,
           canvas,
@@ -41,7 +41,7 @@ export function SecondMapView({ store }: { readonly store: Store }) {
             void shown.version.value;
             void store.frame.value;
             void store.probe.value;
-            void inks.value;
+            void pictureColours.value;
           },
           paint,
         };
@@ -56,7 +56,7 @@ function paintOverlay(store: Store, brush: Brush): boolean {
   const cell = store.cell.peek();
   const geometry = store.map.peek()?.geometry;
   if (cell && geometry) {
-    paintCell(brush, geometry, cell.row, cell.col, brush.inks.ink);
+    paintCell(brush, geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(geometry, cell));
   }
   return false;

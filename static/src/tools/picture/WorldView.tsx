@@ -14,7 +14,7 @@ import {
   paintRobot,
   tracePolygon,
 } from "../../render/picture/brush";
-import { inks } from "../../render/picture/inks";
+import { pictureColours } from "../../render/picture/pictureColours";
 import { type ScanFade, scanFade } from "../../render/picture/scanFade";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
@@ -30,7 +30,7 @@ function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: numbe
   const view = store.view.peek();
   const world = store.world.peek();
   if (!view) return;
-  const colours = inks.peek();
+  const colours = pictureColours.peek();
   const brush = brushOn(canvas, size, ratio, view, colours);
   if (!brush) return;
   const { ctx } = brush;
@@ -76,20 +76,20 @@ export function WorldView({ store }: { readonly store: Store }) {
             void store.pointer.value;
             void store.inspectedBeam.value;
             void store.teleported.value;
-            void store.carried.value;
-            void store.askedCell.value;
+            void store.draggedTo.value;
+            void store.explainedCell.value;
             void store.editing.tool.value;
             void store.editing.sketch.value;
             void store.editing.corner.value;
             void store.faults.value;
-            void store.walk.value;
-            void store.touch.value;
-            void inks.value;
+            void store.stepping.value;
+            void store.selectedContribution.value;
+            void pictureColours.value;
           },
           paint: (size, ratio, now) => {
             const view = store.view.peek();
             if (!view || !surface) return false;
-            const basis = [view, store.world.peek(), inks.peek(), size.width, size.height, ratio];
+            const basis = [view, store.world.peek(), pictureColours.peek(), size.width, size.height, ratio];
             if (basis.some((value, i) => value !== painted[i])) {
               painted = basis;
               resizeCanvas(plan, canvas.width, canvas.height);
@@ -97,7 +97,7 @@ export function WorldView({ store }: { readonly store: Store }) {
             }
             let moves = false;
             surface((painting) => {
-              const brush = brushOn(painting, size, ratio, view, inks.peek());
+              const brush = brushOn(painting, size, ratio, view, pictureColours.peek());
               if (!brush) return;
               brush.ctx.drawImage(plan, 0, 0, size.width, size.height);
               moves = paintOverlay(store, brush, fade, now);
@@ -121,7 +121,7 @@ function surfaceFor(canvas: HTMLCanvasElement, invalidate: () => void): Surface 
 function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): boolean {
   const frame = store.frame.peek();
   if (!frame) return false;
-  const stepping = store.walk.peek();
+  const stepping = store.stepping.peek();
   if (stepping) {
     paintRobot(brush, frame.pose, false);
     paintSteps(store, brush, false);
@@ -138,12 +138,12 @@ function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): 
   const map = store.map.peek();
   const cell = store.cell.peek();
   if (cell && map) {
-    paintCell(brush, map.geometry, cell.row, cell.col, brush.inks.ink);
+    paintCell(brush, map.geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(map.geometry, cell));
   }
-  const carried = store.carried.peek();
-  paintRobot(brush, frame.pose, carried !== null);
-  if (carried) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...carried), brush.inks.robot);
+  const draggedTo = store.draggedTo.peek();
+  paintRobot(brush, frame.pose, draggedTo !== null);
+  if (draggedTo) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...draggedTo), brush.colours.robot);
   const sent = store.teleported.peek();
   const ripples = sent !== null && !reducedMotion.peek() && paintRipple(brush, sent.point, now - sent.at);
   return ripples || strength > 0;

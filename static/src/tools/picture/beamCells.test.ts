@@ -7,8 +7,8 @@ import { crossed } from "./beamCells";
 const GEOMETRY = { resolution: 0.05, rows: 200, cols: 240, origin: [-3, -2, 0] } as unknown as Geometry;
 const RANGE_MAX = 6;
 
-/** What the twin of the textbook says of the same beam: cells and the sign of their evidence. */
-function told(pose: Pose, bearing: number, range: number | null, values: Values): unknown[] {
+/** The evidence of the same beam by the TypeScript version of the textbook: cells and its sign. */
+function expected(pose: Pose, bearing: number, range: number | null, values: Values): unknown[] {
   const config = { ...INITIAL_CONFIG, ...values, range_max: RANGE_MAX };
   const scan: LaserScan = {
     ranges: Float32Array.of(range ?? Number.POSITIVE_INFINITY),
@@ -18,7 +18,7 @@ function told(pose: Pose, bearing: number, range: number | null, values: Values)
     range_max: RANGE_MAX,
   };
   const found = evidenceOfBeam(GEOMETRY, scan, 0, pose, config);
-  return found.map(({ cell, evidence }) => ({ cell, says: evidence > 0 ? "hit" : "miss" }));
+  return found.map(({ cell, evidence }) => ({ cell, evidence: evidence > 0 ? "hit" : "miss" }));
 }
 
 test("a beam's cells and their colours are those of the evidence that they get", () => {
@@ -29,28 +29,28 @@ test("a beam's cells and their colours are those of the evidence that they get",
     for (const window of [0, 0.2, 0.55])
       for (const traversal of ["bresenham", "amanatides_woo"]) {
         const now = { ...values, window, traversal };
-        expect(crossed(GEOMETRY, pose, beam, RANGE_MAX, now)).toEqual(told(pose, beam.bearing, beam.range, now));
+        expect(crossed(GEOMETRY, pose, beam, RANGE_MAX, now)).toEqual(expected(pose, beam.bearing, beam.range, now));
       }
   }
 });
 
-test("a beam without return frees its cells, hits at its end or says nothing, as the map takes it", () => {
+test("a beam without return frees its cells, hits at its end or is ignored, as the policy sets", () => {
   const pose: Pose = [0.513, 1.007, 0.4];
   const beam = { index: 0, bearing: 0.1, range: null };
-  const says = (no_return: string): Set<string> =>
-    new Set(crossed(GEOMETRY, pose, beam, RANGE_MAX, { window: 0.2, no_return }).map((one) => one.says));
-  expect(says("ignore")).toEqual(new Set(["prior"]));
-  expect(says("free")).toEqual(new Set(["miss"]));
-  expect(says("hit")).toEqual(new Set(["miss", "hit"]));
+  const evidence = (no_return: string): Set<string> =>
+    new Set(crossed(GEOMETRY, pose, beam, RANGE_MAX, { window: 0.2, no_return }).map((one) => one.evidence));
+  expect(evidence("ignore")).toEqual(new Set(["prior"]));
+  expect(evidence("free")).toEqual(new Set(["miss"]));
+  expect(evidence("hit")).toEqual(new Set(["miss", "hit"]));
   const freed = crossed(GEOMETRY, pose, beam, RANGE_MAX, { window: 0.2, no_return: "free" });
-  expect(freed).toEqual(told(pose, 0.1, null, { window: 0.2, no_return: "free" }));
+  expect(freed).toEqual(expected(pose, 0.1, null, { window: 0.2, no_return: "free" }));
 });
 
 test("on the smooth ramp a cell turns from free to occupied within the window", () => {
   const beam = { index: 0, bearing: 0, range: 2.01 };
   const values = { model: "smooth_ramp", sigma: 0.1, sigma_growth: 0, log_odds_hit: 0.85, log_odds_miss: -0.4 };
   const cells = crossed(GEOMETRY, [0.025, 0.025, 0], beam, RANGE_MAX, values);
-  const hits = cells.filter((one) => one.says === "hit").map((one) => one.cell.col);
+  const hits = cells.filter((one) => one.evidence === "hit").map((one) => one.cell.col);
   // -0.4 + 1.25 (3t² - 2t³) is above 0 from t = 0.374 on, which is s = 2.01 - 0.2 (1 - 0.374) = 1.885 m.
   expect(hits[0]).toBe(60 + 38);
   expect(cells.at(-1)?.cell.col).toBe(60 + 44);

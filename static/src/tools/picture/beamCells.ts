@@ -19,7 +19,7 @@ const LEAST_PX = 3;
 /** A cell on a beam and the evidence of the beam for it: occupied, free, or none if no return is ignored. */
 export interface Crossed {
   readonly cell: Cell;
-  readonly says: "hit" | "miss" | "prior";
+  readonly evidence: "hit" | "miss" | "prior";
 }
 
 /**
@@ -36,8 +36,8 @@ export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: nu
   const traversal = values.traversal === "amanatides_woo" ? values.traversal : "bresenham";
   const z = effectiveReading(beam.range ?? Number.POSITIVE_INFINITY, parameters);
   if (isNoReturn(z, parameters)) {
-    const says = parameters.no_return === "free" ? "miss" : "prior";
-    return cellsAlong(geometry, from, beam.bearing, rangeMax, { traversal }).map((cell) => ({ cell, says }));
+    const evidence = parameters.no_return === "free" ? "miss" : "prior";
+    return cellsAlong(geometry, from, beam.bearing, rangeMax, { traversal }).map((cell) => ({ cell, evidence }));
   }
   const half = halfWindow(z, parameters);
   const end = cellAt(geometry, ...along(from, beam.bearing, z));
@@ -47,22 +47,26 @@ export function crossed(geometry: Geometry, from: Pose, beam: Beam, rangeMax: nu
     const [x, y] = centreOf(geometry, cell);
     const s = Math.hypot(x - from[0], y - from[1]);
     const isEnd = cell.row === end.row && cell.col === end.col;
-    if (isEnd) found.push({ cell, says: "hit" });
-    else if (half === 0 || s < z - half) found.push({ cell, says: "miss" });
-    else if (s <= z + half) found.push({ cell, says: increment(s, z, parameters) > 0 ? "hit" : "miss" });
+    if (isEnd) found.push({ cell, evidence: "hit" });
+    else if (half === 0 || s < z - half) found.push({ cell, evidence: "miss" });
+    else if (s <= z + half) found.push({ cell, evidence: increment(s, z, parameters) > 0 ? "hit" : "miss" });
     isEndFound ||= isEnd;
   }
-  return isEndFound ? found : [...found, { cell: end, says: "hit" }];
+  return isEndFound ? found : [...found, { cell: end, evidence: "hit" }];
 }
 
 /** Outline cells in the colours of their evidence. */
-export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geometry, cells: readonly Crossed[]): void {
+export function paintBeamCells(
+  { ctx, view, size, colours }: Brush,
+  geometry: Geometry,
+  cells: readonly Crossed[],
+): void {
   if (geometry.resolution / view.scale < LEAST_PX) return;
   ctx.lineWidth = 1;
   for (const part of ["prior", "miss", "hit"] as const) {
     ctx.beginPath();
-    for (const { cell, says } of cells) {
-      if (says !== part) continue;
+    for (const { cell, evidence } of cells) {
+      if (evidence !== part) continue;
       const { row, col } = cell;
       const corners = [
         [col, row],
@@ -77,7 +81,7 @@ export function paintBeamCells({ ctx, view, size, inks }: Brush, geometry: Geome
       }
       ctx.closePath();
     }
-    ctx.strokeStyle = inks[part];
+    ctx.strokeStyle = colours[part];
     ctx.stroke();
   }
 }

@@ -58,7 +58,7 @@ function moveCursor(store: Store, row: number, col: number, size: Size): void {
   const view = store.view.peek();
   if (!view) return;
   const [x, y] = toScreen(view, size, ...point);
-  if (x < 0 || y < 0 || x > size.width || y > size.height) store.look({ ...view, x: point[0], y: point[1] });
+  if (x < 0 || y < 0 || x > size.width || y > size.height) store.setView({ ...view, x: point[0], y: point[1] });
 }
 
 /** Handle the keys of a focused picture; the returned function stops it. */
@@ -94,10 +94,10 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
     } else if (step) moveCursor(store, step[0], step[1], size());
     else if (zoom !== undefined && view) {
       const { width, height } = size();
-      store.look(zoomedAt(view, size(), width / 2, height / 2, zoom));
+      store.setView(zoomedAt(view, size(), width / 2, height / 2, zoom));
     } else if (event.key === "0" || event.key === "Home") store.viewHeld.value = false;
-    else if (event.key === "?") store.ask(store.probe.peek());
-    else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === null)
+    else if (event.key === "?") store.explain(store.probe.peek());
+    else if (event.key === "Escape" && pinned && !store.explainedPoint.peek() && store.editing.tool.peek() === null)
       store.pinned.value = null;
     else if (event.key === "Enter" && store.isDriven.peek() && pinned) act(store, pinned, true);
     else if (event.key === "Escape" && store.editing.tool.peek() !== null) store.editing.take(null);

@@ -3,8 +3,8 @@
 import { createRenderer } from "../../render/map/createRenderer";
 import type { Layer, MapRenderer } from "../../render/map/renderer";
 import { type Brush, brushOn } from "../../render/picture/brush";
-import { inks } from "../../render/picture/inks";
 import type { Paint } from "../../render/picture/Picture";
+import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
 
 interface MapSurface {
@@ -36,16 +36,16 @@ export function mapSurface(
   const paint: Paint = (size, ratio, now) => {
     const view = store.view.peek();
     if (!view || !renderer) return false;
-    if (colours !== inks.peek()) {
-      colours = inks.peek();
+    if (colours !== pictureColours.peek()) {
+      colours = pictureColours.peek();
       renderer.recolour();
     }
     let moves = false;
-    const glows = renderer.draw(layers(), view, size, now, (overlay) => {
-      const brush = brushOn(overlay, size, ratio, view, inks.peek());
+    const isFading = renderer.draw(layers(), view, size, now, (overlay) => {
+      const brush = brushOn(overlay, size, ratio, view, pictureColours.peek());
       moves = brush !== null && draw(brush, now);
     });
-    return glows || moves;
+    return isFading || moves;
   };
   return { renderer, failure, paint };
 }

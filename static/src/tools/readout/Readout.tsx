@@ -63,9 +63,9 @@ function CellAnnouncement({ reading }: { readonly reading: ReadonlySignal<Readin
 export function Readout({ store }: { readonly store: Store }) {
   const reading = useMemo(() => readingOf(store), [store]);
   useEffect(() => {
-    let asked = "";
+    let requested = "";
     let timer: ReturnType<typeof setTimeout> | undefined;
-    const ask = effect(() => {
+    const request = effect(() => {
       const { row, col, logOdds } = reading.value;
       void [row, col, logOdds];
       timer ??= setTimeout(() => {
@@ -74,14 +74,14 @@ export function Readout({ store }: { readonly store: Store }) {
         const map = store.map.peek();
         if (!cell || !map) return;
         const question = `${map.geometry.epoch} ${cell.row} ${cell.col} ${map.cells.at(cell.row, cell.col)}`;
-        if (question === asked) return;
-        asked = question;
+        if (question === requested) return;
+        requested = question;
         store.inspect(cell);
       }, REQUEST_MS);
     });
     return () => {
       clearTimeout(timer);
-      ask();
+      request();
     };
   }, [store, reading]);
   const field = (name: keyof Reading): ReadonlySignal<string> => computed(() => reading.value[name]);
@@ -125,7 +125,7 @@ function WhyButton({ store }: { readonly store: Store }) {
   const isNowhere = useMemo(() => computed(() => !store.pinned.value || !store.cell.value), [store]);
   return (
     <span class="readout-why" title="Click a cell first. Or Shift+click the cell, or press and hold it.">
-      <Button disabled={isNowhere.value} onClick={() => store.ask(store.probe.peek())}>
+      <Button disabled={isNowhere.value} onClick={() => store.explain(store.probe.peek())}>
         Why?
       </Button>
     </span>

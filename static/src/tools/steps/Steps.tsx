@@ -2,8 +2,8 @@ import { effect, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { bayesFilter } from "../../grid/textbook";
 import type { Size } from "../../render/view";
+import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
-import type { Walk } from "../../store/walk";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import { key } from "./model";
@@ -45,7 +45,7 @@ export function Steps({ store }: { readonly store: Store | null }) {
 
 /** The current step in numbers: the beam, the cell, Bresenham's error term, the update. */
 export function StepNote({ store }: { readonly store: Store }) {
-  const stepping = store.walk.value;
+  const stepping = store.stepping.value;
   void store.inspected.value;
   void store.mapVersion.value;
   if (!stepping) return null;
@@ -71,17 +71,17 @@ function ZoomToggle({ store }: { readonly store: Store }) {
     const before = store.viewHeld.peek() ? store.view.peek() : null;
     let isFirst = true;
     const stop = effect(() => {
-      const stepping = store.walk.value;
+      const stepping = store.stepping.value;
       const view = store.view.peek();
       const now = stepping?.steps[Math.max(0, stepping.done - 1)];
       if (!stepping || !view || !now) return;
       const near = isFirst ? { ...view, scale: zoomedInScale(stepping.geometry) } : view;
       isFirst = false;
-      store.look(viewWithCell(near, smallest([...store.pictures.values()]), stepping.geometry, now.cell));
+      store.setView(viewWithCell(near, smallest([...store.pictures.values()]), stepping.geometry, now.cell));
     });
     return () => {
       stop();
-      if (before) store.look(before);
+      if (before) store.setView(before);
       else store.viewHeld.value = false;
     };
   });
@@ -98,10 +98,10 @@ function ZoomToggle({ store }: { readonly store: Store }) {
   );
 }
 
-const startText = ({ steps, frame }: Walk): string =>
+const startText = ({ steps, frame }: Stepping): string =>
   `The newest scan was removed from the map: ${frame.ranges.length} beams, ${steps.length} cells to update.`;
 
-function StepText({ store, stepping }: { readonly store: Store; readonly stepping: Walk }) {
+function StepText({ store, stepping }: { readonly store: Store; readonly stepping: Stepping }) {
   const now = stepping.steps[stepping.done - 1];
   if (!now) return null;
   const held = (done: number): number | undefined => valuesNow(store, { ...stepping, done }).get(key(now.cell));
@@ -131,7 +131,7 @@ function StepText({ store, stepping }: { readonly store: Store; readonly steppin
 }
 
 /** The log-odds, before this step, of a cell that no earlier step has updated. */
-function valueBeforeFirstUpdate(store: Store, stepping: Walk, after: number): number {
+function valueBeforeFirstUpdate(store: Store, stepping: Stepping, after: number): number {
   const now = stepping.steps[stepping.done - 1];
   if (!now) return after;
   const one = { ...stepping, steps: [{ ...now, evidence: 0 }], done: 1 };

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import { emptyGrid, INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
 import { updatePerBeam } from "../../grid/textbook";
+import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
-import type { Walk } from "../../store/walk";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 import { key, lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";
 import { valueBeforeSteps } from "./stepping";
@@ -29,7 +29,7 @@ const frame = {
   range_max: 10,
 } as unknown as Frame;
 
-const steppingOf = (values: Values, done?: number): Walk => {
+const steppingOf = (values: Values, done?: number): Stepping => {
   const config = lessonConfig(values);
   const steps = stepsOfScan(frame, POSE, GEOMETRY, config);
   return { frame, pose: POSE, geometry: GEOMETRY, config, steps, index: 1, done: done ?? steps.length };
@@ -79,25 +79,28 @@ test("on and back by a cell and by a beam", () => {
   expect(moved({ ...stepping, done: stepping.steps.length }, "cell", 1)).toBe(stepping.steps.length);
 });
 
-test("what has no order of cells says so", () => {
+test("parameters without an order of cells are refused with a reason", () => {
   expect(whyNoSteps(VALUES)).toBeNull();
   for (const change of [{ model: "sonar_cone" }, { update: "per_scan" }, { traversal: "amanatides_woo" }]) {
     expect(whyNoSteps({ ...VALUES, ...change })).toMatch(/^Steps by cell .*\.$/);
   }
 });
 
-test("what a byte cannot say the server's answer does, as long as it is about the same byte", () => {
+test("the server's exact value is used if it agrees with the byte", () => {
   const geometry = { epoch: 3, low: -10, high: 10 };
-  const told = (byte: number, log_odds: number): number => {
+  const value = (byte: number, log_odds: number): number => {
     const store = {
       map: { peek: () => ({ geometry, cells: { at: () => byte } }) },
       inspected: { peek: () => ({ row: 2, col: 5, epoch: 3, log_odds }) },
     } as unknown as Store;
-    return valueBeforeSteps(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Walk, { row: 2, col: 5 });
+    return valueBeforeSteps(store, { geometry, config: { log_odds_prior: 0 } } as unknown as Stepping, {
+      row: 2,
+      col: 5,
+    });
   };
-  expect(told(1, -103.25)).toBe(-103.25); // without a clamp a cell goes beyond what the picture tells apart
-  expect(told(255, 34)).toBe(34);
-  expect(told(128, 0.02)).toBe(0.02);
-  expect(told(128, -103.25)).toBe(0); // the answer is about another time
-  expect(told(0, 1)).toBe(0); // never observed: the prior
+  expect(value(1, -103.25)).toBe(-103.25); // without a clamp a cell exceeds the range of the bytes
+  expect(value(255, 34)).toBe(34);
+  expect(value(128, 0.02)).toBe(0.02);
+  expect(value(128, -103.25)).toBe(0); // the answer is about another time
+  expect(value(0, 1)).toBe(0); // never observed: the prior
 });

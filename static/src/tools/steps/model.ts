@@ -8,7 +8,7 @@ import type { Cell } from "../../grid/lattice";
 import { INITIAL_CONFIG, type MappingConfig } from "../../grid/occupancyGrid";
 import { beamModel, INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
 import { bayesFilter, cellsAlong, evidenceOfBeam } from "../../grid/textbook";
-import type { Step, Walk } from "../../store/walk";
+import type { Step, Stepping } from "../../store/stepping";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 
 /** Why steps by cell and beam are not possible; null if they are. */
@@ -57,7 +57,7 @@ export function stepsOfScan(frame: Frame, pose: Pose, geometry: Geometry, config
 export const key = ({ row, col }: Cell): string => `${row} ${col}`;
 
 /** The log-odds of each cell that the first `done` steps updated; `before` gives its value before the first step. */
-export function valuesAfterSteps(stepping: Walk, before: (cell: Cell) => number): ReadonlyMap<string, number> {
+export function valuesAfterSteps(stepping: Stepping, before: (cell: Cell) => number): ReadonlyMap<string, number> {
   const held = new Map<string, number>();
   for (let n = 0; n < stepping.done; n++) {
     const { cell, evidence } = stepping.steps[n] as Step;
@@ -68,7 +68,7 @@ export function valuesAfterSteps(stepping: Walk, before: (cell: Cell) => number)
 }
 
 /** The number of steps done after moving forward or back by a cell or by a beam. */
-export function moved(stepping: Walk, unit: "cell" | "beam", by: 1 | -1): number {
+export function moved(stepping: Stepping, unit: "cell" | "beam", by: 1 | -1): number {
   const { steps, done } = stepping;
   if (unit === "cell") return Math.min(steps.length, Math.max(0, done + by));
   if (by === 1) {

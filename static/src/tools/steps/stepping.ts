@@ -3,8 +3,8 @@
 import { effect } from "@preact/signals";
 import { logOddsAt, shownByteAt } from "../../grid/cellValues";
 import type { Cell } from "../../grid/lattice";
+import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
-import type { Walk } from "../../store/walk";
 import { toast } from "../../ui/Toast";
 import { lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";
 
@@ -31,7 +31,7 @@ function indexChanged(store: Store): Promise<boolean> {
 }
 
 /** Remove the newest scan from the map, to add it again cell by cell; with `onwards` a new scan is made first. */
-async function begin(store: Store, onwards: boolean): Promise<Walk | null> {
+async function begin(store: Store, onwards: boolean): Promise<Stepping | null> {
   const why = whyNoSteps(store.mapping.values.peek());
   if (why) {
     toast(why);
@@ -58,30 +58,30 @@ let busy = false;
 /** Step forward or back. Steps that are requested while one waits for the server are dropped. */
 export async function step(store: Store, unit: Unit, by: 1 | -1): Promise<void> {
   if (busy) return;
-  const stepping = store.walk.peek();
+  const stepping = store.stepping.peek();
   if (unit === "scan" || unit === "second") {
     const scans = unit === "scan" ? 1 : Math.round(Number(store.sensor.values.peek().scan_rate ?? 10));
     // A scan whose cells were stepped through is displayed as if it were in the map: forward adds it.
-    store.walk.value = null;
+    store.stepping.value = null;
     store.send({ type: "step", scans: by * scans });
     return;
   }
   if (stepping && by === 1 && stepping.done === stepping.steps.length) {
-    store.walk.value = null;
+    store.stepping.value = null;
     store.send({ type: "step", scans: 1 });
     return;
   }
   busy = true;
   try {
     const from = stepping ?? (await begin(store, by === 1));
-    if (from) store.walk.value = { ...from, done: moved(from, unit, by) };
+    if (from) store.stepping.value = { ...from, done: moved(from, unit, by) };
   } finally {
     busy = false;
   }
 }
 
 /** The log-odds of a cell in the map without the scan that is stepped through; the prior if it was never observed. */
-export function valueBeforeSteps(store: Store, { geometry, config }: Walk, { row, col }: Cell): number {
+export function valueBeforeSteps(store: Store, { geometry, config }: Stepping, { row, col }: Cell): number {
   const byte = store.map.peek()?.cells.at(row, col) ?? 0;
   if (byte === 0) return config.log_odds_prior;
   const exact = store.inspected.peek();
@@ -94,7 +94,7 @@ export function valueBeforeSteps(store: Store, { geometry, config }: Walk, { row
 }
 
 /** The current log-odds of every cell that the steps have updated. */
-export const valuesNow = (store: Store, stepping: Walk): ReadonlyMap<string, number> =>
+export const valuesNow = (store: Store, stepping: Stepping): ReadonlyMap<string, number> =>
   valuesAfterSteps(stepping, (cell) => valueBeforeSteps(store, stepping, cell));
 
 /** End the stepping when the session advances or the map changes; the returned function stops this. */
@@ -102,15 +102,15 @@ export function endStaleSteps(store: Store): () => void {
   const stops = [
     effect(() => {
       const frame = store.frame.value;
-      const stepping = store.walk.peek();
-      if (stepping && frame && (frame.index !== stepping.index || frame.playing)) store.walk.value = null;
+      const stepping = store.stepping.peek();
+      if (stepping && frame && (frame.index !== stepping.index || frame.playing)) store.stepping.value = null;
     }),
     effect(() => {
       void store.mapping.values.value;
-      if (store.walk.peek()) store.walk.value = null;
+      if (store.stepping.peek()) store.stepping.value = null;
     }),
     effect(() => {
-      const stepping = store.walk.value;
+      const stepping = store.stepping.value;
       const cell = stepping?.steps[stepping.done - 1]?.cell;
       if (cell) store.inspect(cell);
     }),

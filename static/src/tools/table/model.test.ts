@@ -22,7 +22,7 @@ test("where something stands ahead the table stands beside it, and every beam se
   expect(Math.abs(bearing)).toBeLessThan(1.1);
 });
 
-test("in a narrow place there is no room for a table", () => {
+test("in a narrow corridor there is no room for a table", () => {
   expect(placeOf(scan(() => 1))).toBeNull();
   expect(placeOf(scan(() => null))).toBeNull();
 });
@@ -43,7 +43,7 @@ test("the arithmetic of one cell", () => {
 });
 
 test("the curve grows by a point for each scan and begins anew with a new count", () => {
-  const told = (scans: number, free: number): Forgetting =>
+  const forgetting = (scans: number, free: number): Forgetting =>
     ({ type: "forgetting", cells: 9, scans, free_with_clamp: free, free_without_clamp: 0 }) as unknown as Forgetting;
   let points: readonly Point[] = [];
   for (const [scans, free] of [
@@ -52,12 +52,12 @@ test("the curve grows by a point for each scan and begins anew with a new count"
     [1, 0.1],
     [3, 0.5],
   ] as const)
-    points = grown(points, told(scans, free));
+    points = grown(points, forgetting(scans, free));
   expect(points.map((p) => [p.scans, p.withClamp])).toEqual([
     [1, 0.1],
     [3, 0.5],
   ]);
-  expect(grown(points, told(2, 0.2))).toHaveLength(1);
+  expect(grown(points, forgetting(2, 0.2))).toHaveLength(1);
 });
 
 test("what the map without the clamp does is not always slower, and the words do not say so", () => {

@@ -11,34 +11,34 @@ const ROOMY_PX = 7;
 
 interface ChartProps {
   readonly why: WhyMessage;
-  readonly touch: ReadonlySignal<Contribution | null>;
-  readonly onTouch: (n: number) => void;
+  readonly selected: ReadonlySignal<Contribution | null>;
+  readonly onSelect: (n: number) => void;
 }
 
 /** The log-odds of one cell over its updates; the pointer selects one. */
-export function Chart({ why, touch, onTouch }: ChartProps) {
-  const story = logOddsCurve(why);
+export function Chart({ why, selected, onSelect }: ChartProps) {
+  const curve = logOddsCurve(why);
   const limits = [why.log_odds_min, why.log_odds_max].filter((limit) => limit !== null);
   const across = readingScale(WIDTH, 0, Math.max(4, why.total) + 0.5);
   const up = evidenceScale(
     HEIGHT,
     limits,
-    story.map(([, value]) => value),
+    curve.map(([, value]) => value),
   );
   const x = (n: number): number => toPixel(n, across);
   const y = (value: number): number => toPixel(value, up);
   const paths = { level: "", hit: "", miss: "" };
-  for (const [i, [n, value]] of story.entries()) {
-    const [next, after] = story[i + 1] ?? [why.total + 0.5, value];
+  for (const [i, [n, value]] of curve.entries()) {
+    const [next, after] = curve[i + 1] ?? [why.total + 0.5, value];
     paths.level += `M${x(n)} ${y(value)}H${x(next)}`;
     if (after !== value) paths[after > value ? "hit" : "miss"] += `M${x(next)} ${y(value)}V${y(after)}`;
   }
   const isRoomy = x(1) - x(0) >= ROOMY_PX;
-  const at = touch.value;
+  const at = selected.value;
   const point = (event: PointerEvent & { readonly currentTarget: SVGSVGElement }): void => {
     const box = event.currentTarget.getBoundingClientRect();
     const n = Math.round(toValue(((event.clientX - box.left) / box.width) * WIDTH, across));
-    if (why.total > 0) onTouch(Math.min(why.total, Math.max(1, n)));
+    if (why.total > 0) onSelect(Math.min(why.total, Math.max(1, n)));
   };
   return (
     <svg

@@ -20,7 +20,7 @@ interface WhyProps {
 
 /** Opens when the explanation of a cell is requested, at the edge of the window, so that nothing on the page moves. */
 export function Why({ store, side }: WhyProps) {
-  const isOpen = useMemo(() => computed(() => store.asked.value !== null), [store]);
+  const isOpen = useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
   return isOpen.value ? <Panel store={store} side={side} /> : null;
 }
 
@@ -32,7 +32,7 @@ function Panel({ store, side }: WhyProps) {
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
     if (byKeys) slider.current?.focus({ preventScroll: true });
     const closeOn = (event: KeyboardEvent): void => {
-      if (event.key === "Escape" && !event.defaultPrevented) store.ask(null);
+      if (event.key === "Escape" && !event.defaultPrevented) store.explain(null);
     };
     addEventListener("keydown", closeOn);
     const stop = pollWhy(store);
@@ -43,7 +43,7 @@ function Panel({ store, side }: WhyProps) {
     };
   }, [store]);
   const why = store.why.value;
-  const cell = store.askedCell.value;
+  const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
     <section class={`why why-${side}`} aria-label="Why this cell is what it is">
@@ -54,15 +54,15 @@ function Panel({ store, side }: WhyProps) {
             row {cell.row}, col {cell.col}
           </span>
         )}
-        <Button kind="quiet" icon="close" label="Close" onClick={() => store.ask(null)} />
+        <Button kind="quiet" icon="close" label="Close" onClick={() => store.explain(null)} />
       </header>
       {store.second.value && store.comparison.value && (
         <Choice
           label="Map"
           bare
           options={MAPS}
-          value={store.askedMap.value}
-          onChange={(layer) => store.ask(store.asked.peek(), layer)}
+          value={store.explainedLayer.value}
+          onChange={(layer) => store.explain(store.explainedPoint.peek(), layer)}
         />
       )}
       <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
@@ -88,7 +88,7 @@ const MAPS = [
 
 /** A parameter of the map of the explained cell. */
 function parameterOf(store: Store, name: string): Value | undefined {
-  const kept = store.askedMap.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
+  const kept = store.explainedLayer.value === SECOND_MAP ? store.compared.value?.values[name] : undefined;
   return kept ?? store.mapping.values.value[name];
 }
 
@@ -105,21 +105,21 @@ function ruleOf(store: Store, why: WhyMessage | null): string {
 
 /** The sentence for screen readers, announced once for each cell and not again with each beam. */
 function Announcement({ store, hitWindow }: { readonly store: Store; readonly hitWindow: ReadonlySignal<number> }) {
-  const spoken = useMemo(() => signal(""), []);
+  const announcement = useMemo(() => signal(""), []);
   useEffect(() => {
-    let said = "";
+    let announced = "";
     return effect(() => {
       const why = store.why.value;
       if (!why) return;
       const place = `${why.layer} ${why.epoch} ${why.row} ${why.col}`;
-      if (place === said) return;
-      said = place;
-      spoken.value = sentence(why, newestOf(why), hitWindow.peek());
+      if (place === announced) return;
+      announced = place;
+      announcement.value = sentence(why, newestOf(why), hitWindow.peek());
     });
-  }, [store, spoken, hitWindow]);
+  }, [store, announcement, hitWindow]);
   return (
     <p class="visually-hidden" role="status" aria-live="polite">
-      {spoken}
+      {announcement}
     </p>
   );
 }
@@ -133,20 +133,20 @@ interface UpdateHistoryProps {
 function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
   const id = useId();
   const why = store.why.value;
-  const touch = store.touch.value;
+  const contribution = store.selectedContribution.value;
   const total = why?.total ?? 0;
-  const n = Math.min(store.touched.value ?? total, total);
+  const n = Math.min(store.selectedUpdate.value ?? total, total);
   const choose = (to: number): void => {
     // null follows the newest update.
-    store.touched.value = to >= total ? null : Math.max(1, to);
+    store.selectedUpdate.value = to >= total ? null : Math.max(1, to);
   };
-  const update = why && touch && updateOf(why, touch.n);
+  const update = why && contribution && updateOf(why, contribution.n);
   // The session cannot seek to a scan of another log.
-  const isElsewhere = store.askedMap.value === SECOND_MAP && Boolean(store.compared.value?.log);
-  const isLog = store.hello.value?.kind === "log" && !isElsewhere;
+  const isOtherLog = store.explainedLayer.value === SECOND_MAP && Boolean(store.compared.value?.log);
+  const isLog = store.hello.value?.kind === "log" && !isOtherLog;
   return (
     <div class="why-history" hidden={why !== null && total === 0}>
-      {why && <Chart why={why} touch={store.touch} onTouch={choose} />}
+      {why && <Chart why={why} selected={store.selectedContribution} onSelect={choose} />}
       {!why && <div class="why-chart" />}
       <div class="why-slider">
         <Button kind="quiet" icon="stepBack" label="Previous beam" disabled={n <= 1} onClick={() => choose(n - 1)} />
@@ -155,7 +155,9 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
           type="range"
           aria-label="Beams through this cell"
           aria-describedby={id}
-          aria-valuetext={touch ? `beam ${n} of ${total}: ${describe(touch, hitWindow.value)}` : "no beam yet"}
+          aria-valuetext={
+            contribution ? `beam ${n} of ${total}: ${describe(contribution, hitWindow.value)}` : "no beam yet"
+          }
           min={1}
           max={Math.max(1, total)}
           value={n}
@@ -168,24 +170,24 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
       </div>
       <p class="why-equation">
         <span class="why-rule">{ruleOf(store, why)}</span>
-        <output aria-live="off" class={touch?.hit ? "noun-hit" : "noun-miss"}>
+        <output aria-live="off" class={contribution?.hit ? "noun-hit" : "noun-miss"}>
           {update ? equation(update) : "…"}
         </output>
       </p>
-      <div class="why-touch">
+      <div class="why-update">
         <p>
           <b class="number">
             {n} of {total}
           </b>{" "}
-          {touch ? <TouchWords touch={touch} hitWindow={hitWindow.value} /> : "…"}
+          {contribution ? <ContributionText contribution={contribution} hitWindow={hitWindow.value} /> : "…"}
         </p>
         {isLog && (
           <Button
-            disabled={!touch}
+            disabled={!contribution}
             onClick={() => {
-              if (!touch) return;
+              if (!contribution) return;
               store.send({ type: "pause" });
-              store.send({ type: "seek", index: touch.scan + 1 });
+              store.send({ type: "seek", index: contribution.scan + 1 });
             }}
           >
             Go to this scan
@@ -197,12 +199,18 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
   );
 }
 
-function TouchWords({ touch, hitWindow }: { readonly touch: Contribution; readonly hitWindow: number }) {
-  const reading = touch.range === null ? "no return" : `${touch.range.toFixed(2)} m`;
+function ContributionText({
+  contribution,
+  hitWindow,
+}: {
+  readonly contribution: Contribution;
+  readonly hitWindow: number;
+}) {
+  const reading = contribution.range === null ? "no return" : `${contribution.range.toFixed(2)} m`;
   return (
     <>
-      scan {touch.scan + 1}, beam {touch.beam + 1}, <span class="noun-beam">{reading}</span>:{" "}
-      <span class={touch.hit ? "noun-hit" : "noun-miss"}>{verdict(touch, hitWindow)}</span>
+      scan {contribution.scan + 1}, beam {contribution.beam + 1}, <span class="noun-beam">{reading}</span>:{" "}
+      <span class={contribution.hit ? "noun-hit" : "noun-miss"}>{verdict(contribution, hitWindow)}</span>
     </>
   );
 }

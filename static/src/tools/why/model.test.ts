@@ -28,7 +28,7 @@ function whyOf(hits: readonly boolean[], more: Partial<WhyMessage> = {}): WhyMes
     total: hits.length,
     hits: hits.filter(Boolean).length,
     first_scan: contributions[0]?.scan ?? null,
-    curve: contributions.map((touch) => [touch.n, touch.log_odds]),
+    curve: contributions.map(({ n, log_odds }) => [n, log_odds]),
     contributions,
     layer: "map",
     ...more,
@@ -38,7 +38,7 @@ function whyOf(hits: readonly boolean[], more: Partial<WhyMessage> = {}): WhyMes
 const last = (why: WhyMessage): Contribution | null => why.contributions.at(-1) ?? null;
 
 describe("the sentence", () => {
-  it("tells the state, the counts and the last beam", () => {
+  it("contains the state, the counts and the last beam", () => {
     const why = whyOf([true, false, true, true]);
     expect(sentence(why, last(why), 0)).toBe(
       "Occupied, p 0.90: 3 beams ended here, 1 passed through; the last, from scan 35 at 3.2 m, ended here.",
@@ -53,12 +53,12 @@ describe("the sentence", () => {
     );
   });
 
-  it("says that a per-scan update counts scans", () => {
+  it("states that a per-scan update counts scans", () => {
     const why = whyOf([true, true, false], { per_scan: true });
     expect(sentence(why, last(why), 0)).toContain("each scan counts once, 2 as a hit, 1 as a miss; the last");
   });
 
-  it("says when nothing ever touched the cell", () => {
+  it("states when no beam updated the cell", () => {
     const why = whyOf([], { prior: -0.3, log_odds: -0.3, index: 1 });
     expect(stateOf(why)).toBe("never observed");
     expect(sentence(why, null, 0)).toBe(
@@ -80,7 +80,7 @@ describe("an update", () => {
     expect(equation(updateOf(why, 5) as never)).toBe("3.40 + 0.85 = 4.25 → 3.50");
   });
 
-  it("is not told where the one before it is not known", () => {
+  it("is null if the update before it is unknown", () => {
     const whole = whyOf([true, true, true, true]);
     const why = { ...whole, contributions: whole.contributions.slice(2) };
     expect(updateOf(why, 3)).toBeNull();
@@ -95,7 +95,7 @@ it("the story begins with the prior", () => {
   ]);
 });
 
-it("what is asked for holds the touch and the one before it, for every touch there is", () => {
+it("the requested window contains each update and the one before it", () => {
   for (const total of [1, 199, 300, 301, 1234]) {
     for (let n = 1; n <= total; n++) {
       const until = Math.min(untilFor(n, total) ?? total, total);

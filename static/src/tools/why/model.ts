@@ -52,16 +52,16 @@ export interface Update {
 /** The numbers of update `n`; null if the answer does not contain it and the one before. */
 export function updateOf(why: WhyMessage, n: number): Update | null {
   const first = why.contributions[0]?.n ?? 1;
-  const touch = why.contributions[n - first];
+  const contribution = why.contributions[n - first];
   const before = n === 1 ? why.prior : why.contributions[n - first - 1]?.log_odds;
-  if (!touch || before === undefined) return null;
-  const sum = before + touch.increment;
+  if (!contribution || before === undefined) return null;
+  const sum = before + contribution.increment;
   return {
     before,
-    increment: touch.increment,
+    increment: contribution.increment,
     sum,
-    after: touch.log_odds,
-    isClamped: Math.abs(sum - touch.log_odds) > 1e-4,
+    after: contribution.log_odds,
+    isClamped: Math.abs(sum - contribution.log_odds) > 1e-4,
   };
 }
 
@@ -72,9 +72,9 @@ export function equation({ before, increment, sum, after, isClamped }: Update): 
 }
 
 /** An update in one line. */
-export function describe(touch: Contribution, window: number): string {
-  const reading = touch.range === null ? "no return" : `${written(touch.range, 2)} m`;
-  return `scan ${touch.scan + 1}, beam ${touch.beam + 1}, ${reading}: ${verdict(touch, window)}, ${signed(touch.increment)}`;
+export function describe(contribution: Contribution, window: number): string {
+  const reading = contribution.range === null ? "no return" : `${written(contribution.range, 2)} m`;
+  return `scan ${contribution.scan + 1}, beam ${contribution.beam + 1}, ${reading}: ${verdict(contribution, window)}, ${signed(contribution.increment)}`;
 }
 
 /** The log-odds before the first update and after those in the answer's curve, as [n, log-odds]. */

@@ -6,13 +6,13 @@ import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 
 export function paintWhy(store: Store, brush: Brush): void {
-  const cell = store.askedCell.peek();
-  const map = store.askedPicture.peek();
+  const cell = store.explainedCell.peek();
+  const map = store.explainedMap.peek();
   const frame = store.frame.peek();
   if (!cell || !map || !frame) return;
-  const { ctx, view, size, inks } = brush;
+  const { ctx, view, size, colours } = brush;
   const why = store.why.peek();
-  const touch = store.touch.peek();
+  const selected = store.selectedContribution.peek();
   const [x, y] = toScreen(view, size, ...centreOf(map.geometry, cell));
   for (const kind of ["miss", "hit"] as const) {
     ctx.beginPath();
@@ -23,23 +23,29 @@ export function paintWhy(store: Store, brush: Brush): void {
     }
     ctx.globalAlpha = kind === "hit" ? 0.22 : 0.14;
     ctx.lineWidth = 1;
-    ctx.strokeStyle = inks[kind];
+    ctx.strokeStyle = colours[kind];
     ctx.stroke();
   }
   ctx.globalAlpha = 1;
-  if (touch) {
+  if (selected) {
     // In the colour of a hit or a miss, to distinguish it from the beams of the newest scan.
-    const beam = inks[touch.hit ? "hit" : "miss"];
-    const own = { ...brush, inks: { ...inks, beam } };
-    paintBeam(own, touch.pose, { ...touch, index: touch.beam }, frame.range_max);
-    const [sx, sy] = toScreen(view, size, touch.pose[0], touch.pose[1]);
+    const beam = colours[selected.hit ? "hit" : "miss"];
+    const own = { ...brush, colours: { ...colours, beam } };
+    paintBeam(own, selected.pose, { ...selected, index: selected.beam }, frame.range_max);
+    const [sx, sy] = toScreen(view, size, selected.pose[0], selected.pose[1]);
     ctx.beginPath();
     ctx.arc(sx, sy, 5, 0, 2 * Math.PI);
-    ctx.fillStyle = inks.halo;
+    ctx.fillStyle = colours.halo;
     ctx.fill();
     ctx.lineWidth = 2;
     ctx.strokeStyle = beam;
     ctx.stroke();
   }
-  paintCell(brush, map.geometry, cell.row, cell.col, touch ? inks[touch.hit ? "hit" : "miss"] : inks.ink);
+  paintCell(
+    brush,
+    map.geometry,
+    cell.row,
+    cell.col,
+    selected ? colours[selected.hit ? "hit" : "miss"] : colours.outline,
+  );
 }

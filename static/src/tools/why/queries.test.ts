@@ -53,35 +53,35 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-test("a cell is asked about at once, and not again while nothing happens", () => {
+test("a cell is requested at once, and not again while nothing changes", () => {
   pass(1000);
   expect(sent).toEqual([]);
-  store.ask([1.25, 0.55]);
+  store.explain([1.25, 0.55]);
   pass(5000);
   expect(sent).toEqual([{ type: "why", row: 5, col: 12, epoch: 1, layer: "map" }]);
 });
 
-test("while the robot walks once a second, while parameters change at most three times", () => {
-  store.ask([1.25, 0.55]);
+test("while the robot drives once a second, while parameters change at most three times", () => {
+  store.explain([1.25, 0.55]);
   pass(200);
   sent = [];
   pass(3000, frame);
   expect(sent.length).toBeGreaterThanOrEqual(2);
   expect(sent.length).toBeLessThanOrEqual(3);
   sent = [];
-  pass(3000, (i) => store.mapping.hear({ log_odds_hit: i }));
+  pass(3000, (i) => store.mapping.update({ log_odds_hit: i }));
   expect(sent.length).toBeGreaterThanOrEqual(7);
   expect(sent.length).toBeLessThanOrEqual(9);
 });
 
-test("an old touch brings the question about its window, another cell a new one", () => {
-  store.ask([1.25, 0.55]);
+test("an older update is requested with its window, another cell with a new request", () => {
+  store.explain([1.25, 0.55]);
   pass(200);
   answer();
-  store.touched.value = 42;
+  store.selectedUpdate.value = 42;
   pass(200);
   expect(sent.at(-1)).toEqual({ type: "why", row: 5, col: 12, epoch: 1, layer: "map", until: 200 });
-  store.ask([1.25, 0.65]);
+  store.explain([1.25, 0.65]);
   pass(200);
   expect(store.why.value).toBeNull();
   expect(sent.at(-1)).toEqual({ type: "why", row: 6, col: 12, epoch: 1, layer: "map" });
@@ -92,9 +92,9 @@ test("an old touch brings the question about its window, another cell a new one"
 });
 
 test("nobody asks any more once the panel is closed", () => {
-  store.ask([1.25, 0.55]);
+  store.explain([1.25, 0.55]);
   pass(200);
-  store.ask(null);
+  store.explain(null);
   sent = [];
   pass(3000, frame);
   expect(sent).toEqual([]);

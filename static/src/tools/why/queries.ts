@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 
 /** Least time between requests: for another update, for a cell that changed, for an unchanged cell in a new scan. */
-const TOUCH_MS = 120;
+const NEW_REQUEST_MS = 120;
 const CHANGED_MS = 350;
 const UNCHANGED_MS = 1000;
 
@@ -18,7 +18,7 @@ export function untilFor(n: number | null, total: number): number | undefined {
   return (Math.ceil(n / STEP) + 1) * STEP;
 }
 
-interface Question {
+interface Query {
   readonly place: string;
   readonly content: readonly unknown[];
   readonly index: number;
@@ -26,17 +26,17 @@ interface Question {
 
 /** Keep the explanation in the store up to date; the returned function stops it. */
 export function pollWhy(store: Store): () => void {
-  let last: Question = { place: "", content: [], index: -1 };
+  let last: Query = { place: "", content: [], index: -1 };
   let lastAt = Number.NEGATIVE_INFINITY;
   let timer: ReturnType<typeof setTimeout> | undefined;
 
-  const question = (): (Question & { readonly send: () => void }) | null => {
-    const cell = store.askedCell.peek();
-    const map = store.askedPicture.peek();
-    const layer = store.askedMap.peek();
+  const query = (): (Query & { readonly send: () => void }) | null => {
+    const cell = store.explainedCell.peek();
+    const map = store.explainedMap.peek();
+    const layer = store.explainedLayer.peek();
     const epoch = map?.geometry.epoch ?? -1;
     if (!cell || !map || epoch < 0) return null;
-    const until = untilFor(store.touched.peek(), store.why.peek()?.total ?? 0);
+    const until = untilFor(store.selectedUpdate.peek(), store.why.peek()?.total ?? 0);
     const { row, col } = cell;
     return {
       place: `${layer} ${epoch} ${row} ${col} ${until}`,
@@ -53,23 +53,23 @@ export function pollWhy(store: Store): () => void {
         }),
     };
   };
-  const waitFor = (next: Question): number | null => {
-    if (next.place !== last.place) return TOUCH_MS;
+  const waitFor = (next: Query): number | null => {
+    if (next.place !== last.place) return NEW_REQUEST_MS;
     if (next.content.some((part, i) => part !== last.content[i])) return CHANGED_MS;
     return next.index === last.index ? null : UNCHANGED_MS;
   };
   const send = (): void => {
-    const next = question();
+    const next = query();
     if (!next || waitFor(next) === null) return;
     last = next;
     lastAt = performance.now();
     next.send();
   };
   const stop = effect(() => {
-    void [store.askedCell.value, store.map.value, store.mapVersion.value, store.frame.value?.index];
-    void [store.askedPicture.value, store.second.value?.version.value];
-    void [store.mapping.values.value, store.touched.value];
-    const next = question();
+    void [store.explainedCell.value, store.map.value, store.mapVersion.value, store.frame.value?.index];
+    void [store.explainedMap.value, store.second.value?.version.value];
+    void [store.mapping.values.value, store.selectedUpdate.value];
+    const next = query();
     if (!next) last = { place: "", content: [], index: -1 };
     clearTimeout(timer);
     const wait = next && waitFor(next);

@@ -4,7 +4,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../tools/compare/comparison";
+import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
 import { Legend } from "../../../tools/compare/Legend";
 import { Numbers } from "../../../tools/compare/Numbers";
 import { Button } from "../../../ui/Button";
@@ -24,7 +24,7 @@ interface CompareProps {
   readonly isGuest: boolean;
 }
 
-const TITLES: Record<Look, string> = { swipe: "Swipe", blink: "Blink", difference: "Difference", merge: "Merge" };
+const TITLES: Record<ViewMode, string> = { swipe: "Swipe", blink: "Blink", difference: "Difference", merge: "Merge" };
 
 export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const failure = useSignal<string | null>(null);
@@ -93,21 +93,21 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
           </div>
           {compared && (
             <>
-              <div class="compare-look">
+              <div class="compare-mode">
                 <Choice
                   label="Show as"
-                  options={LOOKS.map((look) => ({ value: look, label: TITLES[look] }))}
-                  value={comparison.look.value}
-                  onChange={(look) => {
-                    comparison.look.value = look as Look;
+                  options={VIEW_MODES.map((mode) => ({ value: mode, label: TITLES[mode] }))}
+                  value={comparison.mode.value}
+                  onChange={(mode) => {
+                    comparison.mode.value = mode as ViewMode;
                   }}
                 />
-                {comparison.look.value === "swipe" && (
+                {comparison.mode.value === "swipe" && (
                   <p class="quiet">Drag the divider, or move it with the arrow keys.</p>
                 )}
-                {comparison.look.value === "blink" && <Blinking comparison={comparison} />}
-                {comparison.look.value === "difference" && <Legend comparison={comparison} />}
-                {comparison.look.value === "merge" && <Merge compared={compared} />}
+                {comparison.mode.value === "blink" && <Blinking comparison={comparison} />}
+                {comparison.mode.value === "difference" && <Legend comparison={comparison} />}
+                {comparison.mode.value === "merge" && <Merge compared={compared} />}
                 <div class="compare-actions">
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
                     Difference (png)
@@ -124,7 +124,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 onGo={(place) => {
                   store.pinned.value = place;
                   const view = store.view.peek();
-                  if (view) store.look({ x: place[0], y: place[1], scale: Math.min(view.scale, 0.01) });
+                  if (view) store.setView({ x: place[0], y: place[1], scale: Math.min(view.scale, 0.01) });
                 }}
               />
             </>

@@ -3,13 +3,13 @@
 import { computed, effect } from "@preact/signals";
 import type { Marked } from "../../../render/map/difference";
 import type { Store } from "../../../store/store";
-import { BLINK_S, type Comparison, LOOKS, type Look } from "../../../tools/compare/comparison";
+import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
 import type { Parameter, Value, Values } from "../../../wire/protocol";
 import { compareWith, type Other } from "./sides";
 
 /** The JSON value after `#compare=` in the address. */
 export interface Linked {
-  readonly look: Look;
+  readonly look: ViewMode;
   /** Position of the divider, percent of the width. */
   readonly at?: number;
   readonly every?: number;
@@ -27,7 +27,11 @@ export function linkFromAddress(fragment: string): Linked | null {
   if (!fragment.startsWith(MARK)) return null;
   try {
     const linked = JSON.parse(decodeURIComponent(fragment.slice(MARK.length))) as Partial<Linked>;
-    if (!LOOKS.includes(linked.look as Look) || typeof linked.a !== "object" || typeof linked.b?.values !== "object")
+    if (
+      !VIEW_MODES.includes(linked.look as ViewMode) ||
+      typeof linked.a !== "object" ||
+      typeof linked.b?.values !== "object"
+    )
       return null;
     return linked as Linked;
   } catch {
@@ -55,14 +59,14 @@ function linkedOf(store: Store, comparison: Comparison): Linked | null {
   const table = store.hello.value?.parameters.table;
   const trajectory = store.trajectory.value?.name;
   if (!compared || !table || trajectory === undefined) return null;
-  const look = comparison.look.value;
+  const mode = comparison.mode.value;
   const mark = comparison.marked.value;
   const keeps = Object.keys(compared.values).length > 0;
   const frame = store.frame.value;
   return {
-    look,
-    ...(look === "swipe" ? { at: Math.round(100 * comparison.divider.value) } : {}),
-    ...(look === "blink" ? { every: comparison.blinkS.value } : {}),
+    look: mode,
+    ...(mode === "swipe" ? { at: Math.round(100 * comparison.divider.value) } : {}),
+    ...(mode === "blink" ? { every: comparison.blinkS.value } : {}),
     ...(mark ? { mark } : {}),
     a: {
       ...(keeps ? { values: changed(table, compared.values) } : {}),
@@ -108,7 +112,7 @@ export async function restore(
   comparison: Comparison,
   linked: Linked,
 ): Promise<string | null> {
-  comparison.look.value = linked.look;
+  comparison.mode.value = linked.look;
   if (linked.at !== undefined) comparison.divider.value = Math.min(1, Math.max(0, linked.at / 100));
   const every = BLINK_S.find((seconds) => seconds === linked.every);
   if (every !== undefined) comparison.blinkS.value = every;

@@ -32,7 +32,7 @@ export function useComparison(session: string, store: Store): Comparison {
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== "b" || event.ctrlKey || event.metaKey || event.altKey) return;
       const writes = event.target instanceof Element && event.target.closest("input[type=number], select") !== null;
-      if (comparison.isOn.peek() && comparison.look.peek() === "blink" && !writes) comparison.turn();
+      if (comparison.isOn.peek() && comparison.mode.peek() === "blink" && !writes) comparison.turn();
     };
     addEventListener("keydown", onKey);
     stops.push(() => removeEventListener("keydown", onKey));
@@ -48,7 +48,7 @@ export function BothMaps({ store, comparison }: { store: Store; comparison: Comp
   if (!compared) return null;
   const { a, b } = names(compared, store.trajectory.value?.name ?? "", store.hello.value?.title ?? "");
   const pair = comparison.pair.value;
-  const refused = store.comparison.value?.refused ?? (pair && !pair.place ? APART : null);
+  const refused = store.comparison.value?.refused ?? (pair && !pair.lattice ? APART : null);
   return <CompareOverlay comparison={comparison} names={{ a, b }} refused={refused} />;
 }
 

@@ -1,18 +1,18 @@
-/** Remembers the cells that have just changed, so that the map is seen to fill in. */
+/** The cells that have just changed: they are highlighted for a moment, so that the growth of the map can be seen. */
 
-/** Cells remembered at once; of more the oldest stop glowing early. */
+/** The largest number of highlighted cells; a further cell replaces the oldest. */
 const CAPACITY = 16384;
-/** How long a cell glows. */
-export const GLOW_MS = 600;
+/** Duration of a highlight. */
+export const HIGHLIGHT_MS = 600;
 
-/** How opaque a cell's glow is so many seconds after it changed. */
-export function strengthOf(age: number): number {
-  const t = (1000 * age) / GLOW_MS;
+/** Opacity of a cell's highlight; `age` is the time since the change in seconds. */
+export function opacityOf(age: number): number {
+  const t = (1000 * age) / HIGHLIGHT_MS;
   return t < 0 || t > 1 ? 0 : 0.75 * (1 - t) ** 2;
 }
 
-export class Glow {
-  /** (column, row, seconds) of each cell, a ring. */
+export class Highlights {
+  /** (column, row, seconds) of each cell, as a ring buffer. */
   readonly data = new Float32Array(3 * CAPACITY);
   readonly #origin: number;
   #next = 0;
@@ -28,7 +28,7 @@ export class Glow {
   }
 
   add(row: number, col: number, now: number): void {
-    const at = 3 * this.#next; // a whole map may change at once: no list is made for each cell
+    const at = 3 * this.#next; // no allocation per cell: a whole map may change at once
     this.data[at] = col;
     this.data[at + 1] = row;
     this.data[at + 2] = this.seconds(now);
@@ -37,9 +37,9 @@ export class Glow {
     this.#newest = now;
   }
 
-  /** Whether any cell still glows. */
-  isAlive(now: number): boolean {
-    return now - this.#newest < GLOW_MS;
+  /** Whether the highlight of any cell is still visible. */
+  isFading(now: number): boolean {
+    return now - this.#newest < HIGHLIGHT_MS;
   }
 
   seconds(now: number): number {

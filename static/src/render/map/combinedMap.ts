@@ -1,10 +1,10 @@
-/** A map made of two others, cell by cell: how they differ, or where something holds of both. */
+/** A map computed from two others cell by cell, as their difference or their sum. */
 
 import { LATTICE_TOLERANCE } from "../../wire/constants";
 import { type Geometry, TILE } from "../../wire/protocol";
 import { Cells } from "./cells";
 
-/** Where two maps lie on the lattice that holds both; a place in tiles from its cell (0, 0). */
+/** A lattice that contains two maps, and the offset of each in tiles from its cell (0, 0). */
 export interface CommonLattice {
   readonly geometry: Geometry;
   readonly a: readonly [ty: number, tx: number];
@@ -12,7 +12,7 @@ export interface CommonLattice {
 }
 
 /**
- * The lattice that holds two maps; null where their cells do not coincide. Maps of one resolution are whole tiles apart
+ * The lattice that contains two maps; null if their cells do not coincide. Maps of one resolution are whole tiles apart
  * (`GridGeometry.covering` of mapper/grid/occupancy_grid.py).
  */
 export function commonLattice(a: Geometry, b: Geometry): CommonLattice | null {
@@ -34,38 +34,38 @@ export function commonLattice(a: Geometry, b: Geometry): CommonLattice | null {
   return { geometry: { ...b, rows, cols, origin }, a: [ty - bottom, tx - left], b: [0 - bottom, 0 - left] };
 }
 
-/** What stands for a pair of bytes: of `a` in the upper half of the index, of `b` in the lower. */
+/** The byte for each pair of bytes; the index is 256 · (byte of `a`) + (byte of `b`). */
 export type Codes = Uint8Array;
 
 const bytesA = new Uint8Array(TILE * TILE);
 const bytesB = new Uint8Array(TILE * TILE);
 const made = new Uint8Array(TILE * TILE);
 
-export class Derived {
+export class CombinedMap {
   readonly cells = new Cells();
   readonly #a: Cells;
   readonly #b: Cells;
-  readonly #place: CommonLattice;
+  readonly #lattice: CommonLattice;
   readonly #codes: Codes;
-  /** Tiles that have changed since they were last made, as ty · 65536 + tx of the common lattice. */
+  /** Tiles that changed since they were last computed, as ty · 65536 + tx of the common lattice. */
   readonly #stale = new Set<number>();
-  readonly #hearA: (tx: number, ty: number) => void;
-  readonly #hearB: (tx: number, ty: number) => void;
+  readonly #onTileA: (tx: number, ty: number) => void;
+  readonly #onTileB: (tx: number, ty: number) => void;
 
-  constructor(a: Cells, b: Cells, place: CommonLattice, codes: Codes) {
+  constructor(a: Cells, b: Cells, lattice: CommonLattice, codes: Codes) {
     this.#a = a;
     this.#b = b;
-    this.#place = place;
+    this.#lattice = lattice;
     this.#codes = codes;
-    const hear =
+    const markStale =
       ([y, x]: readonly [number, number]) =>
       (tx: number, ty: number): void =>
         void this.#stale.add((ty + y) * 65536 + tx + x);
-    this.#hearA = hear(place.a);
-    this.#hearB = hear(place.b);
-    a.listeners.add(this.#hearA);
-    b.listeners.add(this.#hearB);
-    const { rows, cols } = place.geometry;
+    this.#onTileA = markStale(lattice.a);
+    this.#onTileB = markStale(lattice.b);
+    a.listeners.add(this.#onTileA);
+    b.listeners.add(this.#onTileB);
+    const { rows, cols } = lattice.geometry;
     for (let ty = 0; ty < rows / TILE; ty++) for (let tx = 0; tx < cols / TILE; tx++) this.#stale.add(ty * 65536 + tx);
   }
 
@@ -77,21 +77,21 @@ export class Derived {
   }
 
   #make(ty: number, tx: number): void {
-    const { a, b } = this.#place;
+    const { a, b } = this.#lattice;
     const hasA = this.#a.readTile(tx - a[1], ty - a[0], bytesA);
     const hasB = this.#b.readTile(tx - b[1], ty - b[0], bytesB);
     if (!hasA && !hasB) return;
     if (!hasA) bytesA.fill(0);
     if (!hasB) bytesB.fill(0);
     for (let i = 0; i < made.length; i++) {
-      // As the wire has it: int8.
+      // int8 as on the wire
       made[i] = (this.#codes[((bytesA[i] as number) << 8) | (bytesB[i] as number)] as number) ^ 0x80;
     }
     this.cells.setTile(tx, ty, made);
   }
 
   dispose(): void {
-    this.#a.listeners.delete(this.#hearA);
-    this.#b.listeners.delete(this.#hearB);
+    this.#a.listeners.delete(this.#onTileA);
+    this.#b.listeners.delete(this.#onTileB);
   }
 }

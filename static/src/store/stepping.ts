@@ -1,4 +1,4 @@
-/** A scan that is put into the map cell by cell: what the pictures and the tools show of it. */
+/** State of a scan that is added to the map cell by cell, for the pictures and the tools. */
 
 import type { Cell } from "../grid/lattice";
 import type { MappingConfig } from "../grid/occupancyGrid";
@@ -6,7 +6,7 @@ import type { Frame, Geometry, Pose } from "../wire/protocol";
 
 export interface Step {
   readonly beam: number;
-  /** Place on the beam, from 0, of so many cells. */
+  /** Index of the cell on the beam, from 0, and the number of the beam's cells. */
   readonly place: number;
   readonly of: number;
   readonly cell: Cell;
@@ -16,16 +16,16 @@ export interface Step {
   readonly nabla: number | null;
 }
 
-/** A scan that is walked through: the map has it not yet. */
-export interface Walk {
+/** A scan that is stepped through: the map does not contain it yet. */
+export interface Stepping {
   readonly frame: Frame;
-  /** Where the map has the sensor at the scan. */
+  /** The sensor's pose at the scan in the map frame. */
   readonly pose: Pose;
   readonly geometry: Geometry;
   readonly config: MappingConfig;
   readonly steps: readonly Step[];
-  /** How many of the steps are done. */
+  /** Number of steps done. */
   readonly done: number;
-  /** Scans in the map beneath; when that is another number, the walk is over. */
+  /** Number of scans in the map; when it changes, the stepping ends. */
   readonly index: number;
 }
