@@ -1,7 +1,7 @@
 """viser's panel: controls for the parameters and for the session's clock.
 
 A change made here is posted to the session; a change made elsewhere moves the control. A control that a user has
-changed ignores other values of the session until the session confirms it, or until :data:`PATIENCE_S` have passed:
+changed ignores other values of the session until the session confirms it, or until :data:`CONFIRM_TIMEOUT_S` have passed:
 a refused value is then reset.
 """
 
@@ -17,7 +17,7 @@ import viser
 from mapper.core.parameter import Parameter
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 
-PATIENCE_S = 1.5  #: seconds for which the session may disagree with what a person chose here
+CONFIRM_TIMEOUT_S = 1.5  #: seconds for which the session may disagree with what a person chose here
 Post = Callable[[dict[str, Any]], None]
 
 
@@ -53,7 +53,7 @@ class ParameterControls:
         async def chosen(event: viser.GuiEvent[Any]) -> None:
             if event.client is None:  # moved by show(), not by a person
                 return
-            self._chosen[row.name] = (handle.value, time.monotonic() + PATIENCE_S)
+            self._chosen[row.name] = (handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
             self._post({"type": self._command, "values": {row.name: handle.value}})
 
         handle.on_update(chosen)
@@ -105,7 +105,7 @@ class Clock:
 
             async def sought(event: viser.GuiEvent[Any]) -> None:
                 if event.client is not None:
-                    self._sought = (self._scan.value, time.monotonic() + PATIENCE_S)
+                    self._sought = (self._scan.value, time.monotonic() + CONFIRM_TIMEOUT_S)
                     post({"type": "seek", "index": self._scan.value})
 
             self._scan.on_update(sought)
@@ -140,7 +140,7 @@ class NamedChoice:
 
         async def chosen(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:
-                self._chosen = (self._handle.value, time.monotonic() + PATIENCE_S)
+                self._chosen = (self._handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
                 post({"type": choice.command, "name": self._handle.value})
 
         self._handle.on_update(chosen)

@@ -40,7 +40,7 @@ async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Draw
 
     Raises :class:`ValueError` where two drawings have one name, :class:`KeyError` for a drawing without a drawer.
     """
-    async with session.still():
+    async with session.locked():
         read_at = time.monotonic()
         drawings, controls = session.model.drawings(), session.model.controls()
         if len({drawing.name for drawing in drawings}) < len(drawings):

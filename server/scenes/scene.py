@@ -29,7 +29,7 @@ from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds
 
 MAX_HZ = 15.0
-WIDE = 1.3  #: width over height of a picture in which the first camera has all of its bounds in view
+ASPECT = 1.3  #: width over height of a picture in which the first camera has all of its bounds in view
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
 SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
 
@@ -137,8 +137,8 @@ class Scene:
     async def _welcome(self, client: viser.ClientHandle) -> None:
         """Move the camera back on a narrow screen, so that all of its bounds are in view."""
         aim = self._server.initial_camera
-        if client.camera.aspect < WIDE:
-            back = min(WIDE / client.camera.aspect, 4.0)
+        if client.camera.aspect < ASPECT:
+            back = min(ASPECT / client.camera.aspect, 4.0)
             client.camera.position = aim.look_at + (aim.position - aim.look_at) * back
             client.camera.look_at = aim.look_at  # viser moved it along with the position
 

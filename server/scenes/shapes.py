@@ -66,8 +66,8 @@ def _is_ear(polygon: NDArray[np.float64], left: list[int], k: int) -> bool:
     others = polygon[[i for i in left if i not in corners]]
     inside = (_cross(a, b, others) >= 0.0) & (_cross(b, c, others) >= 0.0) & (_cross(c, a, others) >= 0.0)
     # A corner that lies on one of the ear's own does not spoil it: polygons may touch themselves.
-    apart = (others[:, None, :] != np.stack([a, b, c])).any(axis=2).all(axis=1)
-    return not bool(np.any(inside & apart))
+    distinct = (others[:, None, :] != np.stack([a, b, c])).any(axis=2).all(axis=1)
+    return not bool(np.any(inside & distinct))
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:

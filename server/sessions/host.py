@@ -33,10 +33,10 @@ TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
 MAX_QUEUED = 256  #: commands that wait for one session
 PAUSE_S = 0.05  #: least time between two computations of deferred work, which takes at most a quarter of the time
-PATIENCE_S = 0.2  #: deferred work waits no longer than this for a moment without commands
+MAX_DEFERRAL_S = 0.2  #: deferred work waits no longer than this for a moment without commands
 SHOWN_AFTER_S = 0.3  #: progress of a computation that takes longer is shown,
 SHOWN_EVERY_S = 0.25  #: as often as this
-GIVE_UP_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
+MAX_CANCELLING_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
 
 T = TypeVar("T")
 
@@ -82,7 +82,7 @@ class SessionHost:
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick was cut off before the layers followed the model
         self._deferred_due = 0.0
-        self._may_give_up = False  #: whether what is being computed can be given up and begun anew
+        self._is_cancellable = False  #: whether what is being computed can be given up and begun anew
         #: Commands that ask for another map: how many were queued, and how many of them have begun to be carried out.
         self._requests = self._requests_begun = 0
         self._requested_since: float | None = None  #: when the first came of those for which no map was finished yet
@@ -188,7 +188,7 @@ class SessionHost:
         except ProtocolError as error:
             _log.info("command refused", code=error.code)
 
-    def still(self) -> AbstractAsyncContextManager[None]:
+    def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which nothing computes in the session, so that its maps can be read (event loop)."""
         return self._lock
 
@@ -259,7 +259,7 @@ class SessionHost:
                 result = await self.on_thread(job, waited_for=self.watched)
             if self._requests == self._requests_begun:
                 self._requested_since = None
-            elif not result.given_up:
+            elif not result.cancelled:
                 self._requested_since = self._clock()
             rest = result.rest
             self._tick_failed = False
@@ -275,7 +275,7 @@ class SessionHost:
         if not (self.model.has_deferred_work and self.watched) or self.closed:
             return False
         late = self._clock() - self._deferred_due
-        return late >= 0.0 and (not self._queue or late > PATIENCE_S)
+        return late >= 0.0 and (not self._queue or late > MAX_DEFERRAL_S)
 
     def _idle_s(self, tick_at: float | None) -> float | None:
         """Return how long nothing is due, in seconds; None for as long as no command comes."""
@@ -316,18 +316,18 @@ class SessionHost:
             self.hub.set_slot(working_message())
 
     @contextmanager
-    def giving_up(self) -> Iterator[None]:
+    def cancellable(self) -> Iterator[None]:
         """Return a context in which a newer command may end a computation; nothing is lost by it (worker thread)."""
-        self._may_give_up = True
+        self._is_cancellable = True
         try:
             yield
         finally:
-            self._may_give_up = False
+            self._is_cancellable = False
 
-    def goes_on(self) -> bool:
+    def may_continue(self) -> bool:
         """Let others have their turn (worker thread), and return whether what is being computed is still wanted."""
         checkpoint()
-        return not (self.closed or (self._may_give_up and self._is_outdated()))
+        return not (self.closed or (self._is_cancellable and self._is_outdated()))
 
     def is_open(self) -> bool:
         """Let others have their turn (worker thread), and return whether the session has not ended: for computations
@@ -338,13 +338,13 @@ class SessionHost:
 
     def _is_outdated(self) -> bool:
         since = self._requested_since
-        return self._requests > self._requests_begun and since is not None and self._clock() - since < GIVE_UP_S
+        return self._requests > self._requests_begun and since is not None and self._clock() - since < MAX_CANCELLING_S
 
     def _stop(self) -> None:
         """Pause after a defect, and send an error about it."""
         self.model.playback.playing = False
         self._tick_failed = True
-        self.hub.tell_all(error_message("internal", "The session stopped because of a defect in the service."))
+        self.hub.send_all(error_message("internal", "The session stopped because of a defect in the service."))
         with contextlib.suppress(Exception):  # the defect may lie in what is shown
             self._publish_frame()
 
@@ -371,14 +371,14 @@ class SessionHost:
             self._publish_frame()
         for client, message in result.answers:
             if client is not None:
-                client.tell(message)
+                client.send(message)
             else:
                 _log.info("command refused", code=message.get("code"))
         for client, kind in result.resent:
             if client is not None:
-                client.remind(kind)
+                client.resend(kind)
         for message in result.notices:
-            self.hub.tell_all(message)
+            self.hub.send_all(message)
         if result.changed:
             for listener in (*self.listeners,):
                 try:

@@ -25,18 +25,18 @@ class ModelHost(Protocol):
     def limits(self) -> Limits:
         """Return what the session's grids may grow to now (any thread)."""
 
-    def goes_on(self) -> bool:
+    def may_continue(self) -> bool:
         """Let others have their turn, and return whether what is being computed is still wanted."""
 
     def is_open(self) -> bool:
         """Let others have their turn, and return whether the session has not ended."""
 
-    def giving_up(self) -> AbstractContextManager[None]:
-        """Return a context in which :meth:`goes_on` is False once a newer command makes the result useless."""
+    def cancellable(self) -> AbstractContextManager[None]:
+        """Return a context in which :meth:`may_continue` is False once a newer command makes the result useless."""
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
-    def still(self) -> AbstractAsyncContextManager[None]:
+    def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which nothing computes in the session, so that its maps can be read."""
 
     async def on_thread(self, job: Callable[[], T]) -> T:

@@ -29,7 +29,7 @@ class Plan:
     """How the model of one session is made, within the budgets of the registry."""
 
     make: Callable[[ModelHost, Making], SessionModel]
-    """Makes the model (worker thread); asks :meth:`Making.goes_on` meanwhile, and raises
+    """Makes the model (worker thread); asks :meth:`Making.may_continue` meanwhile, and raises
     :class:`mapper.core.errors.WorkCancelledError` where that is False."""
     logs: tuple[ScanLog, ...] = ()  #: logs that the model will hold in memory
     name: str | None = None  #: under which the visitor's page asks how far it is

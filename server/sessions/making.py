@@ -19,7 +19,7 @@ class Making:
     is_wanted: bool = True
     began: float = field(default_factory=time.monotonic)
 
-    def goes_on(self) -> bool:
+    def may_continue(self) -> bool:
         """Let others have their turn (worker thread), and return whether anybody still waits for the session."""
         checkpoint()
         return self.is_wanted

@@ -46,7 +46,7 @@ class MappingParameters:
         self._wanted, self._asked_by = self._wanted.with_values(values(command)), result.client
         return True
 
-    def follow(self, config: MappingConfig) -> None:
+    def adopt(self, config: MappingConfig) -> None:
         """Take over the parameters of the map, which changed otherwise; what was asked for beside them remains."""
         before, self.config = self.config, config
         self._wanted = self._wanted.with_values(_changed(before, config))
@@ -58,10 +58,10 @@ class MappingParameters:
             return
         started = time.perf_counter()
         try:
-            with self._host.giving_up():
+            with self._host.cancellable():
                 self._remake(self._wanted, result)
         except WorkCancelledError:
-            result.given_up = True  # the newer command comes with the next tick, and these parameters with it
+            result.cancelled = True  # the newer command comes with the next tick, and these parameters with it
             return
         except MapperError as error:
             self._wanted = self.config

@@ -31,7 +31,7 @@ class Recording(Protocol):
     def first_config(self) -> MappingConfig:
         """Return the parameters that the log is mapped with at first."""
 
-    def seen(self) -> LogView:
+    def view(self) -> LogView:
         """Return what is shown now."""
 
     async def growing_map(self) -> tuple[GrowingMap, str]:

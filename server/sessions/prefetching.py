@@ -57,7 +57,7 @@ class CheckpointPrefetching:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._sessions, self._is_room, self._clock = sessions, is_room, clock
-        self._given_up: WeakSet[Prefetchable] = WeakSet()
+        self._failed: WeakSet[Prefetchable] = WeakSet()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="prefetch")
 
     async def run(self) -> None:
@@ -66,11 +66,11 @@ class CheckpointPrefetching:
             while True:
                 await asyncio.sleep(LOOK_EVERY_S)
                 for session in self._sessions():
-                    await self._prepare(session)
+                    await self._prefetch(session)
         finally:
             self._thread.shutdown(wait=False, cancel_futures=True)
 
-    async def _prepare(self, session: Prefetchable) -> None:
+    async def _prefetch(self, session: Prefetchable) -> None:
         prefetcher: CheckpointPrefetcher | None = None
         while self._may(session):
             began = self._clock()
@@ -85,9 +85,9 @@ class CheckpointPrefetching:
             return await asyncio.get_running_loop().run_in_executor(self._thread, prefetcher.step)
         except Exception:  # noqa: BLE001 - a defect in prefetching must not stop the service
             _log.exception("a log could not be prepared")
-            self._given_up.add(session)
+            self._failed.add(session)
             return False
 
     def _may(self, session: Prefetchable) -> bool:
-        is_left_alone = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
-        return is_left_alone and session not in self._given_up and self._is_room(session)
+        is_idle = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
+        return is_idle and session not in self._failed and self._is_room(session)

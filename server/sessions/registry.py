@@ -136,7 +136,7 @@ class SessionRegistry:
             traffic=self._traffic,
             remake_seconds=self._remake_seconds,
         )
-        async with self._place(owner, link):
+        async with self._reserved(owner, link):
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
             with self.under_way.making(owner, plan.name) as making:
@@ -180,7 +180,7 @@ class SessionRegistry:
     # -- budgets ---------------------------------------------------------------------------------------------------
 
     @asynccontextmanager
-    async def _place(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
+    async def _reserved(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
         """Keep a place while a session is made on a worker thread; end one that nobody watches if there is none.
 
         Who came by a link ends no session of others than such guests, and guests have half of the places.

@@ -30,7 +30,7 @@ class TickResult:
     changed: bool = False  #: whether there is a new frame to publish
     new_grid: bool = False  #: whether the whole map has to be drawn anew
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
-    given_up: bool = False  #: whether a map was given up for a newer command, to be made in the next tick
+    cancelled: bool = False  #: whether a map was given up for a newer command, to be made in the next tick
     remade_ms: float | None = None  #: duration of making the whole map anew
     slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, for every client
     notices: list[dict[str, Any]] = field(default_factory=list)  #: for every client, each one

@@ -109,10 +109,10 @@ class Hub:
             client.unsent.add(kind)
             client.wake.set()
 
-    def tell_all(self, message: dict[str, Any]) -> None:
+    def send_all(self, message: dict[str, Any]) -> None:
         """Send a notice to every client."""
         for client in self.clients:
-            client.tell(message)
+            client.send(message)
 
     def publish(
         self, frame: dict[str, Any], scan: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool
@@ -169,12 +169,12 @@ class Client:
         """Whether acknowledgements take long, or too few came to tell."""
         return self._latency > SLOW_ACK_S
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def send(self, message: dict[str, Any]) -> None:
         """Send an answer or a notice to this client alone."""
         self._answers.append(encode_text(message))
         self.wake.set()
 
-    def remind(self, kind: str) -> None:
+    def resend(self, kind: str) -> None:
         """Send this client the newest message of a kind again."""
         self.unsent.add(kind)
         self.wake.set()

@@ -124,9 +124,9 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
     return command
 
 
-def _refused(kind: str, told: str) -> ProtocolError:
+def _refused(kind: str, error: str) -> ProtocolError:
     """Return the error for a command of type ``kind`` of which msgspec has ``told`` what is wrong."""
-    what, _, path = told.partition(" - at `$.")
+    what, _, path = error.partition(" - at `$.")
     if path == "type`":
         return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)

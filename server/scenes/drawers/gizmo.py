@@ -8,7 +8,7 @@ import numpy as np
 import viser
 
 from server.scenes.drawer import Drawer, DrawerContext
-from server.scenes.panel import PATIENCE_S
+from server.scenes.panel import CONFIRM_TIMEOUT_S
 from server.sessions.drawings import Gizmo, Point, Quaternion
 
 NEAR_M = 1e-3  #: metres between the model's position and a person's up to which the model confirms the move
@@ -16,7 +16,7 @@ NEAR_TURN = 1e-3
 
 
 class GizmoDrawer(Drawer[Gizmo, Gizmo]):
-    """Reports moves. Follows the model, except for :data:`PATIENCE_S` after a move that the model did not confirm."""
+    """Reports moves. Follows the model, except for :data:`CONFIRM_TIMEOUT_S` after a move that the model did not confirm."""
 
     def __init__(self, context: DrawerContext, drawing: Gizmo) -> None:
         super().__init__(context, drawing)
@@ -35,7 +35,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
         node, moved_at = self._node, self._moved_at
         if moved_at is not None:
             confirmed = _is_near(node, content)
-            if not confirmed and time.monotonic() < moved_at + PATIENCE_S:
+            if not confirmed and time.monotonic() < moved_at + CONFIRM_TIMEOUT_S:
                 return
             self._moved_at = None
             if confirmed:  # a correction of the last digits would move the gizmo during the drag

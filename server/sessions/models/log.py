@@ -77,7 +77,7 @@ class LogModel(SessionModel):
     ) -> None:
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
-        replay.wanted = host.goes_on
+        replay.wanted = host.may_continue
         self._host = host
         self._title = title or replay.log.name
         self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
@@ -232,7 +232,7 @@ class LogModel(SessionModel):
             self._time += dt * playback.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
         if self._target != replay.index:
-            with self._host.giving_up():
+            with self._host.cancellable():
                 result.add(replay.advance_to(self._target))
         if playback.playing and self._target == count:
             playback.playing = False
@@ -251,7 +251,7 @@ class LogModel(SessionModel):
 
     def run_deferred_work(self, result: TickResult) -> None:
         """Compare the two maps as they are."""
-        self.comparison.count(result)
+        self.comparison.update_numbers(result)
 
     def play(self) -> None:
         """Play on, from the start where the end was reached."""

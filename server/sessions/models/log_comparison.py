@@ -46,15 +46,15 @@ class LogComparison:
         if wanted is not None:
             # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
             other = await self._host.on_thread(partial(self._second_view, wanted, request))
-        async with self._host.still():
+        async with self._host.locked():
             if request != self._request or self._host.closed:
                 raise _superseded()
-            result = await self._host.on_thread(partial(self._take_over, other))
+            result = await self._host.on_thread(partial(self._replace, other))
         self._host.deliver(result)
 
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
         """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
-        async with self._host.still():
+        async with self._host.locked():
             other = self._compared_with()
             found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
             return other.description(), found
@@ -113,7 +113,7 @@ class LogComparison:
         except WorkCancelledError as error:
             raise _superseded() from error
 
-    def _take_over(self, other: SecondMapView | None) -> TickResult:
+    def _replace(self, other: SecondMapView | None) -> TickResult:
         """Go on with another A, None for none; return what to send."""
         result = TickResult(changed=True)
         replay = self._recording.replay
@@ -122,8 +122,8 @@ class LogComparison:
             result.slot(comparison_message(replay.index))
             result.slot(self._message())
             return result
-        other.replay.wanted = self._host.goes_on
-        other.follow(replay.config)
+        other.replay.wanted = self._host.may_continue
+        other.reconfigure(replay.config)
         other.advance(replay.index)
         other.second.changed()
         layer = GridLayer("second_map", "Second map")
@@ -136,12 +136,12 @@ class LogComparison:
         """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
         other = self._other
         if other is not None:
-            other.follow(config)
+            other.reconfigure(config)
         try:
             result.add(self._recording.replay.reconfigure(config))
         except MapperError:
             if other is not None:
-                other.follow(before)
+                other.reconfigure(before)
             raise
 
     def draw(self, result: TickResult) -> None:
@@ -155,7 +155,7 @@ class LogComparison:
         result.changed |= whole or box is not None
         result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
 
-    def count(self, result: TickResult) -> None:
+    def update_numbers(self, result: TickResult) -> None:
         """Compare the two maps as they are, and send the numbers."""
         other, replay = self._other, self._recording.replay
         if other is None:

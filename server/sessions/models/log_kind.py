@@ -32,7 +32,7 @@ def log_plan(
     shown = view or LogView()
 
     def make(host: ModelHost, making: Making) -> LogModel:
-        replay = first_replay(log, shown, host.limits(), making.goes_on)
+        replay = first_replay(log, shown, host.limits(), making.may_continue)
         return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
 
     return Plan(make, logs=(log,), playing=playing)

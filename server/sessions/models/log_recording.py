@@ -81,7 +81,7 @@ class LogRecording:
         """Return the parameters that the log is mapped with at first."""
         return first_config(self.log)
 
-    def seen(self) -> LogView:
+    def view(self) -> LogView:
         """Return what is shown now."""
         replay = self.replay
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
@@ -112,7 +112,7 @@ class LogRecording:
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return how the map that is shown is made, and the name of its trajectory, between two ticks."""
-        async with self._host.still():
+        async with self._host.locked():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 

@@ -52,7 +52,7 @@ class SecondMapView:
             "title": wanted.title,
         }
 
-    def follow(self, config: MappingConfig) -> None:
+    def reconfigure(self, config: MappingConfig) -> None:
         """Make the map anew where it follows the session's parameters. Raises as :meth:`Replay.reconfigure`."""
         beside = self.second.config_for(config)
         if beside != self.replay.config:
@@ -84,10 +84,10 @@ class SecondMapView:
         try:
             on_one_lattice(self.replay.grid, grid)
         except MapperError as error:
-            raise MapperError("compare.lattice", apart(self.replay.grid, grid, error)) from error
+            raise MapperError("compare.lattice", lattice_error(self.replay.grid, grid, error)) from error
 
 
-def apart(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
+def lattice_error(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
     """Return in one sentence why two maps cannot be compared cell by cell."""
     sizes = a.geometry.resolution, b.geometry.resolution
     if sizes[0] != sizes[1]:

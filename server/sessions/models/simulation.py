@@ -50,7 +50,7 @@ class SimulationModel(SessionModel):
         """``max_story_s`` is the computing time that replaying its story may take, seconds."""
         super().__init__()
         self._mapper = mapper
-        mapper.limits, mapper.wanted = host.limits, host.goes_on
+        mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message)
         self.story = SimulationStory(host, mapper, self.playback, max_story_s)
         self._questions = CellQuestions(self._explained)
@@ -294,7 +294,7 @@ class SimulationModel(SessionModel):
         mapper, second = self._mapper, self._mapper.second
         act(mapper, command, result)
         result.changed = True
-        self.parameters.follow(mapper.config)  # a sensor of another kind brings the model that suits it
+        self.parameters.adopt(mapper.config)  # a sensor of another kind brings the model that suits it
         if command["type"] == "drive":
             self.playback.playing = True
         if command["type"] == "edit":

@@ -74,7 +74,7 @@ def simulation_plan(
     begun["seed"] = secrets.randbelow(2**31) if seed is None else seed
 
     def make(host: ModelHost, making: Making) -> SimulationModel:
-        mapper = replayed(begun, limits=host.limits, wanted=making.goes_on, report=making.report)
+        mapper = replayed(begun, limits=host.limits, wanted=making.may_continue, report=making.report)
         model = SimulationModel(host, mapper, max_story_s)
         model.resume(story)
         return model

@@ -25,27 +25,27 @@ MAX_STORY_S = 600.0  #: seconds of the world's time that are replayed
 
 
 class SimulationStory:
-    """The story of a session: that of its world, whether it plays, and how fast. ``most_s`` as in :func:`story_of`."""
+    """The story of a session: that of its world, whether it plays, and how fast. ``max_s`` as in :func:`story_of`."""
 
-    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, most_s: float) -> None:
-        self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, most_s
+    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, max_s: float) -> None:
+        self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, max_s
 
     async def current(self) -> dict[str, Any]:
         """Return it as it is between two ticks."""
-        async with self._host.still():
+        async with self._host.locked():
             story = story_of(self._mapper, self._most_s)
             return story | {"speed": self._playback.speed, "playing": self._playback.playing}
 
 
-def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
+def story_of(mapper: LiveMap, max_s: float = math.inf) -> dict[str, Any]:
     """Return the story of a simulation; :func:`replayed` makes it again.
 
-    ``journal`` is None where the story is too long, or would take more than ``most_s`` seconds to replay; the world
+    ``journal`` is None where the story is too long, or would take more than ``max_s`` seconds to replay; the world
     then only begins as it stands now.
     """
     short = len(mapper.journal) <= MAX_JOURNAL and mapper.simulation.steps * STEP <= MAX_STORY_S
     whole = {"sensor": asdict(mapper.first_sensor), "steps": mapper.simulation.steps, "journal": mapper.journal}
-    short = short and story_seconds(whole) <= most_s
+    short = short and story_seconds(whole) <= max_s
     first = mapper.first_edits if short else mapper.edits
     added, erased = first.as_lists()
     sensor = mapper.first_sensor if short else mapper.simulation.sensor

@@ -41,13 +41,13 @@ def story_seconds(story: dict[str, Any]) -> float:
     return total + _scans_s(sensor, steps - at)
 
 
-def check_story(story: dict[str, Any], most_s: float) -> float:
-    """Return :func:`story_seconds`. Raises :class:`LimitError` where that is more than ``most_s``."""
+def check_story(story: dict[str, Any], max_s: float) -> float:
+    """Return :func:`story_seconds`. Raises :class:`LimitError` where that is more than ``max_s``."""
     seconds = story_seconds(story)
-    if seconds > most_s:
+    if seconds > max_s:
         raise LimitError(
             "story.costly",
-            f"To replay this world would take about {seconds:.0f} s of computing, more than the {most_s:g} s that this "
+            f"To replay this world would take about {seconds:.0f} s of computing, more than the {max_s:g} s that this "
             "service allows (setting GRIDBLOOM_MAX_STORY_S).",
         )
     return seconds
