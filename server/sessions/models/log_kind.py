@@ -1,4 +1,4 @@
-"""How sessions of a log are asked for and made."""
+"""Request and plan of log sessions."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class NewLog(SessionRequest):
     """A session of a log."""
 
     kind: Literal["log"]
-    playing: bool = Field(True, description="Whether scans come in from the start.")
-    log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
-    topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
-    trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
+    playing: bool = Field(True, description="Whether the log plays from the start.")
+    log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
+    trajectory: str | None = Field(None, max_length=200, description="Trajectory of the log to map with.")
 
 
 def log_plan(
