@@ -1,4 +1,4 @@
-"""The application: everything put together. Importing this file does nothing; :func:`create_app` makes one service."""
+"""The application. Importing this module starts nothing; :func:`create_app` returns one service."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from server.sessions import KINDS, Kind, SessionRegistry
 from server.settings import Settings
 from server.version import package_version
 
-END_S = 2.0  #: seconds that the end of the service waits for sessions that compute, or whose kernels compile
+END_S = 2.0  #: seconds that the shutdown waits for sessions that compute or whose kernels are being compiled
 
 _log = structlog.get_logger(__name__)
 
@@ -60,12 +60,12 @@ async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI)
 
 
 async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
-    """Call ``end``, and give it up after so many seconds."""
+    """Await ``end()``, but no longer than ``seconds``."""
     try:
         async with asyncio.timeout(seconds):
             await end()
     except TimeoutError:
-        _log.warning("sessions still compute and are left behind", seconds=seconds)
+        _log.warning("sessions were still computing at shutdown", seconds=seconds)
 
 
 def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS) -> FastAPI:

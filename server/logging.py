@@ -16,12 +16,12 @@ from structlog.typing import Processor
 _LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}
 
 
-#: What follows these in an address is a secret: who knows a session's id or a link's token may use it.
+#: What follows these in an address is a secret: a session's id or a link's token gives access.
 _SECRET = re.compile(r"((?:/(?:sessions|scenes|shared)/|[?&](?:token|session)=))[A-Za-z0-9_~%.-]+")
 
 
 def short_hash(secret: str) -> str:
-    """Return 8 hexadecimal digits that tell one secret from another in log lines and do not give it away."""
+    """Return the first 8 hexadecimal digits of the SHA-256 of ``secret``, which identify it in log lines."""
     return hashlib.sha256(secret.encode()).hexdigest()[:8]
 
 
@@ -69,12 +69,12 @@ def configure_logging(log_format: str, level: str) -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(_LEVELS[level])
-    # "connection open" and the address of each socket: nothing that the service's own lines do not say better.
+    # "connection open" and the address of each socket: the service logs these itself.
     for name in ("uvicorn.error", "httpx", "numba", "websockets"):
         logging.getLogger(name).setLevel(max(_LEVELS[level], logging.WARNING))
     logging.getLogger("uvicorn.error").addFilter(_is_ours)
 
 
 def _is_ours(record: logging.LogRecord) -> bool:
-    """Leave out what uvicorn logs as its own defect, traceback and all, when a browser sends bytes that are no text."""
+    """Return False for the traceback that uvicorn logs when a client sends text that is not valid UTF-8."""
     return not record.getMessage().startswith("Invalid UTF-8 sequence")

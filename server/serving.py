@@ -21,19 +21,20 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from server.app import create_app
 from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
+from server.imports import without_garbage_collection
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.sessions import KINDS, Kind
 from server.settings import Settings
 
 BACKLOG = 2048
-UNGUARDED = "no token is asked for: whoever reaches the service may upload logs and use all that it has."
-THREADS_END_S = 1.0  #: seconds in which threads have to end once the service is closed
-UNREAD_MS = 30_000  #: a connection whose other end takes in nothing of what was sent for so long is given up
+UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
+THREADS_END_S = 1.0  #: seconds within which threads must end after the service is closed
+UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after which a connection is closed
 
 
 def address_of(host: str, port: int, token: str | None) -> str:
-    """Return the address that a person opens: an address that stands for all addresses is not one to open."""
+    """Return the URL to open in a browser; a wildcard address is replaced by loopback."""
     name = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, host)  # noqa: S104 - compared, not bound
     name = f"[{name}]" if ":" in name and not name.startswith("[") else name
     return f"http://{name}:{port}/" + (f"?token={token}" if token else "")
@@ -46,8 +47,8 @@ def listen(host: str, port: int) -> socket.socket:
     bound = socket.socket(family, kind, protocol)
     try:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Accepted sockets inherit it. Whoever never reads would hold a session and its place for ever: a close waits
-        # until everything sent before it was taken in. (Linux; elsewhere the session's idle time is all there is.)
+        # Accepted sockets inherit it. A client that never reads would hold a session for ever, because closing waits
+        # until all sent data is acknowledged. (Linux only; elsewhere the session's idle time is the only limit.)
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNREAD_MS)
         bound.bind(address)
@@ -60,20 +61,20 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 class Socket(WebSocketsSansIOProtocol):
-    """uvicorn's end of a WebSocket, which gives up a connection whose handshake cannot even be read.
+    """uvicorn's WebSocket protocol, which closes a connection whose handshake cannot be parsed.
 
-    uvicorn would keep it, without an answer, and stumble over it when it ends: the sessions would not be closed.
+    uvicorn would keep it open without an answer and raise an error at shutdown, so that sessions would not be closed.
     """
 
     def data_received(self, data: bytes) -> None:
-        """Take in bytes."""
+        """Process received bytes."""
         super().data_received(data)
         if self.conn.handshake_exc is not None and not self.handshake_initiated:
             self.transport.close()
 
 
 class Server(uvicorn.Server):
-    """A uvicorn server that keeps to its number of ``connections``."""
+    """A uvicorn server that limits its number of ``connections``."""
 
     def __init__(self, config: uvicorn.Config, connections: Connections) -> None:
         super().__init__(config)
@@ -90,14 +91,14 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server
     return Server(
         uvicorn.Config(
             create_app(settings, kinds),
-            loop="asyncio",  # others accept connections by themselves, without the caps
+            loop="asyncio",  # other loops accept connections themselves, without the limits
             http=partial(HttpProtocol, connections=connections, header_s=settings.header_timeout_s),  # type: ignore[arg-type]
             ws=Socket,
             ws_per_message_deflate=False,  # tiles are compressed already
             ws_max_size=1 << 20,
             ws_ping_interval=20.0,
             ws_ping_timeout=20.0,
-            access_log=False,  # its lines would hold the token of the first address
+            access_log=False,  # access lines would contain the token
             log_config=None,
             server_header=False,
             timeout_graceful_shutdown=2,
@@ -107,7 +108,7 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server
 
 
 def run(settings: Settings) -> None:
-    """Serve until interrupted. Exits with status 1 and one sentence where the address or a store cannot be had."""
+    """Serve until interrupted. Exits with status 1 and one sentence if the address or a store cannot be used."""
     settings = settings.with_token()
     configure_logging(settings.log_format, settings.log_level)
     with contextlib.ExitStack() as held:
@@ -117,7 +118,8 @@ def run(settings: Settings) -> None:
                 pass
             held.enter_context(claimed(settings.data_dir))
         try:
-            check_stores(settings)
+            with without_garbage_collection():  # it imports SQLAlchemy
+                check_stores(settings)
         except StorageError as error:
             print(f"gridbloom: {error.message}", file=sys.stderr)
             raise SystemExit(1) from None
@@ -132,7 +134,7 @@ def _serve(settings: Settings) -> None:
     with bound:
         server = make_server(settings)
         token = None if settings.token is None else settings.token.get_secret_value()
-        # uvicorn ends what runs and then raises the signal again: it ends the process here, and in good order.
+        # uvicorn shuts down and raises the signal again: this handler then ends the process with status 0.
         signal.signal(signal.SIGTERM, _end)
         signal.signal(signal.SIGINT, _end)
         if settings.is_reached_from_beyond and token is None:
@@ -143,7 +145,7 @@ def _serve(settings: Settings) -> None:
 
 @contextmanager
 def _or_exit(what: str, advice: str) -> Iterator[None]:
-    """End the process with one sentence where the system refuses something."""
+    """End the process with status 1 and one sentence on an error of the system or a store."""
     try:
         yield
     except (OSError, StorageError) as error:
@@ -153,7 +155,7 @@ def _or_exit(what: str, advice: str) -> Iterator[None]:
 
 
 def _take_all_descriptors() -> None:
-    """Raise the limit of open files as far as the system lets it: each browser is one, and the usual 1024 are few."""
+    """Raise the limit of open files to its maximum: each browser needs one, and the default is often 1024."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
         with contextlib.suppress(ValueError, OSError):  # macOS states a limit that it does not grant
@@ -161,9 +163,10 @@ def _take_all_descriptors() -> None:
 
 
 def _end(*_: object) -> NoReturn:
-    """End the process; everything that has to be closed is closed.
+    """End the process; stores and sessions are closed already.
 
-    Python waits for its threads, and a thread that compiles a kernel cannot be interrupted.
+    Python waits for its threads, and a thread that compiles a kernel cannot be interrupted: after
+    :data:`THREADS_END_S` the process ends without it.
     """
     left_behind = threading.Timer(THREADS_END_S, os._exit, (0,))
     left_behind.daemon = True

@@ -1,4 +1,4 @@
-"""The service's settings: read from the environment as GRIDBLOOM_*, each with the sentence that documents it."""
+"""The service's settings, read from the environment variables GRIDBLOOM_*, with their documentation."""
 
 from __future__ import annotations
 
@@ -20,30 +20,29 @@ def _default_data_dir() -> Path:
 
 
 class Settings(BaseSettings):
-    """Every setting once; ``GRIDBLOOM_PORT=9000`` in the environment sets ``port``."""
+    """The settings. ``GRIDBLOOM_PORT=9000`` in the environment sets ``port``."""
 
     model_config = SettingsConfigDict(env_prefix="GRIDBLOOM_", frozen=True, extra="forbid")
 
     host: str = Field(
-        default="127.0.0.1", description="Address to listen on; any other than loopback asks for a token."
+        default="127.0.0.1", description="Address to listen on. On any other than loopback a token is required."
     )
-    port: int = Field(default=8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port to listen on; 0 chooses a free one.")
     token: SecretStr | None = Field(
         default=None,
-        description="Secret that visitors must know; made at start where the service is reached from beyond loopback.",
+        description="Secret that visitors must know. Generated at start if it is not given and other machines can "
+        "reach the service.",
     )
-    no_token: bool = Field(
-        default=False, description="Ask for no token although the service is reached from beyond loopback."
-    )
+    no_token: bool = Field(default=False, description="Require no token although other machines can reach the service.")
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
-        description="Names, separated by commas, under which browsers may reach the service besides its own address, "
-        "as behind a reverse proxy; * allows every name. Any name beyond loopback asks for a token.",
+        description="Host names, separated by commas, that browsers may use besides the service's own address, "
+        "for example behind a reverse proxy; * allows every name. With any name beyond loopback a token is required.",
     )
     data_dir: Path = Field(default_factory=_default_data_dir, description="Folder for uploaded logs and their records.")
     blobs: str | None = Field(
         default=None,
-        description="Where the bytes of uploaded logs are kept: a folder, or s3://BUCKET/PREFIX with AWS_… in the "
+        description="Store of the files of uploaded logs: a folder, or s3://BUCKET/PREFIX with AWS_… in the "
         "environment; by default the data folder.",
     )
     database: SecretStr | None = Field(
@@ -53,44 +52,55 @@ class Settings(BaseSettings):
     executor: str | None = Field(
         default=None,
         pattern=r"^tcp://[^/]+:[0-9]+$",
-        description="Where logs are read: by default a process of this machine; tcp://HOST:PORT is a Dask scheduler "
-        "whose workers see the data folder by the same path.",
+        description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT is a Dask scheduler "
+        "whose workers access the data folder at the same path.",
     )
-    logs_dir: Path | None = Field(default=None, description="Folder whose logs everybody sees, read-only.")
-    max_sessions: int = Field(default=64, ge=1, description="Live sessions at one time.")
-    max_sessions_per_visitor: int = Field(default=8, ge=1, description="Live sessions of one browser at one time.")
-    max_clients_per_session: int = Field(default=64, ge=1, description="Browsers that watch one session at one time.")
+    logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
+    max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")
+    max_sessions_per_visitor: int = Field(
+        default=8, ge=1, description="Maximum number of concurrent sessions of one browser."
+    )
+    max_clients_per_session: int = Field(
+        default=64, ge=1, description="Maximum number of browsers connected to one session."
+    )
     session_idle_s: float = Field(
-        default=900.0, gt=0.0, description="Seconds after which a session that nobody watches is ended."
+        default=900.0, gt=0.0, description="Seconds after which a session without connected browsers is closed."
     )
-    max_cells: int = Field(default=1 << 25, ge=1 << 12, description="Cells of one session's grid.")
-    max_total_cells: int = Field(default=1 << 27, ge=1 << 12, description="Cells of all sessions' grids together.")
+    max_cells: int = Field(default=1 << 25, ge=1 << 12, description="Maximum number of cells of one session's grid.")
+    max_total_cells: int = Field(
+        default=1 << 27, ge=1 << 12, description="Maximum number of cells of all sessions' grids together."
+    )
     max_log_bytes: int = Field(
-        default=4 << 30, ge=1 << 20, description="Bytes in memory of the logs of all sessions together."
+        default=4 << 30, ge=1 << 20, description="Maximum memory of the logs of all sessions together, bytes."
     )
     max_story_s: float = Field(
         default=30.0,
         gt=0.0,
-        description="Seconds of computing, as estimated, that replaying a live world from a link may take.",
+        description="Estimated computing time that replaying a world from a link may take, seconds.",
     )
-    max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Bytes of one uploaded log.")
+    max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Maximum size of one uploaded log, bytes.")
     max_connections: int = Field(
-        default=4096, ge=1, description="Open connections at one time; the limit of descriptors may allow fewer."
+        default=4096,
+        ge=1,
+        description="Maximum number of open connections; the limit of file descriptors may allow fewer.",
     )
     max_connections_per_address: int = Field(
         default=1024,
         ge=1,
-        description="Open connections of one address at one time; a reverse proxy's address is that of all visitors.",
+        description="Maximum number of open connections of one address. Behind a reverse proxy all visitors have its "
+        "address.",
     )
     header_timeout_s: float = Field(
-        default=10.0, gt=0.0, description="Seconds in which the headers of a request must come whole."
+        default=10.0, gt=0.0, description="Seconds within which the headers of a request must be complete."
     )
     threads: int = Field(
-        default_factory=lambda: max(2, min(8, os.cpu_count() or 2)), ge=1, description="Threads that compute maps."
+        default_factory=lambda: max(2, min(8, os.cpu_count() or 2)),
+        ge=1,
+        description="Number of threads that compute maps.",
     )
-    log_format: Literal["console", "json"] = Field(default="console", description="How log lines are written.")
+    log_format: Literal["console", "json"] = Field(default="console", description="Format of log lines.")
     log_level: Literal["debug", "info", "warning", "error"] = Field(
-        default="info", description="The least that is logged."
+        default="info", description="Lowest level that is logged."
     )
 
     @field_validator("allowed_hosts", mode="before")
@@ -132,7 +142,7 @@ class Settings(BaseSettings):
 
     @property
     def database_url(self) -> str | None:
-        """The database's address, with its password; None for the usual file."""
+        """The database's URL, with its password; None for the default file."""
         return None if self.database is None else self.database.get_secret_value()
 
     @property
@@ -142,18 +152,18 @@ class Settings(BaseSettings):
 
     @property
     def is_reached_from_beyond(self) -> bool:
-        """Whether others than this machine may reach the service, by its address or through a reverse proxy."""
+        """Whether other machines may reach the service, by its address or through a reverse proxy."""
         return not (self.is_loopback and all(map(_is_loopback, self.allowed_hosts)))
 
     def with_token(self) -> Settings:
-        """Return settings that have a token where one is needed: the given one, or a new one."""
+        """Return settings with a token if one is required: the given one, or a new one."""
         if self.token is not None or self.no_token or not self.is_reached_from_beyond:
             return self
         return self.model_copy(update={"token": SecretStr(secrets.token_urlsafe(24))})
 
 
 def _is_loopback(host: str) -> bool:
-    """Whether a name or an address is this machine's own, without looking it up."""
+    """Return whether a name or an address is a loopback address, without name resolution."""
     name = host.strip("[]").lower()
     if name == "localhost" or name.endswith(".localhost"):
         return True

@@ -1,7 +1,7 @@
-"""The other end of an upload: a log sent to a service from the command line, and gone on with after a cut.
+"""Client of the upload interface: sends a log to a service and resumes the upload after a broken connection.
 
-Who uploads is a visitor of the service, as a browser is; a cookie file remembers which one, so that the same file sent
-twice is one log there, and an upload that was cut goes on when the command is run again.
+The client is a visitor of the service, as a browser is. Its visitor id is kept in a file, so that a file that is sent
+twice is stored once, and an interrupted upload is resumed when the command is run again.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs import log_files
 
 PIECE = 1 << 18
-TRIES = 6  #: in a row without a byte more
+TRIES = 6  #: consecutive attempts in which the service received nothing new
 READ_EVERY_S = 0.2
 TIMEOUT_S = 30.0
 
@@ -40,12 +40,13 @@ class UploadError(MapperError):
 def upload(
     file: Path, url: str, visitors: Path, *, progress: Progress | None = None, pause_s: float = 1.0
 ) -> tuple[dict[str, Any], str]:
-    """Send ``file`` to the service at ``url`` and wait until it was read; return its record and a link to its map.
+    """Send ``file`` to the service at ``url``, wait until it is read, and return its record and a link to its map.
 
-    Of a folder the log in it is sent; where that is several files, as a tar archive of them.
-    ``url`` may hold the service's token, as the address does that it prints. ``visitors`` is the file that remembers
-    who this is. After a cut the upload goes on from where the service has it, ``pause_s`` seconds later and twice that
-    after each further try. Raises :class:`ReadError` for a file that cannot be read and :class:`UploadError`.
+    If ``file`` is a folder, the log in it is sent; a log of several files is sent as a tar archive. ``url`` may contain
+    the service's token, as the address that the service prints does. ``visitors`` is the file of visitor ids. After a
+    broken connection the upload resumes at the last byte that the service has: after ``pause_s`` seconds, and after
+    twice the last pause at each further attempt. Raises :class:`ReadError` for a file that cannot be read, and
+    :class:`UploadError`.
     """
     with _as_one_file(file) as one:
         return _upload(one, file.resolve().name, url, visitors, progress, pause_s)
@@ -53,7 +54,7 @@ def upload(
 
 @contextmanager
 def _as_one_file(path: Path) -> Iterator[Path]:
-    """Yield a file with the log at ``path``. The same files give the same archive, so that it is known again."""
+    """Yield a file with the log at ``path``. The same files give the same archive, with the same digest."""
     logs = log_files(path) if path.is_dir() else [path]
     if len(logs) == 1:
         yield logs[0]
@@ -61,7 +62,7 @@ def _as_one_file(path: Path) -> Iterator[Path]:
     with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
         with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
             for log in logs:
-                info = tarfile.TarInfo(log.name[-100:])  # the end has the number that tells its place
+                info = tarfile.TarInfo(log.name[-100:])  # the last characters hold the number of the part
                 with log.open("rb") as file:
                     info.size = os.fstat(file.fileno()).st_size
                     archive.addfile(info, file)
@@ -109,7 +110,7 @@ def _measured(file: Path) -> tuple[int, str]:
 def _sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
-    """Send the file, as often as it takes; return the record of the log."""
+    """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log."""
     key = digest[:40]
     before, tries = -1, 0
     while True:
@@ -125,7 +126,7 @@ def _sent(
             )
             if answer.status_code == 202:
                 return _answered(answer)
-            if answer.status_code not in (200, 409, 503):  # those are worth another try
+            if answer.status_code not in (200, 409, 503):  # the upload can be resumed after these
                 _answered(answer)
             failure: Exception = UploadError(*_refusal(answer))
         except httpx.TransportError as error:
@@ -171,7 +172,7 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
 
 
 def _visitor(visitors: Path, base: str) -> str:
-    """Return who this is to the service at ``base``, from the file that remembers it."""
+    """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there."""
     try:
         known = json.loads(visitors.read_text(encoding="utf-8"))
         if isinstance(known, dict) and isinstance(known.get(base), str):

@@ -1,73 +1,58 @@
-"""The decorator of the compiled functions: numba, without the GIL, cached on disk for each package.
+"""The decorator of the compiled functions.
 
-numba decides by the time and size of a function's own file whether its cache entry is valid, and misses a change in a
-function that it calls from another file. So each package of kernels has a cache folder that is named after the text of
-its files and of the packages of kernels that it imports: an edited kernel recompiles these packages only.
+numba takes a third of a second of processor time to import. A process that computes no map, such as a service that
+nobody has visited yet or a command that prints a log's header, does without it.
 """
 
 from __future__ import annotations
 
-import importlib
-import re
-import sys
-from collections.abc import Callable
-from functools import cache
-from hashlib import sha256
-from pathlib import Path
-from typing import TypeVar, cast
-
-from numba import config, njit
+from collections.abc import Callable, Sequence
+from functools import update_wrapper
+from threading import Lock
+from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOT = Path(__file__).parents[1]
-_IMPORTED = re.compile(r"^from mapper\.(\w+)\.kernels", re.MULTILINE)
-
-# Where the folder cannot be written, numba falls back on one of the user's own.
-_BASE = Path(config.CACHE_DIR or _ROOT / "__pycache__")  # type: ignore[attr-defined] # numba makes its settings at run time
+_making = Lock()  #: held while a dispatcher is made: two of one function would compile it twice
 
 
-def _start_without_blas() -> None:
-    """Load the part of numba that looks for SciPy's BLAS, and let it find none.
+class Kernel:
+    """A function that numba compiles when it is first called, by Python or by another kernel. Any thread may call it.
 
-    To look for it takes a fifth of all the time from the start of a process to its first kernel, and no kernel here
-    multiplies matrices. SciPy itself stays as it is.
+    ``py_func`` is the function in Python.
     """
-    if "scipy.linalg" in sys.modules:
-        return
-    sys.modules["scipy.linalg"] = None  # type: ignore[assignment] # which makes an import fail
-    try:
-        importlib.import_module("numba.np.arraymath")
-    finally:
-        del sys.modules["scipy.linalg"]
 
+    def __init__(self, py_func: Callable[..., object]) -> None:
+        self.py_func = py_func
+        self._dispatcher: Any = None
+        update_wrapper(self, py_func)
 
-def _imported_by(packages: frozenset[str]) -> frozenset[str]:
-    """Return these packages of kernels and all that they import, directly or not."""
-    texts = (path.read_text() for package in packages for path in (_ROOT / package / "kernels").glob("*.py"))
-    found = packages.union(*(_IMPORTED.findall(text) for text in texts))
-    return found if found == packages else _imported_by(found)
+    def __call__(self, *args: object) -> object:
+        """Call the compiled function."""
+        dispatcher = self.dispatcher if self._dispatcher is None else self._dispatcher
+        return dispatcher(*args)
 
+    @property
+    def dispatcher(self) -> Any:  # noqa: ANN401 - numba has no types
+        """What numba makes of the function: its dispatcher, or the function itself where NUMBA_DISABLE_JIT is set."""
+        with _making:
+            if self._dispatcher is None:
+                from mapper.core.compile_cache import dispatcher  # noqa: PLC0415 - numba is imported with the first call
 
-@cache
-def cache_folder(package: str) -> Path:
-    """Return the folder that keeps the compiled functions of ``mapper.<package>.kernels``."""
-    paths = [Path(__file__)]
-    for name in sorted(_imported_by(frozenset([package]))):
-        paths += sorted((_ROOT / name / "kernels").glob("*.py"))
-    digest = sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
-    return _BASE / f"{package}-kernels-{digest}"
+                self._dispatcher = dispatcher(self.py_func)
+            return self._dispatcher
+
+    @property
+    def signatures(self) -> Sequence[object]:
+        """The types of arguments for which the function is compiled."""
+        return () if self._dispatcher is None else cast("Sequence[object]", self._dispatcher.signatures)
+
+    @property
+    def _numba_type_(self) -> object:
+        """The type by which numba compiles calls of this function in another one (``numba.typeof`` reads it)."""
+        return self.dispatcher._numba_type_
 
 
 def jit(function: F) -> F:
     """Compile a function of a package ``mapper.<package>.kernels`` when it is first called, and keep it on disk."""
-    before = config.CACHE_DIR  # type: ignore[attr-defined]
-    # numba reads the setting when the decorator is applied.
-    config.CACHE_DIR = str(cache_folder(function.__module__.split(".")[1]))  # type: ignore[attr-defined]
-    try:
-        return cast("F", njit(nogil=True, cache=True)(function))
-    finally:
-        config.CACHE_DIR = before  # type: ignore[attr-defined]
-
-
-_start_without_blas()
+    return cast("F", Kernel(function))

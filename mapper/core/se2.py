@@ -1,4 +1,4 @@
-"""Planar rigid motions, SE(2): compose, inverse, transform points, wrap angles.
+"""Planar rigid motions, SE(2): compose, inverse, interpolate, transform points, wrap angles.
 
 A pose is ``(x, y, theta)``: metres, metres, radians counter-clockwise (REP 103). ``T_a_b`` takes
 coordinates in frame b to coordinates in frame a, so ``compose(T_map_base, T_base_laser)`` is ``T_map_laser``.
@@ -43,6 +43,24 @@ def inverse(t_a_b: ArrayLike) -> Float64Array:
             -(cos * t[..., 0] + sin * t[..., 1]),
             sin * t[..., 0] - cos * t[..., 1],
             wrap_angle(-t[..., 2]),
+        ],
+        axis=-1,
+    )
+
+
+def interpolate(first: ArrayLike, second: ArrayLike, weight: ArrayLike) -> Float64Array:
+    """Return the pose at a share ``weight`` (...), 0 … 1, of the way from ``first`` to ``second``, both (..., 3).
+
+    Linear in position, the short way round in angle, which comes back wrapped. Source: tf2's interpolation of
+    transforms, in the plane.
+    """
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    w = np.asarray(weight, dtype=np.float64)
+    return np.stack(
+        [
+            a[..., 0] + w * (b[..., 0] - a[..., 0]),
+            a[..., 1] + w * (b[..., 1] - a[..., 1]),
+            wrap_angle(a[..., 2] + w * wrap_angle(b[..., 2] - a[..., 2])),
         ],
         axis=-1,
     )

@@ -37,6 +37,7 @@ class Examined:
     trajectory: str
     scans: NDArray[np.int64]
     config: MappingConfig
+    time_offset: float = 0.0  #: seconds, by which the stamps were shifted to find the poses
     wanted: Callable[[], bool] = lambda: True
 
     @cached_property

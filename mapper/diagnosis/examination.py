@@ -9,6 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, timing, walls
 from mapper.diagnosis.consistency import Examined, examined
 from mapper.diagnosis.finding import Finding
+from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
 LEAST_SCANS = 10  #: below this there is nothing to compare
@@ -43,18 +44,21 @@ def examine(
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
     wanted: Callable[[], bool] = lambda: True,
+    time_offset: float = 0.0,
 ) -> list[Finding]:
     """Return what all checks find in a log with one of its trajectories, the surest first within a check.
 
-    ``progress`` is called with the share that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError`
-    for a log too short to judge and for a trajectory that it lacks, and :class:`WorkCancelledError` soon after
-    ``wanted`` said False.
+    Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
+    are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
+    that is done; ``wanted`` is asked all the while. Raises :class:`ConfigError` for a log too short to judge and for a
+    trajectory that it lacks, and :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
     if log.n_scans < LEAST_SCANS:
         raise ConfigError(
             "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
         )
-    seen = replace(examined(log, trajectory), wanted=wanted)
+    log = at_middle_of_sweep(log, trajectory, time_offset)
+    seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted)
     found: list[Finding] = []
     for done, check in enumerate(CHECKS):
         if progress is not None:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
+from mapper.mapping.parameters import BY_NAME
 from mapper.sensors.scan import ScanLog
 
 DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
+FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one after another
 BETTER = 1.06
 BY = 0.015
 
@@ -34,13 +38,22 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     best, delay = max(tried)
     if best < BETTER * now or best < now + BY:
         return []
+    for step in FINER_S:
+        best, delay = max(
+            [(best, delay), *((delayed(delay + sign * step), delay + sign * step) for sign in (1.0, -1.0))]
+        )
+    offset = round(seen.time_offset + delay, 2)
+    row = BY_NAME["time_offset"]
+    parameters: dict[str, Any] | None = {"time_offset": offset} if row.low <= offset <= row.high else None
+    remedy = f"Map with a time offset of {offset:g} s (--time-offset {offset:g}). " if parameters else ""
     who = "after" if delay > 0.0 else "before"
     return [
         Finding(
             "timing.delay",
             f"Poses and scans are out of step: the map is sharper with poses from about {abs(delay):.2f} s {who} each "
             f"scan's time: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
-            "Check how the two clocks are set, and whether scans are stamped when they begin, end or arrive.",
+            f"{remedy}Check how the two clocks are set, and whether scans are stamped when they begin, end or arrive.",
             min(0.95, 0.4 + 4.0 * (best - now)),
+            parameters=parameters,
         )
     ]

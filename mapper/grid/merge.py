@@ -9,7 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import wrap_angle
 from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 
-_TOLERANCE = 1e-3  # of a cell: how far two lattices may lie apart and still be the same
+LATTICE_TOLERANCE = 1e-3  #: of a cell: how far two lattices may lie apart and still be the same
 
 
 def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
@@ -77,7 +77,10 @@ def _prior_map(shape: tuple[int, int], parts: list[tuple[OccupancyGrid, Part]]) 
 def _offset(a: GridGeometry, b: GridGeometry) -> tuple[int, int]:
     """Return the row and the column of ``a`` at which cell (0, 0) of ``b`` lies."""
     turn = abs(float(wrap_angle(a.origin[2] - b.origin[2])))
-    if abs(a.resolution - b.resolution) * max(b.shape) > _TOLERANCE * a.resolution or turn * max(b.shape) > _TOLERANCE:
+    if (
+        abs(a.resolution - b.resolution) * max(b.shape) > LATTICE_TOLERANCE * a.resolution
+        or turn * max(b.shape) > LATTICE_TOLERANCE
+    ):
         raise ConfigError(
             "merge.geometry",
             f"Grids of {a.resolution:g} m at yaw {a.origin[2]:g} and of {b.resolution:g} m at yaw {b.origin[2]:g} "
@@ -85,7 +88,7 @@ def _offset(a: GridGeometry, b: GridGeometry) -> tuple[int, int]:
         )
     exact = a.to_lattice(b.origin[:2])[::-1]
     whole = np.round(exact)
-    if np.abs(exact - whole).max() > _TOLERANCE:
+    if np.abs(exact - whole).max() > LATTICE_TOLERANCE:
         raise ConfigError(
             "merge.geometry", f"The grids lie {exact[0]:g} rows and {exact[1]:g} columns apart, not a whole number."
         )

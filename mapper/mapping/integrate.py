@@ -10,6 +10,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import TypeAlias
 
 import numpy as np
@@ -20,7 +22,7 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import scan_batch_of_log, scan_batch_of_scan
+from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.mapping.update import update_grid
@@ -75,8 +77,9 @@ def _add(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> Change:
 def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:
     """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
     plan = plan_update(config, log.range_min, log.range_max)
-    batch = scan_batch_of_log(log, plan, trajectory, 0, log.n_scans)
-    return batch.bounds(plan.reading_filter, fields=plan.sees_fields)
+    batches = scan_batches_of_log(log, plan, trajectory, 0, log.n_scans)
+    bounds = [batch.bounds(plan.reading_filter, fields=plan.sees_fields) for batch in batches]
+    return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
 
 
 def geometry_for(
@@ -175,7 +178,10 @@ def integrate_scans(
 def _integrate(
     grid: OccupancyGrid, log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
 ) -> Change:
-    return _add(grid, scan_batch_of_log(log, plan, trajectory, start, stop), plan)
+    changes = [_add(grid, batch, plan) for batch in scan_batches_of_log(log, plan, trajectory, start, stop)]
+    boxes = [change.box for change in changes if change.box is not None]
+    box = reduce(or_, boxes) if boxes else None
+    return Change(box, geometry_changed=False, cells_updated=sum(change.cells_updated for change in changes))
 
 
 def integrate_parts(

@@ -155,6 +155,11 @@ PARAMETERS: tuple[Parameter, ...] = (
         choices=("ignore", "free", "hit"),
     ),
     Parameter(
+        "deskew", "Deskew", "update", "choice", "auto",
+        "Place each beam where the sensor was at its time, per beam only; auto: where poses are at most 0.5 s apart.",
+        choices=("auto", "on", "off"), only_for=_PER_SCAN,
+    ),
+    Parameter(
         "clamp", "Clamp", "update", "flag", True,
         "Keep each cell's log-odds between the two limits, so that the map can still change.",
     ),
@@ -197,7 +202,14 @@ PARAMETERS: tuple[Parameter, ...] = (
         "mount_upside_down", "Mount turned over", "mount", "flag", False,
         "Turn the sensor over, z axis down: its beams sweep in the opposite direction.",
     ),
+    Parameter(
+        "time_offset", "Time offset", "mount", "number", 0.0,
+        "Correction of the sensor's clock, added to the scans' times; scans outside the poses' times are left out.",
+        unit="s", low=-2.0, high=2.0, step=0.01,
+    ),
 )  # fmt: skip
+
+LOG_ONLY = frozenset({"deskew", "time_offset"})  #: parameters that need the robot's poses at other times than a scan's
 
 BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
@@ -208,6 +220,7 @@ class MappingConfig:
 
     ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
     ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
+    ``deskew`` and ``time_offset`` concern scans of a log, which has the robot's poses at other times too.
     Raises :class:`ConfigError` naming the field that is refused.
     """
 
@@ -226,6 +239,7 @@ class MappingConfig:
     update: str = "per_beam"
     traversal: str = "bresenham"
     no_return: str = "ignore"
+    deskew: str = "auto"
     clamp: bool = True
     log_odds_min: float = -2.0
     log_odds_max: float = 3.5
@@ -235,6 +249,7 @@ class MappingConfig:
     mount_y: float = 0.0
     mount_yaw: float = 0.0
     mount_upside_down: bool = False
+    time_offset: float = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self, PARAMETERS)

@@ -39,6 +39,8 @@ class ScanBatch:
 
     def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
         """Return the cosine and sine (n_scans, 2) of the sensor's heading along the lattice."""
+        if geometry.origin[2] == 0.0:
+            return np.ascontiguousarray(self.sensors[:, 2:])
         theta = np.ascontiguousarray(self.sensor_poses[:, 2] - geometry.origin[2])
         return np.column_stack([np.cos(theta), np.sin(theta)])
 

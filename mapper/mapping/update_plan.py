@@ -19,7 +19,8 @@ class UpdatePlan:
     """The parameters of :class:`mapper.mapping.parameters.MappingConfig` as the updates and the kernels take them.
 
     ``no_return`` "free" is part of ``reading_filter``, "hit" is ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
-    infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's.
+    infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's. ``deskew`` is "off"
+    for updates that take all beams of a scan together; ``time_offset`` is added to the stamps of the scans, seconds.
     """
 
     strategy: ModelStrategy
@@ -34,6 +35,8 @@ class UpdatePlan:
     clamp: tuple[float, float]
     mount: tuple[float, float, float]
     upside_down: bool
+    deskew: str
+    time_offset: float
 
     @property
     def per_scan(self) -> bool:
@@ -62,6 +65,7 @@ def plan_update(config: MappingConfig, range_min: float, range_max: float) -> Up
     growth = 4.0 * config.sigma_growth if strategy.smooth else 0.0
     gaussian = GAUSSIAN if config.cone_profile == "gaussian" else FLAT
     low, high = config.clamp_limits
+    scan_by_scan = strategy.statistics == "certainties" or (config.update == "per_scan" and strategy.per_scan)
     return UpdatePlan(
         strategy,
         model,
@@ -83,6 +87,8 @@ def plan_update(config: MappingConfig, range_min: float, range_max: float) -> Up
         (low, high),
         config.mount,
         config.mount_upside_down,
+        "off" if scan_by_scan else config.deskew,
+        config.time_offset,
     )
 
 

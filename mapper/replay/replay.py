@@ -14,7 +14,7 @@ from mapper.replay.bounds import BoundsCache
 from mapper.replay.incremental import CheckpointPrefetcher, IncrementalReplay
 from mapper.sensors.scan import ScanLog
 
-COSTLY = ("model", "update", "no_return", "resolution")  #: parameters on which it depends what a scan costs
+COSTLY = ("model", "update", "no_return", "deskew", "resolution")  #: parameters on which it depends what a scan costs
 
 
 class Replay:

@@ -16,6 +16,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 
+MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 

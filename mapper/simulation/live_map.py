@@ -59,7 +59,7 @@ class LiveMap:
         self._mapping = mapping
         self.seed = seed
         self.limits = limits
-        self.config = config or self.first_config(sensor)
+        self.config = _live(config or self.first_config(sensor))
         self.faults = Faults()
         self.second: SecondMap | None = None
         self.vanishing: Vanishing | None = None
@@ -148,12 +148,13 @@ class LiveMap:
 
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
         """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        config = _live(config)
         if not self._mapping:
             self.config, self.faults = config, faults
             return
         second = self.second
         if second is not None:
-            other = second.config_for(config)
+            other = _live(second.config_for(config))
             remade = self._made(other, faults if second.with_faults else Faults())
         grid = self._made(config, faults)
         self.grid, self.config, self.faults = grid, config, faults
@@ -175,7 +176,7 @@ class LiveMap:
         if values is None:
             self.second = None
             return
-        config = self.config.with_values(values)
+        config = _live(self.config.with_values(values))
         grid = self._made(config, self.faults if with_faults else Faults())
         self.second = SecondMap(values, with_faults, config, grid)
 
@@ -327,6 +328,11 @@ class LiveMap:
             self.compare({"clamp": not self.config.clamp}, with_faults=True)
             self.vanishing = vanishing
         return moved
+
+
+def _live(config: MappingConfig) -> MappingConfig:
+    """Return the parameters without a time offset: of a live robot the poses to come are not known."""
+    return config.with_values({"time_offset": 0.0}) if config.time_offset else config
 
 
 def _only(log: ScanLog, trajectory: str) -> ScanLog:

@@ -29,7 +29,7 @@ class Robot:
     """
 
     pose: PoseTuple
-    radius: float = 0.2
+    radius: float
     linear: float = 0.0
     angular: float = 0.0
 

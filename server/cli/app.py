@@ -9,7 +9,7 @@ import typer
 from server.version import package_version
 
 app = typer.Typer(
-    help="Watch an occupancy grid map fill in: a live world, and robot logs.",
+    help="Occupancy grid maps of simulated worlds and robot logs.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,

@@ -32,11 +32,11 @@ def bench_map_command(
     log: LogPath,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
-    repeats: Annotated[int, typer.Option(help="Times each kind of update is measured; the best counts.")] = 5,
+    repeats: Annotated[int, typer.Option(help="Number of runs for each kind of update; the shortest counts.")] = 5,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Measure how long a log's map takes: the best of several runs, for each kind of update."""
+    """Measure the time to compute a log's map, for each kind of update; the shortest of several runs counts."""
     from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
     from mapper.tools.bench import bench_map  # noqa: PLC0415 - start-up
 

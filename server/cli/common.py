@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 BAD_INPUT = 2  #: exit status
 MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
 
-#: Names that are shorter than the table's, or customary; the table's own name is an option too.
+#: Shorter or customary names of options; the table's own name is an option too.
 SHORT_NAMES = {
     "range_max": "--max-range",
     "log_odds_hit": "--hit",
@@ -30,16 +30,24 @@ SHORT_NAMES = {
 }
 
 
-LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot's log, plain or compressed.")]
+LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A robot log, plain or compressed.")]
 TopicName = Annotated[
     str | None, typer.Option("--topic", metavar="NAME", help="The sensor, where the log has several. [most scans]")
+]
+TopicNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--topic",
+        metavar="NAME",
+        help="The sensor, where the log has several; given again, another one in the same map. [most scans]",
+    ),
 ]
 TrajectoryName = Annotated[
     str | None, typer.Option("--trajectory", metavar="NAME", help="Poses to map with. [the log's first]")
 ]
 Mount = Annotated[
     str | None,
-    typer.Option("--mount", metavar="X,Y,YAW", help="Correction of the sensor's place on the robot (m, m, rad)."),
+    typer.Option("--mount", metavar="X,Y,YAW", help="Correction of the sensor's pose on the robot (m, m, rad)."),
 ]
 FirstScans = Annotated[
     int | None, typer.Option("--scans", metavar="N", help="Map only the first N scans. [all that the log has]")
@@ -97,7 +105,7 @@ def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Calla
 
 
 def value_of(row: Parameter, text: str) -> object:
-    """Return a parameter's value that was typed; what is none stays as it is, for the table to refuse."""
+    """Return the value of a typed parameter; text that is no value is returned unchanged, and the table refuses it."""
     if row.kind == "choice":
         return text.replace("-", "_")
     if row.kind == "flag":
@@ -109,7 +117,7 @@ def value_of(row: Parameter, text: str) -> object:
 
 
 def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[str, Any]:
-    """Return the parameters that were given, or end the command with what is wrong with them."""
+    """Return the given parameters, or end the command with an error."""
     typed = {name: value for name, value in values.items() if value is not None}
     given = {name: value_of(BY_NAME[name], value) if isinstance(value, str) else value for name, value in typed.items()}
     if mount is not None:
@@ -119,7 +127,7 @@ def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[s
 
 
 def configured(given: dict[str, Any]) -> MappingConfig:
-    """Return the parameters with those replaced that were given, or end the command with what is wrong."""
+    """Return the parameters with the given ones replaced, or end the command with an error."""
     try:
         return MappingConfig().with_values(given)
     except MapperError as error:
@@ -127,7 +135,7 @@ def configured(given: dict[str, Any]) -> MappingConfig:
 
 
 def place(text: str) -> list[float]:
-    """Return the point X,Y that was given, or end the command with what is wrong with it."""
+    """Return the given point X,Y, or end the command with an error."""
     return _numbers("--at", "two numbers, X,Y in metres", 2, text)
 
 
@@ -143,7 +151,7 @@ def _numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that takes the share that is done, 0 … 1, and shows it; None without a terminal."""
+    """Yield a function that shows the progress, 0 … 1; None without a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -156,7 +164,7 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
 
 
 def read_log(path: Path, topic: str | None = None) -> ScanLog:
-    """Return the log at ``path``, or end the command with what is wrong with it."""
+    """Return the log at ``path``, or end the command with an error."""
     from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:

@@ -1,4 +1,4 @@
-"""``compare``: two maps side by side."""
+"""``compare``: compare two maps cell by cell."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def compare(
     log: LogPath,
     other: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A parameter that the second map has another value of; repeatable."),
+        typer.Option(metavar="NAME=VALUE", help="Parameter with another value in the second map; repeatable."),
     ] = None,
     other_log: Annotated[Path | None, typer.Option(metavar="LOG", help="Make the second map of another log.")] = None,
     topic: TopicName = None,
@@ -45,7 +45,7 @@ def compare(
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
-    """Make two maps, with other parameters, poses or of another log, and say how they differ, cell by cell."""
+    """Make two maps that differ in parameters, poses or log, and compare them cell by cell."""
     from mapper.grid.compare import STATES, difference  # noqa: PLC0415 - start-up
     from mapper.grid.compare import compare as compare_maps  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
@@ -104,7 +104,7 @@ def compare(
 
 
 def _pairs(texts: list[str]) -> dict[str, Any]:
-    """Return parameters given as NAME=VALUE, or end the command with what is wrong with one."""
+    """Return parameters given as NAME=VALUE, or end the command with an error."""
     out: dict[str, Any] = {}
     for text in texts:
         name, equals, value = text.partition("=")

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print no notes, and do not check whether the poses drift.")]
 
-SAME_POSES_M = 0.2  #: two trajectories that are nowhere farther apart are the same poses, from two sources
+SAME_POSES_M = 0.2  #: trajectories that are nowhere farther apart count as the same poses from two sources
 
 
 def drift_note(log: ScanLog, trajectory: str | None, config: MappingConfig) -> str | None:
-    """Return one line on poses that the doctor calls drifted, with what to do about it; None for other poses."""
+    """Return one line that says that the poses drift and what to do about it; None if they do not."""
     from mapper.diagnosis import drift_finding  # noqa: PLC0415 - start-up
 
     found = drift_finding(log, trajectory, config)

@@ -1,4 +1,4 @@
-"""``info`` and ``doctor``: what is in a log, and what is wrong with it."""
+"""``info`` and ``doctor``: the contents of a log, and its diagnosis."""
 
 from __future__ import annotations
 
@@ -9,12 +9,23 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, LogPath, TopicName, print_json, progress_bar, read_log, refusing
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    configured,
+    given_parameters,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+    with_parameter_options,
+)
 
 
 @app.command()
 def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
-    """Say what a log holds."""
+    """Print the contents of a log."""
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     facts = asdict(summarise(read_log(log, topic)))
@@ -70,22 +81,25 @@ def _topic_line(topic: dict[str, Any]) -> str:
     return ", ".join(said)
 
 
-FEW = 5  #: scans that a finding names
+FEW = 5  #: scan numbers printed per finding
 
 
 @app.command()
+@with_parameter_options("time_offset")
 def doctor(
     log: LogPath,
     topic: TopicName = None,
-    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Say what is wrong with a log, where, how surely, and what to do about it."""
+    """Print what is wrong with a log, where, with what confidence, and what to do about it."""
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
+    config = configured(given_parameters(parameters))
     scans = read_log(log, topic)
     with refusing(log), progress_bar("Examining") as bar:
-        found = examine(scans, trajectory, bar)
+        found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:
         print_json({"log": scans.name, "findings": [finding.public() for finding in found]})
         return

@@ -18,7 +18,7 @@ OUT_HELP = "Write PREFIX.yaml and its image, PREFIX.pgm (in mode scale PREFIX.pn
 
 
 def check_mode(mode: str) -> None:
-    """End the command where there is no such kind of map file."""
+    """End the command with an error for an unknown kind of map file."""
     if mode not in MODES:
         fail(f"--mode must be trinary, scale or raw, not {mode!r:.40}.")
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mapper.mapping.parameters import PARAMETERS
+from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.cli.app import app
 from server.cli.common import (
     MOUNT,
@@ -17,7 +17,7 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
-    TopicName,
+    TopicNames,
     TrajectoryName,
     configured,
     fail,
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 @with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
 def map_log(
     log: LogPath,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     mount: Mount = None,
     prior: Prior = None,
@@ -60,42 +60,56 @@ def map_log(
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.several import bounds_of_logs, integrate_logs  # noqa: PLC0415 - start-up
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
-    scans = read_log(log, topic)
+    topics = list(dict.fromkeys(topic or ()))
+    _check_one_sensor(topics, given, mcap)
+    logs = [read_log(log, one) for one in topics] or [read_log(log)]
+    scans = logs[0]
     with refusing(log):
-        frame = scans.trajectory(trajectory).frame_id
-    notes = [*scans.notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
+        trajectory = trajectory or scans.default_trajectory
+        frame, notes_on_sensors = _frame_of(logs, trajectory)
+    read_notes = [*dict.fromkeys(note for one in logs for note in one.notes), *notes_on_sensors]
+    notes = [*read_notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
-    config = configured(sensor_defaults(scans.beam_width, given))
+    config = _config_for(logs, given)
     with refusing(log):
-        grid = grid_for(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
+        grid = grid_for(
+            scans,
+            config,
+            trajectory,
+            prior=prior_map.grid if prior_map else None,
+            bounds_of=lambda _, config, name: bounds_of_logs(logs, config, name),
+        )
         # No scan at all: the kernels are compiled, or loaded from the cache, before the clock runs.
         integrate_log(grid, scans, config, trajectory, 0, 0)
         with progress_bar("Mapping") as bar:
             start = time.perf_counter()
-            updated = integrate_log(
+            updated = integrate_logs(
                 grid,
-                scans,
+                logs,
                 config,
                 trajectory,
-                stop=first_scans,
+                first_scans,
                 progress=bar and (lambda done, total: bar(done / max(1, total))),
             )
             seconds = time.perf_counter() - start
+    deskewed, notes_on_times = _deskewed(logs, config, trajectory)
+    notes += notes_on_times
     drift = None if quiet else drift_note(scans, trajectory, config)
     written = save(grid, out, mode, frame) if out is not None else []
     written += _export(scans, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
-        "trajectory": trajectory or scans.default_trajectory,
+        "trajectory": trajectory,
         "frame": frame,
-        "scans": scans.n_scans if first_scans is None else first_scans,
+        "scans": sum(one.n_scans for one in logs) if first_scans is None else first_scans,
         "beams": scans.n_beams,
+        "deskewed_scans": deskewed,
         "cells_updated": updated,
         "seconds": round(seconds, 6),
         "resolution": geometry.resolution,
@@ -106,12 +120,18 @@ def map_log(
         "files": [str(path) for path in written],
         "notes": notes,
     }
+    if len(logs) > 1:
+        facts["sensors"] = [
+            {"topic": name, "scans": one.n_scans, "beams": one.n_beams} for name, one in zip(topics, logs, strict=True)
+        ]
     if not quiet:
         facts["drift"] = drift
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{facts['log']}: {facts['scans']} scans of {facts['beams']} beams, trajectory {facts['trajectory']}")
+    beams = " and ".join(dict.fromkeys(str(one.n_beams) for one in logs))
+    of = f" of {len(logs)} sensors" if len(logs) > 1 else ""
+    typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
         f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
@@ -120,6 +140,8 @@ def map_log(
     typer.echo(
         f"  {facts['information_gain_bits']:.0f} bits learned, {facts['entropy_bits']:.0f} bits open in seen cells"
     )
+    if deskewed:
+        typer.echo(f"  {deskewed} of the log's scans deskewed")
     typer.echo(f"  {updated} cell updates in {seconds:.3f} s")
     for path in written:
         typer.echo(f"  wrote {path}")
@@ -127,6 +149,52 @@ def map_log(
         return
     for note in [*notes, *([drift] if drift else [])]:
         typer.echo(f"  note: {note}")
+
+
+def _check_one_sensor(topics: list[str], given: dict[str, Any], mcap: Path | None) -> None:
+    """End the command where what was asked for concerns one sensor, and several were named."""
+    if len(topics) < 2:
+        return
+    moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
+    if moved:
+        fail("A correction of the mount is for one sensor; give one --topic with it.")
+    if mcap is not None:
+        fail("--mcap writes the scans of one sensor; give one --topic with it.")
+
+
+def _frame_of(logs: list[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
+    """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
+    ways = [one.trajectory(trajectory) for one in logs]
+    frames = dict.fromkeys(way.frame_id for way in ways)
+    if len(frames) < 2:
+        return ways[0].frame_id, []
+    if not all(way.is_placeholder for way in ways):
+        fail(f"The poses of these sensors are in different frames: {', '.join(map(repr, frames))}.")
+    return ways[0].frame_id, ["Where these sensors sit on the robot is not known; all are taken to be in one place."]
+
+
+def _deskewed(logs: list[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
+    """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
+    from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
+    from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
+
+    deskewed = left_out = 0
+    for one in logs:
+        plan = plan_update(config, one.range_min, one.range_max)
+        deskewed += int(deskewed_scans(one, plan, trajectory).sum())
+        left_out += int((~covered_scans(one, plan, trajectory)).sum())
+    note = f"With this time offset {left_out} scans are from before or after all poses, and are left out."
+    return deskewed, [note] if left_out else []
+
+
+def _config_for(logs: list[ScanLog], given: dict[str, Any]) -> MappingConfig:
+    """Return the parameters that suit all sensors; end the command where they need different ones."""
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+
+    configs = {configured(sensor_defaults(one.beam_width, given)) for one in logs}
+    if len(configs) > 1:
+        fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
+    return configs.pop()
 
 
 def _export(

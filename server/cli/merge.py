@@ -1,4 +1,4 @@
-"""``merge``: map files of one place as one."""
+"""``merge``: add map files of one place."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def merge(
     mode: MapMode = "trinary",
     as_json: AsJson = False,
 ) -> None:
-    """Add up the evidence of maps that were made of different scans of one place."""
+    """Add the evidence of maps that were made from different scans of one place."""
     from mapper.grid.merge import merged  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
 

@@ -1,4 +1,4 @@
-"""``--prior``: a number, or a map file from which mapping goes on."""
+"""``--prior``: a number, or a map file that mapping continues."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Prior = Annotated[
         "--prior",
         "--log-odds-prior",
         metavar="NUMBER|MAP.yaml",
-        help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file, from which mapping goes on. [0; -2 to 2]",
+        help=f"{BY_NAME['log_odds_prior'].sentence} Or a map file that mapping continues. [0; -2 to 2]",
     ),
 ]
 PriorFrame = Annotated[

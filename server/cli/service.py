@@ -9,27 +9,29 @@ import typer
 
 from server.cli.app import app
 from server.cli.common import AsJson, fail, print_json, progress_bar, refusing
+from server.imports import without_garbage_collection
 
 
 @app.command()
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on. [127.0.0.1]")] = None,
-    port: Annotated[int | None, typer.Option(help="Port to listen on; 0 takes a free one. [8000]")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on; 0 chooses a free one. [8000]")] = None,
     data_dir: Annotated[Path | None, typer.Option(help="Folder for uploaded logs.")] = None,
-    blobs: Annotated[str | None, typer.Option(help="Folder or s3://BUCKET/PREFIX of the logs' bytes.")] = None,
+    blobs: Annotated[str | None, typer.Option(help="Store of the logs' files: a folder or s3://BUCKET/PREFIX.")] = None,
     database: Annotated[
-        str | None, typer.Option(help="Database of their records, sqlite:/// or postgresql://.")
+        str | None, typer.Option(help="Database of the logs' records, sqlite:/// or postgresql://.")
     ] = None,
-    logs_dir: Annotated[Path | None, typer.Option(help="Folder whose logs everybody sees, read-only.")] = None,
+    logs_dir: Annotated[Path | None, typer.Option(help="Folder of logs that all visitors see, read-only.")] = None,
     no_token: Annotated[
-        bool, typer.Option("--no-token", help="Ask for no token although others than this machine reach the service.")
+        bool, typer.Option("--no-token", help="Require no token although other machines can reach the service.")
     ] = False,
 ) -> None:
-    """Run the service. Every option is also a setting in the environment, as GRIDBLOOM_PORT."""
-    from pydantic import ValidationError  # noqa: PLC0415 - start-up
+    """Run the service. Every option can also be set in the environment, for example GRIDBLOOM_PORT."""
+    with without_garbage_collection():
+        from pydantic import ValidationError  # noqa: PLC0415 - start-up
 
-    from server.serving import run  # noqa: PLC0415 - start-up
-    from server.settings import Settings  # noqa: PLC0415 - start-up
+        from server.serving import run  # noqa: PLC0415 - start-up
+        from server.settings import Settings  # noqa: PLC0415 - start-up
 
     options: dict[str, Any] = {
         "host": host,
@@ -54,11 +56,11 @@ def serve(
 
 @app.command()
 def upload(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot's log, or its folder.")],
-    url: Annotated[str, typer.Argument(metavar="URL", help="The service's address, as it prints it.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot log, or its folder.")],
+    url: Annotated[str, typer.Argument(metavar="URL", help="The address that the service prints.")],
     as_json: AsJson = False,
 ) -> None:
-    """Send a log to a service, go on after a cut, and say where its map is to be seen."""
+    """Send a log to a service, resume after a broken connection, and print the address of its map."""
     from server.settings import Settings  # noqa: PLC0415 - start-up
     from server.upload_client import upload as send  # noqa: PLC0415 - start-up
 

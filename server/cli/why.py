@@ -1,4 +1,4 @@
-"""``why``: what made a cell what it is."""
+"""``why``: the updates of a cell."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from server.cli.prior import Prior, PriorFrame, given_prior
 @with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
 def why(
     log: LogPath,
-    at: Annotated[str, typer.Option(metavar="X,Y", help="A place in the cell, in the map (m, m).")],
+    at: Annotated[str, typer.Option(metavar="X,Y", help="A point in the cell, in map coordinates (m, m).")],
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
     mount: Mount = None,
@@ -41,7 +41,7 @@ def why(
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
-    """Say why a cell is what it is: every beam that touched it, and what each of them added."""
+    """Print the updates of a cell: every beam that changed it, and what each beam added."""
     from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
     from mapper.replay import Replay  # noqa: PLC0415 - start-up
 

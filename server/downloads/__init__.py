@@ -1,22 +1,22 @@
-"""Files that are made for a visitor and sent: bounded in number and memory, streamed, ended with their client."""
+"""Downloads: bounded in number and memory, streamed, and stopped if the client disconnects."""
 
+from server.downloads.download_slots import BusyError, DownloadSlots
 from server.downloads.downloads import Content, Downloads
-from server.downloads.moments import Moment, MomentGoneError, Moments
-from server.downloads.names import MOMENT_NAME, file_name, file_stem
-from server.downloads.places import BusyError, Places
+from server.downloads.map_snapshots import MapSnapshot, MapSnapshotGoneError, MapSnapshots
+from server.downloads.names import SNAPSHOT_NAME, file_name, file_stem
 from server.downloads.response import Download
 from server.downloads.snapshot import Snapshot
 
 __all__ = [
-    "MOMENT_NAME",
+    "SNAPSHOT_NAME",
     "BusyError",
     "Content",
     "Download",
+    "DownloadSlots",
     "Downloads",
-    "Moment",
-    "MomentGoneError",
-    "Moments",
-    "Places",
+    "MapSnapshot",
+    "MapSnapshotGoneError",
+    "MapSnapshots",
     "Snapshot",
     "file_name",
     "file_stem",

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from mapper.core.errors import LimitError
-from server.downloads.moments import Moments
-from server.downloads.places import Places
+from server.downloads.download_slots import DownloadSlots
+from server.downloads.map_snapshots import MapSnapshots
 
 T = TypeVar("T")
 
@@ -38,7 +38,7 @@ class Content:
     close: Callable[[], None] = lambda: None
 
 
-#: Makes the content of a download, on the event loop, once there is a place.
+#: Makes the content of a download, on the event loop, once it holds a slot.
 Make = Callable[[], Awaitable[Content]]
 
 
@@ -47,8 +47,8 @@ class Downloads:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder  #: for temporary files, which have no names there
-        self.places = Places()
-        self.moments = Moments()
+        self.slots = DownloadSlots()
+        self.map_snapshots = MapSnapshots()
         self.export_turn = asyncio.Lock()  #: held while a log is exported: that takes a grid of its own
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download")
         self._long = ThreadPoolExecutor(1, thread_name_prefix="export")

@@ -1,4 +1,4 @@
-"""Names of downloaded files: after the log or the world, safe on every system, the same in header and yaml."""
+"""Names of downloaded files: from the log's or world's name, valid on every system, equal in header and yaml."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import re
 import unicodedata
 from urllib.parse import quote
 
-#: the word that names the instant of a map: it becomes part of the names of its files
-MOMENT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,39}$"
+#: pattern of the name of a map snapshot, which becomes part of its file names
+SNAPSHOT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,39}$"
 MAX_STEM_BYTES = 150  #: in UTF-8; file systems take 255 with all that is added
 
 _ENDINGS = re.compile(r"\.(gz|zst|log|clf|bag|mcap|db3|csv|dat|txt|tar|tgz|relations|yaml|pgm|png)$", re.IGNORECASE)
@@ -18,8 +18,8 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?", re.IGNOREC
 def file_stem(title: str) -> str:
     """Return the name of a log or a world as the name of a file without its ending.
 
-    The endings of logs go, and what a shell, a URL or a file system could misread becomes an underscore. A name of
-    which nothing is left becomes "map".
+    Endings of log files are removed, and characters that are special in shells, URLs or file systems are replaced by
+    underscores. An empty result is replaced by "map".
     """
     stem = unicodedata.normalize("NFC", title).strip()
     while _ENDINGS.search(stem):
@@ -31,12 +31,12 @@ def file_stem(title: str) -> str:
     return f"{stem}_" if _RESERVED.fullmatch(stem) else stem
 
 
-def file_name(stem: str, ending: str, moment: str | None = None, title: str = "") -> str:
-    """Return the name of a file; with ``moment`` it differs from that of the same map at another instant.
+def file_name(stem: str, ending: str, snapshot: str | None = None, title: str = "") -> str:
+    """Return the name of a file; with ``snapshot`` it differs from that of the same map at another instant.
 
     It is never ``title``, the name of the log's own file, which it would replace.
     """
-    name = f"{stem}{'' if moment is None else f'_{moment}'}"
+    name = f"{stem}{'' if snapshot is None else f'_{snapshot}'}"
     return f"{name}_gridbloom.{ending}" if f"{name}.{ending}" == title else f"{name}.{ending}"
 
 

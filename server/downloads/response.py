@@ -10,9 +10,9 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from server.downloads.download_slots import Asker
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
-from server.downloads.places import Asker
 
 PIECE_BYTES = 1 << 18  #: least size of a piece that is sent
 STALLED_S = 30.0  #: within which a client must accept a piece
@@ -21,9 +21,9 @@ _log = structlog.get_logger(__name__)
 
 
 class Download(Response):
-    """A file that is made once there is a place for it, and sent as it is made.
+    """A file that is made once it holds a slot, and sent as it is made.
 
-    What fails before the first byte is answered as every error is: :class:`server.downloads.BusyError` too.
+    Errors before the first byte, :class:`server.downloads.BusyError` among them, are answered as JSON errors.
     """
 
     def __init__(self, downloads: Downloads, who: Asker, make: Make, media_type: str) -> None:
@@ -36,7 +36,7 @@ class Download(Response):
         await _while_connected(receive, self._answer(send))
 
     async def _answer(self, send: Send) -> None:
-        async with self._downloads.places.place(self._who):
+        async with self._downloads.slots.hold(self._who):
             content = await self._make()
             try:
                 await self._send(content, send)
@@ -47,7 +47,7 @@ class Download(Response):
         self.headers["Content-Disposition"] = disposition(content.name)
         if content.nbytes is not None:
             self.headers["Content-Length"] = str(content.nbytes)
-        # The first piece may fail: nothing has been said until then.
+        # If the first piece fails, an error can still be answered.
         piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         while piece:
@@ -56,7 +56,7 @@ class Download(Response):
                     await send({"type": "http.response.body", "body": piece, "more_body": True})
             except TimeoutError:
                 _log.info("a download stalled and was ended")
-                return  # before its end: uvicorn breaks the connection, so that the client does not take it for whole
+                return  # uvicorn then closes the connection, so that the client sees that the file is incomplete
             piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 

@@ -1,4 +1,4 @@
-"""A compressed copy of an image, small enough to keep many and to send them slowly."""
+"""A compressed copy of an image."""
 
 from __future__ import annotations
 

@@ -22,8 +22,8 @@ from typing import Any
 import structlog
 
 BATCH = 32  #: connections accepted in one pass of the event loop
-SAY_EVERY_S = 10.0  #: seconds between two log lines on connections that were refused
-DESCRIPTORS = 0.75  #: share of the descriptors that connections may have; files and 3D views need some, too
+SAY_EVERY_S = 10.0  #: minimum seconds between two log lines on refused connections
+DESCRIPTORS = 0.75  #: share of the file descriptors for connections; files and 3D views need the rest
 OUT_OF_RESOURCES = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 
 _log = structlog.get_logger(__name__)
@@ -59,11 +59,11 @@ class Connections:
 
     @property
     def is_batch_full(self) -> bool:
-        """Whether so many connections were accepted that the event loop has to turn to them first."""
+        """Whether accepting pauses until the event loop has created protocols for the accepted connections."""
         return len(self._coming) >= BATCH
 
     def admit(self, descriptor: int, address: str) -> bool:
-        """Count a new connection; return False where there is no place for it."""
+        """Count a new connection; return False if the limit is reached."""
         network = _network(address)
         if self._count[network] >= self._most_of_network and not self._end_one(self._waiting[network]):
             self.refuse("as many connections as one address may have")
@@ -139,7 +139,7 @@ def _network(address: str) -> str:
 
 
 class _Connection(socket.socket):
-    """A connection that says when it is closed."""
+    """A socket that calls back when it is closed."""
 
     on_close: Callable[[int], None] | None = None
 
@@ -151,7 +151,7 @@ class _Connection(socket.socket):
 
 
 class Listener(socket.socket):
-    """The listening socket ``bound`` once more, which accepts as many connections as there may be.
+    """A duplicate of the listening socket ``bound`` that accepts connections up to the limits.
 
     Where descriptors have run out, it gives up one that it keeps for that, to close the connection that waits:
     otherwise the event loop would be woken for it without end, and log a traceback each time.
@@ -164,7 +164,7 @@ class Listener(socket.socket):
         self._spare = os.open(os.devnull, os.O_RDONLY)
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """Return a new connection and its address. Raises :class:`BlockingIOError` where there is none for now."""
+        """Return a new connection and its address. Raises :class:`BlockingIOError` if none is waiting."""
         for _ in range(0 if self._connections.is_batch_full else BATCH):
             try:
                 accepted, address = super().accept()

@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
-from server.downloads import MomentGoneError
+from server.downloads import MapSnapshotGoneError
 from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
@@ -25,7 +25,7 @@ _log = structlog.get_logger(__name__)
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
     (LinkGoneError, 404),
-    (MomentGoneError, 410),
+    (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),

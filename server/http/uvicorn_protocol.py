@@ -14,7 +14,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from server.http.connections import Connections
 
-REST_S = 60.0  #: seconds in which the rest of a body may come that was answered before
+REST_S = 60.0  #: seconds within which the rest of a body must arrive after its answer
 
 
 class HttpProtocol(H11Protocol):
@@ -35,12 +35,12 @@ class HttpProtocol(H11Protocol):
         self._wait()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wait no longer."""
+        """Stop waiting for a request."""
         self._stop_waiting()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Take in bytes."""
+        """Process received bytes."""
         super().data_received(data)
         self._look()
 
@@ -50,7 +50,7 @@ class HttpProtocol(H11Protocol):
         self._look()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Hand the connection over to the WebSocket's protocol."""
+        """Switch the connection to the WebSocket protocol."""
         self._stop_waiting()
         super().handle_websocket_upgrade(event)
 

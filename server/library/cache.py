@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 
 from mapper.sensors.scan import ScanLog
-from server.library.packed import nbytes
+from server.library.log_pack import nbytes
 
 
 class LogCache:

@@ -92,7 +92,7 @@ def _configure_sqlite(connection: sqlite3.Connection, _: object) -> None:
 
 
 def _begin_sqlite(connection: Connection) -> None:
-    connection.exec_driver_sql("BEGIN IMMEDIATE")  # who finds it locked waits here, and not half-way
+    connection.exec_driver_sql("BEGIN IMMEDIATE")  # waits for a lock here instead of in the middle of the transaction
 
 
 def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
@@ -117,7 +117,7 @@ def _told(error: SQLAlchemyError) -> StorageError:
 
 
 def _check(connection: Connection) -> None:
-    """Raise where the database is damaged: to go on would damage more."""
+    """Raise :class:`StorageError` if the database is damaged, before it is changed."""
     if connection.dialect.name == "sqlite":
         found = connection.execute(text("PRAGMA quick_check(1)")).scalar()
         if found != "ok":
@@ -133,7 +133,7 @@ def _migrate(connection: Connection) -> None:
     version = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
     if version == HEAD:
         return
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # its steps are nobody's news
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each step
     from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
     from alembic.config import Config  # noqa: PLC0415
     from alembic.script import ScriptDirectory  # noqa: PLC0415

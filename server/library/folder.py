@@ -8,8 +8,6 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from mapper.io.logs import is_log
-
 MAX_LOGS = 1000
 MAX_FILES = 100  #: in a folder that is one log
 
@@ -20,19 +18,19 @@ class FolderLog:
 
     id: str
     name: str
-    path: Path  #: what the name leads to
+    path: Path  #: with links resolved
     bytes: int
     modified_s: float
 
 
 class LogFolder:
-    """The logs among the files of ``folder``. What is no log is found out once."""
+    """The logs among the files of ``folder``. Each file is examined once, until it changes."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._is_log: dict[
             tuple[Path, tuple[tuple[int, int, int], ...]], bool
-        ] = {}  #: what was found out, by path, sizes and times
+        ] = {}  #: results by path, sizes and times
 
     def logs(self) -> list[FolderLog]:
         """Return the logs in the folder by name, at most :data:`MAX_LOGS`: its files, and folders that are one log.
@@ -40,6 +38,8 @@ class LogFolder:
         Hidden files, devices, what leads out of the folder, and what does not begin as a log does are left out. A
         folder that is not there, or may not be read, is empty: the service runs on without it.
         """
+        from mapper.io.logs import is_log  # noqa: PLC0415 - the readers of all formats, which few services need
+
         found = []
         is_log_now = {}
         try:
@@ -65,22 +65,22 @@ class LogFolder:
 
 
 def _within(path: Path, root: Path) -> Path | None:
-    """Return what ``path`` leads to, None where that is nothing, or out of ``root``."""
+    """Return ``path`` with links resolved, None if it does not exist or is outside ``root``."""
     try:
         target = path.resolve(strict=True)
-    except (OSError, RuntimeError):  # a link into nothing, or round in a circle
+    except (OSError, RuntimeError):  # a broken link or a cycle of links
         return None
     return target if target.is_relative_to(root) else None
 
 
 def _files_of(target: Path, root: Path) -> list[os.stat_result]:
-    """Return what is known of a file, or of the files in a folder; nothing of one that has any other than files."""
+    """Return the status of a file or of the files in a folder; an empty list if a folder holds anything but files."""
     try:
         inside = sorted(target.iterdir()) if target.is_dir() else [target]
         if len(inside) > MAX_FILES:
             return []
         files = [one.stat() for one in inside if _within(one, root) is not None]
-    except OSError:  # gone meanwhile, or not to be read
+    except OSError:  # deleted meanwhile, or not readable
         return []
     return files if len(files) == len(inside) and all(stat.S_ISREG(one.st_mode) for one in files) else []
 

@@ -19,9 +19,8 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 
 from mapper.core.errors import LimitError
-from mapper.io.logs import open_log
 from mapper.io.logs.summary import LogSummary, summarise
-from server.library.packed import write_pack
+from server.library.log_pack import write_pack
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +35,7 @@ class Job:
     memory_bytes: int  #: of address space
 
 
-_report: Callable[[float], None] | None = None  #: where this process says how far it is
+_report: Callable[[float], None] | None = None  #: reports the progress of this process
 
 
 def start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_bytes: int) -> None:
@@ -85,7 +84,7 @@ def _out_of_time(number: int, _: object) -> None:
 
 @contextlib.contextmanager
 def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
-    """Interrupt what runs in it after so many seconds on the clock, or of processor time.
+    """Interrupt the block after ``timeout_s`` seconds of elapsed time or ``cpu_s`` of processor time.
 
     What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again.
     """
@@ -120,8 +119,10 @@ def read_job(job: Job) -> LogSummary:
 
 
 def _read(job: Job) -> LogSummary:
+    from mapper.io.logs import open_log  # noqa: PLC0415 - only the process that reads needs the readers
+
     log = open_log(Path(job.source), topic=job.topic, progress=_note_progress)
-    _note_progress(1.0)  # whoever is not wanted any more ends here and leaves no pack
+    _note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:
         try:
             write_pack(log, Path(job.pack))

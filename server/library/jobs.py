@@ -12,7 +12,7 @@ import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library.catalogue import INTERRUPTED, Catalogue
-from server.library.reading import Reader
+from server.library.log_reader import Reader
 from server.library.records import Failure, Record
 
 _log = structlog.get_logger(__name__)
@@ -21,7 +21,7 @@ MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interr
 
 
 class Jobs:
-    """What is queued for ``reader``, or in its hands; ``room`` returns how many more bytes are allowed."""
+    """The logs that are queued for ``reader`` or being read; ``room`` returns how many more bytes are allowed."""
 
     def __init__(self, catalogue: Catalogue, reader: Reader, room: Callable[[], int]) -> None:
         self._catalogue = catalogue
@@ -118,7 +118,7 @@ class Jobs:
 
 
 def without_paths(error: MapperError, source: Path, name: str) -> MapperError:
-    """Return the error as its owner may see it: with the log's name in the place of the file's."""
+    """Return the error for the log's owner: with the log's name instead of the file's."""
     return type(error)(error.code, error.message.replace(str(source), name).replace(source.name, name))
 
 

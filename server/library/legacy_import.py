@@ -1,4 +1,4 @@
-"""What an older Gridbloom kept otherwise: a file of JSON for each record, and blobs by the logs' ids."""
+"""Import of the storage format of older versions: a JSON file for each record, and blobs named by the logs' ids."""
 
 from __future__ import annotations
 

@@ -18,16 +18,16 @@ from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.jobs import Jobs, full, unstored
+from server.library.log_pack import StalePackError
+from server.library.log_reader import Reader
 from server.library.names import display_name
-from server.library.packed import StalePackError
-from server.library.places import Places
-from server.library.reading import Reader
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.storage import private_folder
 from server.library.upload_receiver import Part, Received, UploadReceiver, too_large
+from server.library.upload_slots import UploadSlots
 from server.library.workers import worker_at
 from server.settings import Settings
 
@@ -60,7 +60,7 @@ class LibraryLimits:
 
 
 def check_stores(settings: Settings) -> None:
-    """Open what a library opens, bring it up to date and let go of it. Raises :class:`StorageError`."""
+    """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
     from server.library.database import Database  # noqa: PLC0415
     from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
@@ -91,7 +91,9 @@ class Library:
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
-        self._places = Places(self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s)
+        self._slots = UploadSlots(
+            self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
+        )
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
         self._sample = Sample(self._cache)
@@ -152,7 +154,7 @@ class Library:
     # -- uploads ------------------------------------------------------------------------------------------------
 
     def uploaded(self, owner: str, key: str) -> int:
-        """Return how many bytes have come of the upload that ``owner`` calls ``key``: the next part begins there."""
+        """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
 
     async def put(
@@ -218,17 +220,17 @@ class Library:
         if sum(record.bytes + record.packed_bytes for record in own) + (size or 0) > limits.max_owner_bytes:
             raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
         async with (
-            self._places.take(owner, address) as place,
-            self._intake.receive(owner, place.read(chunks), part) as received,
+            self._slots.take(owner, address) as slot,
+            self._intake.receive(owner, slot.read(chunks), part) as received,
         ):
             if received is None:
                 return None
             if sha256 is not None and received.incoming.sha256 != sha256.lower():
-                raise ReadError("upload.digest", "The bytes that came are not those that were sent; try again.")
+                raise ReadError("upload.digest", "The received bytes differ from those that were sent; try again.")
             return await self._take(owner, display_name(name), received)
 
     async def _take(self, owner: str, name: str, received: Received) -> Record:
-        """Give the received bytes their place, unless the owner has them."""
+        """Store the received bytes and queue them for reading, unless the owner has them already."""
         record = await self._catalogue.add(
             Record(
                 id=secrets.token_hex(10),

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
 from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
-from server.library.packed import topic_from_json
+from server.library.log_pack import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]

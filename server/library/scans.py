@@ -13,8 +13,8 @@ from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.jobs import unstored, without_paths
-from server.library.packed import StalePackError, read_pack
-from server.library.reading import Reader
+from server.library.log_pack import StalePackError, read_pack
+from server.library.log_reader import Reader
 from server.library.records import Record
 
 

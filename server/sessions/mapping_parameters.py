@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.sessions.hosting import ModelHost
 from server.sessions.scene_controls import ParameterTable
@@ -20,7 +21,8 @@ class MappingParameters:
     """The parameters of the present map, and the requested ones.
 
     ``remake`` recomputes the whole map with other parameters; if it raises :class:`MapperError`, nothing has
-    changed. ``message`` returns the ``parameters`` message.
+    changed. ``message`` returns the ``parameters`` message. Parameters without one of ``rows`` keep their initial
+    values.
     """
 
     def __init__(
@@ -29,9 +31,11 @@ class MappingParameters:
         config: MappingConfig,
         remake: Callable[[MappingConfig, TickResult], None],
         message: Callable[[], dict[str, Any]],
+        rows: tuple[Parameter, ...] = PARAMETERS,
     ) -> None:
         self.config = config  #: of the present map
         self._host, self._remake, self._message = host, remake, message
+        self._rows = rows
         self._wanted = config  #: the requested ones; where they differ, the map is recomputed in :meth:`settle`
         self._asked_by: Client | None = None
         self._remade_ms: float | None = None
@@ -44,7 +48,8 @@ class MappingParameters:
         """
         if command["type"] != "parameters":
             return False
-        self._wanted, self._asked_by = self._wanted.with_values(values(command)), result.client
+        fixed = {row.name: row.initial for row in PARAMETERS if row not in self._rows}
+        self._wanted, self._asked_by = self._wanted.with_values(values(command)).with_values(fixed), result.client
         return True
 
     def adopt(self, config: MappingConfig) -> None:
@@ -76,12 +81,12 @@ class MappingParameters:
 
     def table(self, first: MappingConfig) -> dict[str, Any]:
         """Return the ``parameters`` of ``hello``: the table with initial values ``first``, and the values."""
-        rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in PARAMETERS]
+        rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in self._rows]
         return {"table": rows, "values": asdict(self.config)}
 
     def controls(self) -> ParameterTable:
         """Return the table for the panel of the 3D view."""
-        return ParameterTable("Mapping", PARAMETERS, asdict(self.config), "parameters", ("model",))
+        return ParameterTable("Mapping", self._rows, asdict(self.config), "parameters", ("model",))
 
     def frame(self) -> dict[str, Any]:
         """Return the field of ``frame`` about the newest recomputation of the map."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import scan_batch_of_log
+from mapper.mapping.prepare_scans import bearings, sensor_poses_of_readings
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog
@@ -89,16 +89,17 @@ def _contributions(
 ) -> list[dict[str, Any]]:
     """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
-    batch = scan_batch_of_log(source.log, plan, source.trajectory, 0, source.stop)
     scans, beams = part.scans[inside], part.beams[inside]
+    poses = sensor_poses_of_readings(source.log, plan, source.trajectory, scans, beams)
+    angles = bearings(source.log, plan)
     ranges = part.ranges[inside].astype(np.float64)
-    returned = (ranges >= batch.range_min) & (ranges <= batch.range_max)
+    returned = (ranges >= plan.reading_filter.range_min) & (ranges <= plan.reading_filter.range_max)
     columns = zip(
         scans.tolist(),
         np.round(source.stamps_s[scans], 3).tolist(),
         beams.tolist(),
-        np.round(batch.sensor_poses[scans], 4).tolist(),
-        np.round(batch.angles[beams], 5).tolist(),
+        np.round(poses, 4).tolist(),
+        np.round(angles[beams], 5).tolist(),
         np.round(np.where(returned, ranges, 0.0), 3).tolist(),
         returned.tolist(),
         part.hits[inside].tolist(),

@@ -1,5 +1,7 @@
 """Generate from the messages: TypeScript types and validators, the JSON Schema, and the documentation page.
 
+The constants that the pages share with the mapper are written with them.
+
 ``python -m server.stream.generate`` writes the files; with ``--check`` it only fails if one is out of date.
 """
 
@@ -19,6 +21,7 @@ from msgspec import inspect as types
 from server.stream import messages, protocol
 from server.stream.close_codes import CLOSE_CODES
 from server.stream.commands import Command
+from server.stream.generate_constants import constants
 from server.stream.messages import ServerMessage
 
 ROOT = Path(__file__).parents[2]
@@ -299,6 +302,7 @@ def outputs() -> dict[Path, str]:
     """Return the text of each generated file by its path."""
     return {
         ROOT / "static" / "src" / "wire" / "messages.ts": typescript(),
+        ROOT / "static" / "src" / "wire" / "constants.ts": constants(COMMAND),
         ROOT / "docs" / "wire.schema.json": schema(),
         ROOT / "docs" / "wire.md": page(),
     }

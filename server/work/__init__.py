@@ -1,1 +1,1 @@
-"""Where and when work is computed."""
+"""Scheduling of computations."""

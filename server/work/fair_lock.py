@@ -17,7 +17,7 @@ class FairLock:
 
     @asynccontextmanager
     async def of(self, owner: str) -> AsyncIterator[None]:
-        """Wait for the turn of ``owner``, and hold it."""
+        """Wait for the turn of ``owner`` and hold it during the block."""
         if self._busy:
             place: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._waiting.setdefault(owner, deque()).append(place)
@@ -25,7 +25,7 @@ class FairLock:
                 await place
             except asyncio.CancelledError:
                 if place.done() and not place.cancelled():
-                    self._pass_on()  # the turn came while this one left
+                    self._pass_on()  # the turn was granted while this task was being cancelled
                 raise
         self._busy = True
         try:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mapper.mapping import textbook
 from mapper.mapping.provenance import provenance
-from mapper.sensors.scan import RangeScan
+from mapper.sensors.scan import LaserScan, RangeScan
 from tests.agreement.inputs import MappingCase
 
 
@@ -49,6 +49,36 @@ def told(found: list[list[Touch]]) -> tuple[Any, ...]:
 def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     scans, poses = case.scans(), case.sensor_poses()
     return told([textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)])
+
+
+def beams_and_poses(case: MappingCase) -> list[tuple[LaserScan, np.ndarray]]:
+    """Every beam of the log by itself, and the pose that it was measured from."""
+    return [one for t in range(case.log.n_scans) for one in textbook.deskewed(case.log, t, case.config)]
+
+
+def provenance_of_sweeps_by_kernel(case: MappingCase) -> tuple[Any, ...]:
+    prior = case.grid().prior()
+    found = [
+        provenance(case.geometry, case.log, case.config, cell, prior=float(prior[cell])) for cell in swept_cells(case)
+    ]
+    names = [(p.scans * case.log.n_beams + p.beams).tolist() for p in found]
+    return (names, *(np.stack([p.increments, p.log_odds]) for p in found))
+
+
+def provenance_of_sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    beams, poses = zip(*beams_and_poses(case), strict=True)
+    found = [textbook.provenance(case.grid(), beams, np.array(poses), cell, case.config) for cell in swept_cells(case)]
+    names, *values = told(found)
+    return ([[reading for reading, _ in touches] for touches in names], *values)
+
+
+def swept_cells(case: MappingCase) -> list[tuple[int, int]]:
+    """Cells on the beams, as :func:`cells_to_ask`."""
+    asked = set()
+    for beam, pose in beams_and_poses(case):
+        z = float(beam.ranges[0])
+        asked |= {textbook.cell_at(case.grid(), pose, 0.0, part * z) for part in (0.0, 0.5, 1.0) if np.isfinite(z)}
+    return [cell for cell in sorted(asked) if case.geometry.contains(cell)][:8]
 
 
 def single_threaded(scan: RangeScan, beam: int) -> RangeScan:

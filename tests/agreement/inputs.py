@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from hypothesis import strategies as st
@@ -139,6 +139,19 @@ def mapping_cases(draw: st.DrawFn, update: str, models: tuple[str, ...] = STEPS)
     )
     known = draw(st.none() | SEEDS)
     return MappingCase(geometry, log, config, None if known is None else some_log_odds(known, geometry.shape))
+
+
+@st.composite
+def sweeping_cases(draw: st.DrawFn, models: tuple[str, ...] = STEPS) -> MappingCase:
+    """A robot that moves while its beams are measured one after another, with poses near and far in time."""
+    case = draw(mapping_cases("per_beam", models).filter(lambda case: case.log.n_scans > 1 and case.log.n_beams > 1))
+    steps = st.sampled_from([0, 1, 100_000_000, 400_000_000, 600_000_000, -100_000_000]) | st.integers(0, 10**9)
+    later = draw(st.lists(steps, min_size=case.log.n_scans - 1, max_size=case.log.n_scans - 1).filter(any))
+    stamps = 10**9 + np.cumsum([0, *later])
+    increment = draw(st.sampled_from([0.1, -0.05, 0.4]) | st.floats(1e-4, 0.3)) / case.log.n_beams
+    log = replace(case.log, stamps_ns=stamps, time_increment=increment)
+    timed = {"deskew": draw(st.sampled_from(["auto", "on"])), "time_offset": draw(some(0.0, 0.1, low=-1, high=1))}
+    return replace(case, log=log, config=case.config.with_values(timed))
 
 
 @dataclass(frozen=True)

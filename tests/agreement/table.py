@@ -6,7 +6,7 @@ A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,11 +24,15 @@ from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
+from mapper.sensors.scan import RangeScan
 from tests.agreement.asking import (
+    beams_and_poses,
     provenance_by_kernel,
     provenance_by_textbook,
     provenance_of_counts_by_textbook,
     provenance_of_scans_by_textbook,
+    provenance_of_sweeps_by_kernel,
+    provenance_of_sweeps_by_textbook,
 )
 from tests.agreement.inputs import (
     STEPS,
@@ -43,6 +47,7 @@ from tests.agreement.inputs import (
     pictures,
     rays,
     states,
+    sweeping_cases,
     two_maps,
 )
 
@@ -81,6 +86,18 @@ def statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)
+    return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
+
+
+def sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
+    return grid.log_odds, grid.observed, count
+
+
+def swept_statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    grid = case.grid()
+    count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
     return grid.cell_statistics, grid.p_occ.astype(np.float32), grid.observed, count
 
 
@@ -133,9 +150,17 @@ def bounds_by_kernel(case: MappingCase) -> tuple[Any, ...]:
 
 
 def bounds_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return bounds_of_scans(case, zip(case.scans(), case.sensor_poses(), strict=True))
+
+
+def bounds_of_sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return bounds_of_scans(case, beams_and_poses(case))
+
+
+def bounds_of_scans(case: MappingCase, scans: Iterable[tuple[RangeScan, np.ndarray]]) -> tuple[Any, ...]:
     z_max = min(case.log.range_max, case.config.range_max)
     seen = []
-    for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
+    for scan, pose in scans:
         seen.append(pose[:2])
         for z, bearing in zip(textbook.readings(scan, case.config), scan.angles, strict=True):
             if z > z_max:
@@ -293,8 +318,19 @@ TABLE = (
         mapping_cases("per_beam", COUNTING),
         ROUNDING,
     ),
+    Row("deskewed", map_by_kernel, sweeps_by_textbook, sweeping_cases()),
+    Row("deskewed ramps", map_by_kernel, sweeps_by_textbook, sweeping_cases(RAMP), ROUNDING),
+    Row("deskewed cones", map_by_kernel, sweeps_by_textbook, sweeping_cases(CONE), ROUNDING),
+    Row("deskewed counting", statistics_by_kernel, swept_statistics_by_textbook, sweeping_cases(COUNTING), ROUNDING),
+    Row(
+        "provenance of deskewed beams",
+        provenance_of_sweeps_by_kernel,
+        provenance_of_sweeps_by_textbook,
+        sweeping_cases(),
+    ),
     Row("merging", merged_by_core, merged_by_textbook, two_maps(), ROUNDING),
     Row("states and information", states_by_core, states_by_textbook, states(), ROUNDING),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
+    Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
 )

@@ -28,6 +28,7 @@ from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
+from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 
 RANGE_MAX = 30.0
@@ -186,6 +187,10 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["statistics"]:
         cost_of_statistics()
         sys.exit()
+    if sys.argv[1:] == ["start"]:
+        cost_of_starting()
+        service_start()
+        sys.exit()
     if sys.argv[1:] == ["reading"]:
         reading()
         sys.exit()
@@ -206,6 +211,7 @@ if __name__ == "__main__":
     cost_of_statistics()
     cost_of_asking_why()
     cost_of_starting()
+    service_start()
     reading()
     inspecting(hall(20_000, 360))
     sharing(hall(800, 360))

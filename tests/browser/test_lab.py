@@ -9,11 +9,11 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, expect
 
-from mapper.mapping.parameters import PARAMETERS
+from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, drag, frame, map_digest, observed, settled_digest, still, until
 
-NUMBERS = [row for row in PARAMETERS if row.kind == "number"]
+NUMBERS = [row for row in PARAMETERS if row.kind == "number" and row.name not in LOG_ONLY]
 SLIDERS = {
     "fixed_increments": [row for row in NUMBERS if not row.only_for or "fixed_increments" in row.only_for],
     "step_window": [row for row in NUMBERS if row.only_for and "step_window" in row.only_for],

@@ -75,6 +75,15 @@ def _dpslam() -> str:
     return "".join(poses)
 
 
+def _cmu() -> str:
+    lines = []
+    for i, (x, y, theta) in enumerate(_POSES):
+        robot, laser = f"{100 * x:.2f} {100 * y:.2f} {theta:.3f}", f"{100 * x + 25:.2f} {100 * y:.2f} {theta:.3f}"
+        readings = f"{100 + i} 8183 " + "7 " * 178
+        lines += [f"O {robot} {0.4 + i:.2f}", f"L {robot} {laser} {readings}{0.5 + i:.2f}"]
+    return "\n".join([*lines, ""])
+
+
 #: Format → a small log, as text.
 TEXTS = {
     "carmen raw": _carmen_raw(),
@@ -83,6 +92,7 @@ TEXTS = {
     "csv": _csv(),
     "breezyslam": _breezyslam(),
     "dpslam": _dpslam(),
+    "cmu": _cmu(),
 }
 
 #: The two files of a sonar ring.

@@ -160,8 +160,8 @@ def test_eight_uploads_that_trickle_keep_no_honest_one_out(service: Service) -> 
                 f"Cookie: gridbloom_visitor={number // 4:024}\r\nContent-Length: {total}\r\n"
                 f"Content-Range: bytes 0-{total - 1}/{total}\r\n\r\n".encode()
             )
-        places = service.state.library._places
-        until(lambda: len(places) == 8)
+        slots = service.state.library._slots
+        until(lambda: len(slots) == 8)
 
         def trickle() -> None:
             while not ended.wait(0.1):
@@ -192,4 +192,4 @@ def test_eight_uploads_that_trickle_keep_no_honest_one_out(service: Service) -> 
                 )
         assert len(offsets) == 1, "one of them made room"
         assert offsets[0] > 0, "its sender may go on with it"
-    until(lambda: len(places) == 0)
+    until(lambda: len(slots) == 0)

@@ -22,6 +22,7 @@ OTHER: dict[str, Any] = {
 MOVING: dict[str, Any] = {
     "range_max": 4.0, "no_return": "hit", "resolution": 0.3, "mount_x": 0.5, "mount_y": -0.5, "mount_yaw": 0.3,
     "mount_upside_down": True, "model": "step_window", "update": "per_scan",
+    "deskew": "off", "time_offset": 0.5,
 }  # fmt: skip
 
 

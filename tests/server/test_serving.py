@@ -76,7 +76,7 @@ def test_behind_a_reverse_proxy_it_prints_its_token_or_says_that_there_is_none(t
     finally:
         process.kill()
     assert ("?token=" in line) is not no_token
-    assert ("no token is asked for" in errors) is no_token
+    assert ("no token is required" in errors) is no_token
 
 
 def test_a_port_that_is_taken_is_one_sentence(tmp_path: Path) -> None:

@@ -8,6 +8,20 @@ Trajectory names, in the order in which a log offers them (the first is its defa
 ``truepos``   the simulator's true pose (CARMEN's TRUEPOS) at the time of each scan
 """
 
-from mapper.io.logs.opening import is_log, log_files, open_log
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mapper.io.logs.opening import is_log, log_files, open_log
 
 __all__ = ["is_log", "log_files", "open_log"]
+
+
+def __getattr__(name: str) -> object:
+    # The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the
+    # service does, has no need of them.
+    if name in __all__:
+        return getattr(import_module("mapper.io.logs.opening"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -13,7 +13,8 @@
 First the sensor, a name and a value to a line: ``angle_min`` is the bearing of the first beam and ``angle_increment``
 that from one beam to the next (radians, counter-clockwise from straight ahead); ``range_min`` and ``range_max`` are the
 least and the largest distance that it measures (metres; 0 and no limit where they are left out). ``mount_x``,
-``mount_y`` and ``mount_yaw`` may say where it sits on the robot. Then the line ``stamp,x,y,theta,ranges``, and a line
+``mount_y`` and ``mount_yaw`` may say where it sits on the robot, and ``time_increment`` the seconds from one beam to
+the next of a scan that is stamped at its first. Then the line ``stamp,x,y,theta,ranges``, and a line
 for each scan: its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are
 beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
 """
@@ -35,7 +36,14 @@ from mapper.sensors.scan import ScanLog, Trajectory, is_angle_step
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
-INITIAL = {"range_min": 0.0, "range_max": math.inf, "mount_x": 0.0, "mount_y": 0.0, "mount_yaw": 0.0}
+INITIAL = {
+    "range_min": 0.0,
+    "range_max": math.inf,
+    "mount_x": 0.0,
+    "mount_y": 0.0,
+    "mount_yaw": 0.0,
+    "time_increment": 0.0,
+}
 
 
 def is_csv_scans(head: bytes) -> bool:
@@ -129,6 +137,7 @@ def read_csv_scans(
         stamps_ns=stack.stamps_ns,
         trajectories={"scan": Trajectory(stack.robot_poses, "the pose in each scan's line")},
         mount=(v["mount_x"], v["mount_y"], v["mount_yaw"]),
+        time_increment=v["time_increment"],
         name=path.name,
         format="CSV",
         notes=(*notes, *notes_on_ranges, *stack.notes_on_time()),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import compose, interpolate, inverse, wrap_angle
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
@@ -33,10 +33,7 @@ def poses_at_scans(
     span = stamps[high] - stamps[low]
     with np.errstate(divide="ignore", invalid="ignore"):
         weight = np.where(span > 0.0, np.clip((scan_stamps - stamps[low]) / span, 0.0, 1.0), 0.0)
-    out = np.empty((len(before), 3))
-    out[:, :2] = poses[low, :2] + weight[:, None] * (poses[high, :2] - poses[low, :2])
-    out[:, 2] = wrap_angle(poses[low, 2] + weight * wrap_angle(poses[high, 2] - poses[low, 2]))
-    return out
+    return interpolate(poses[low], poses[high], weight)
 
 
 def restarts(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import breezyslam, carmen, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC
@@ -64,6 +64,7 @@ TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
 
 #: What tells a text of numbers by its beginning.
 NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
+    (cmu.is_cmu, cmu.read_cmu),
     (csv_scans.is_csv_scans, csv_scans.read_csv_scans),
     (breezyslam.is_breezyslam, breezyslam.read_breezyslam),
     (sonar.is_sonar, sonar.read_sonar),
@@ -71,7 +72,7 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
 
 METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
 
-KNOWN = "CARMEN, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
+KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:

@@ -11,8 +11,8 @@ from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
 from mapper.io.logs.ros_messages import Beams
+from mapper.sensors.scan import MAX_STATED_S
 
-MAX_STATED_S = 3600.0  #: a longer time between beams or scans is a defect of the message
 Beaming = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
 
 

@@ -14,17 +14,17 @@ from mapper.io.maps import yaml_text
 from mapper.io.maps.images import Bands, pgm_header, pgm_pieces, png_pieces
 from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, trinary_pixels
 from server.downloads import (
-    MOMENT_NAME,
+    SNAPSHOT_NAME,
     Content,
     Download,
     Downloads,
-    Moment,
-    MomentGoneError,
+    MapSnapshot,
+    MapSnapshotGoneError,
     Snapshot,
     file_name,
     file_stem,
 )
-from server.downloads.places import Asker, asker
+from server.downloads.download_slots import Asker, asker
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
 from server.sessions import SessionHost
@@ -34,7 +34,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 At = Annotated[
     str | None,
     Query(
-        pattern=MOMENT_NAME,
+        pattern=SNAPSHOT_NAME,
         description="Name of an instant: map.yaml and map.pgm that are asked for with the same one are of one map, "
         "that of the first request, and their file names end in it. A session keeps four such maps.",
     ),
@@ -68,16 +68,16 @@ async def snapshot(downloads: Downloads, pixels: Callable[[], tuple[tuple[int, i
     return await downloads.run(work)
 
 
-async def _moment(downloads: Downloads, session: SessionHost, at: str | None) -> Moment:
+async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | None) -> MapSnapshot:
     """Return the map of a session now, or of the instant ``at``, with its trinary image."""
 
-    async def make() -> Moment:
+    async def make() -> MapSnapshot:
         async with session.locked():
             grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
             image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
-        return Moment(stem, grid.geometry, image, frame)
+        return MapSnapshot(stem, grid.geometry, image, frame)
 
-    return await make() if at is None else await downloads.moments.get(session, at, make)
+    return await make() if at is None else await downloads.map_snapshots.get(session, at, make)
 
 
 @router.get("/{session_id}/map.yaml")
@@ -92,8 +92,8 @@ async def map_yaml(
         if at is None:
             stem, geometry, frame = stem_of(session), grid_of(session).geometry, session.model.frame_id
         else:
-            moment = await _moment(downloads, session, at)
-            stem, geometry, frame = moment.stem, moment.geometry, moment.frame
+            kept = await _map_snapshot(downloads, session, at)
+            stem, geometry, frame = kept.stem, kept.geometry, kept.frame
         text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame).encode()
         return Content(file_name(stem, "yaml", at), iter([text]), len(text))
 
@@ -109,15 +109,15 @@ async def map_pgm(
     session = sessions.get(session_id)
 
     async def make() -> Content:
-        moment = await _moment(downloads, session, at)
-        if moment.image is None:
-            raise MomentGoneError(
-                "map.moment_gone",
+        kept = await _map_snapshot(downloads, session, at)
+        if kept.image is None:
+            raise MapSnapshotGoneError(
+                "map.snapshot_gone",
                 f"The map of the instant {at!r} is no longer kept: ask for map.pgm and map.yaml with another name.",
             )
-        shape = moment.image.shape
+        shape = kept.image.shape
         nbytes = len(pgm_header(shape)) + shape[0] * shape[1]
-        return Content(file_name(moment.stem, "pgm", at), pgm_pieces(shape, moment.image.bands()), nbytes)
+        return Content(file_name(kept.stem, "pgm", at), pgm_pieces(shape, kept.image.bands()), nbytes)
 
     return Download(downloads, asker_of(request, session), make, "image/x-portable-graymap")
 

@@ -12,7 +12,7 @@ import numpy as np
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
 from mapper.simulation.edits import solid_ids
 from mapper.simulation.faults import polished_faces
@@ -37,6 +37,7 @@ from server.stream.protocol import ProtocolError, integer, text, values
 
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
+_ROWS = tuple(row for row in PARAMETERS if row.name not in LOG_ONLY)
 
 
 class SimulationModel(SessionModel):
@@ -51,7 +52,7 @@ class SimulationModel(SessionModel):
         super().__init__()
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
-        self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message)
+        self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
         self.story = SimulationStory(host, mapper, self.playback, max_story_s)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()

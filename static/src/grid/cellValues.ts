@@ -1,16 +1,10 @@
 /** The meaning of a cell's byte: log-odds, probability and state, for the geometry of the same stream. */
 
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../wire/constants";
 import type { CellState, Geometry } from "../wire/protocol";
 import { logOdds } from "./logOdds";
 
 type Range = Pick<Geometry, "low" | "high">;
-
-/**
- * p of occupied above which a cell is occupied, and below which it is free; as mapper/grid/occupancy_grid.py
- * (map_server's).
- */
-export const OCCUPIED_THRESHOLD = 0.65;
-export const FREE_THRESHOLD = 0.25;
 
 /** The log-odds of a byte 1 … 255 (0 is "never observed" and has none). */
 export function logOddsAt(byte: number, range: Range): number {

@@ -1,10 +1,11 @@
-import { useMemo } from "preact/hooks";
 import { Button } from "./Button";
-import { Moments } from "./moments";
+import { MapSnapshots } from "./mapSnapshots";
+
+/** One for the page: the names differ from pair to pair in all sessions that it shows. */
+const snapshots = new MapSnapshots();
 
 /** Buttons that download a session's map: pgm and yaml, which are of one instant, and png. */
 export function MapFiles({ session }: { readonly session: string }) {
-  const moments = useMemo(() => new Moments(), [session]);
   const address = (kind: string): string => `/api/sessions/${encodeURIComponent(session)}/map.${kind}`;
   return (
     <>
@@ -16,7 +17,7 @@ export function MapFiles({ session }: { readonly session: string }) {
           download
           onClick={(event) => {
             event.preventDefault();
-            save(`${address(kind)}?at=${moments.next(kind, new Date())}`);
+            save(`${address(kind)}?at=${snapshots.next(session, kind, new Date())}`);
           }}
         >
           {kind}

@@ -1,4 +1,4 @@
-"""The cache of compiled functions: one folder for each package and text of kernels."""
+"""Kernels: compiled with the first call, in one cache folder for each package and text of kernels."""
 
 import os
 import shutil
@@ -13,7 +13,10 @@ CHECKOUT = Path(__file__).parents[3]
 
 def cache_folders(checkout: Path, cache: Path) -> dict[str, Path]:
     """The cache folder of each package of kernels in a checkout."""
-    program = "from mapper.core.jit import cache_folder; print(*map(cache_folder, ('grid', 'mapping', 'simulation')))"
+    program = (
+        "from mapper.core.compile_cache import cache_folder\n"
+        "print(*map(cache_folder, ('grid', 'mapping', 'simulation')))"
+    )
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=checkout, env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
         capture_output=True, text=True, check=True,
@@ -57,3 +60,18 @@ def test_kernels_are_kept_in_the_folder_of_their_package(tmp_path: Path) -> None
         [sys.executable, "-c", program], cwd=CHECKOUT, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}, check=True
     )
     assert [path.name.rsplit("-", 1)[0] for path in tmp_path.iterdir()] == ["simulation-kernels"]
+
+
+def test_the_first_call_imports_numba_and_makes_one_dispatcher_for_all_threads() -> None:
+    program = (
+        "import sys; import numpy as np; from threading import Barrier\n"
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from mapper.simulation.kernels.raycast import nearest_edge as f\n"
+        "print('numba' in sys.modules, len(f.signatures)); barrier = Barrier(4)\n"
+        "def call(_):\n"
+        "    barrier.wait(); out = np.zeros(2); f(np.zeros((1, 4)), 3.0, 4.0, out); return id(f.dispatcher)\n"
+        "with ThreadPoolExecutor(4) as pool: found = set(pool.map(call, range(4)))\n"
+        "print('numba' in sys.modules, len(f.signatures), len(found))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=CHECKOUT, capture_output=True, text=True, check=True)
+    assert done.stdout == "False 0\nTrue 1 1\n"

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.core.se2 import compose, interpolate, inverse, transform_points, wrap_angle
 
 poses = st.tuples(st.floats(-100, 100), st.floats(-100, 100), st.floats(-10, 10)).map(np.array)
 
@@ -48,6 +48,15 @@ def test_wrapped_angles_point_the_same_way(angle: float) -> None:
     wrapped = float(wrap_angle(angle))
     assert -np.pi <= wrapped < np.pi
     assert abs(np.exp(1j * wrapped) - np.exp(1j * angle)) < 1e-9
+
+
+@given(poses, poses, st.floats(0, 1))
+def test_between_two_poses_the_short_way_round(a: np.ndarray, b: np.ndarray, share: float) -> None:
+    between = interpolate(a, b, share)
+    np.testing.assert_allclose(between[:2], (1 - share) * a[:2] + share * b[:2], atol=1e-9)
+    turn = np.angle(np.exp(1j * (b[2] - a[2])))
+    if abs(turn) < 3.14:
+        np.testing.assert_allclose(np.exp(1j * between[2]), np.exp(1j * (a[2] + share * turn)), atol=1e-9)
 
 
 def test_half_a_turn_wraps_to_the_lower_end() -> None:

@@ -216,7 +216,25 @@ def test_poses_that_are_late(clean: ScanLog, delay: float) -> None:
     columns = (poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2]))
     late = np.stack([np.interp(times - delay, times, column) for column in columns], axis=-1)
     found = the(examine(with_poses(clean, late)), "timing.delay")
-    assert f"about {abs(delay):.2f} s {'after' if delay > 0 else 'before'}" in found.sentence
+    assert ("after" if delay > 0 else "before") in found.sentence
+    assert found.parameters is not None
+    offset = found.parameters["time_offset"]
+    assert offset == pytest.approx(delay, abs=0.06)
+    assert f"--time-offset {offset:g}" in found.advice
+    assert "timing.delay" not in named(examine(with_poses(clean, late), time_offset=offset))
+
+
+def test_scans_that_are_swept_are_judged_from_the_middle_of_their_sweep(clean: ScanLog) -> None:
+    """A lidar that turns slowly, stamped at its first beam: without its time increment the poses seem to be early."""
+    sweep = 0.4
+    times = clean.stamps_ns * 1e-9
+    poses = clean.trajectory().poses
+    columns = (poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2]))
+    first = np.stack([np.interp(times - sweep / 2, times, column) for column in columns], axis=-1)
+    stamped = replace(with_poses(clean, first), stamps_ns=clean.stamps_ns - int(sweep / 2 * 1e9))
+    assert the(examine(stamped), "timing.delay").parameters == {"time_offset": pytest.approx(sweep / 2, abs=0.06)}
+    known = replace(stamped, time_increment=sweep / (clean.n_beams - 1))
+    assert "timing.delay" not in named(examine(known))
 
 
 def test_a_robot_that_moved_without_poses(clean: ScanLog) -> None:

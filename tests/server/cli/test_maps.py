@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 import yaml
 
+from mapper.io.maps import load_map
 from mapper.mapping.parameters import MODELS, PARAMETERS
 from server.cli import SHORT_NAMES
+from tests.mapper.io.logs import recorded
 from tests.server.cli.running import state_counts
 
 ROOT = Path(__file__).parents[3]
@@ -207,3 +209,64 @@ def test_a_terminal_sees_progress_and_standard_output_stays_clean(log):
         os.close(theirs)
     assert "Mapping" in seen
     assert json.loads(done.stdout)["scans"] == 4
+
+
+def two_lidars(folder: Path) -> Path:
+    """A robot in a square room of 6 m, with a lidar that looks ahead and one that looks back."""
+    at = 1_700_000_000 * recorded.SECOND
+    said = [
+        recorded.transform(at, "base_link", "front", 0.2, topic="/tf_static"),
+        recorded.transform(at, "base_link", "rear", -0.2, yaw=np.pi, topic="/tf_static"),
+    ]
+    bearings = np.radians(np.arange(180) - 90.0)
+    for i in range(10):
+        stamp = at + i * recorded.SECOND // 10
+        said.append(recorded.transform(stamp, "odom", "base_link", 0.01 * i))
+        for frame, x, turn in (("front", 0.2, 0.0), ("rear", -0.2, np.pi)):
+            cos, sin = np.cos(bearings + turn), np.sin(bearings + turn)
+            x_at = 0.01 * i + x
+            ahead, aside = np.maximum(np.abs(cos), 1e-9), np.maximum(np.abs(sin), 1e-9)
+            ranges = np.minimum((3.0 - np.sign(cos) * x_at) / ahead, 3.0 / aside)
+            angles = (float(bearings[0]), float(bearings[1] - bearings[0]))
+            said.append(recorded.scan(stamp, ranges, f"/{frame}", frame, angles))
+    return recorded.written(folder, said, "mcap")
+
+
+def test_two_lidars_make_one_map(run, tmp_path):
+    path = two_lidars(tmp_path)
+    both = state_counts(run, path, "--topic", "/front", "--topic", "/rear", "--out", tmp_path / "both")
+    front, rear = (state_counts(run, path, "--topic", name) for name in ("/front", "/rear"))
+    assert both["sensors"] == [{"topic": name, "scans": 10, "beams": 180} for name in ("/front", "/rear")]
+    assert both["scans"] == 20
+    assert both["cells_updated"] == front["cells_updated"] + rear["cells_updated"]
+    assert both["occupied"] > 1.5 * max(front["occupied"], rear["occupied"])
+    grid = load_map(tmp_path / "both.yaml").grid
+    cells = np.argwhere(grid.p_occ > 0.65)
+    off = np.abs(np.abs(grid.geometry.cell_to_world(cells)).max(axis=1) - 3.0)
+    assert np.quantile(off, 0.95) < 0.06
+    assert "20 scans of 180 beams of 2 sensors" in run("map", path, "--topic", "/front", "--topic", "/rear").out
+    assert state_counts(run, path, "--topic", "/front", "--topic", "/rear", "--scans", 3)["scans"] == 3
+
+
+def test_the_two_scanners_of_a_real_recording_make_one_map(run, data_file):
+    path = data_file("bags/scans_demo.bag")
+    facts = state_counts(run, path, "--topic", "/front_scan", "--topic", "/rear_scan")
+    assert facts["scans"] == 331 + 330
+    assert [one["scans"] for one in facts["sensors"]] == [331, 330]
+    assert "Where these sensors sit on the robot is not known; all are taken to be in one place." in facts["notes"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--mount", "0.1,0,0"], "the mount is for one sensor"),
+        (["--mount-upside-down"], "the mount is for one sensor"),
+        (["--mcap", "out.mcap"], "--mcap writes the scans of one sensor"),
+        (["--topic", "/left"], "'/left'; it has"),
+    ],
+)
+def test_what_is_for_one_sensor_is_refused_with_two(run, tmp_path, options, words):
+    path = two_lidars(tmp_path)
+    status, _, err = run("map", path, "--topic", "/front", "--topic", "/rear", *options)
+    assert (status, err.count("\n")) == (2, 1)
+    assert words in err

@@ -86,7 +86,7 @@ def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
     for number in range(5):
         assert service.http.get(f"{address}.pgm?at=n{number}").status_code == 200
     answer = service.http.get(f"{address}.pgm?at=n0")
-    assert (answer.status_code, answer.json()["code"]) == (410, "map.moment_gone")
+    assert (answer.status_code, answer.json()["code"]) == (410, "map.snapshot_gone")
     assert yaml.safe_load(service.http.get(f"{address}.yaml?at=n0").text)["image"] == "room_n0.pgm"
     answer = service.http.get(f"{address}.pgm?at=../../x")
     assert (answer.status_code, answer.json()["code"]) == (422, "request.invalid")
@@ -105,13 +105,13 @@ def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, m
 
         return made()
 
-    places = service.state.downloads.places
+    slots = service.state.downloads.slots
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", endless)
     with httpx.Client(base_url=service.http.base_url) as leaving:
         with pytest.raises(httpx.ReadTimeout):
             leaving.get(f"/api/sessions/{session}/map.png", timeout=1.0)
         assert asked.is_set()
-    until(lambda: places.taken == 0)
+    until(lambda: slots.taken == 0)
     made = len(bands)
     assert service.http.get(f"/api/sessions/{session}/map.pgm").status_code == 200, "its session goes on"
     assert len(bands) == made
@@ -121,7 +121,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = service.begin(kind="simulation", world="room", seed=8)
-    places = service.state.downloads.places
+    slots = service.state.downloads.slots
     release = threading.Event()
 
     def slow(_: object) -> Bands:
@@ -129,7 +129,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
         return [np.zeros((1, 10), np.uint8)]
 
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", slow)
-    monkeypatch.setattr(places, "_wait_s", 0.2)
+    monkeypatch.setattr(slots, "_wait_s", 0.2)
     answers: list[httpx.Response] = []
 
     def take() -> None:
@@ -140,14 +140,14 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
     try:
         for thread in threads:
             thread.start()
-        until(lambda: places.taken == 2)
+        until(lambda: slots.taken == 2)
         answer = service.http.get(f"/api/sessions/{session}/map.pgm")
         assert (answer.status_code, answer.json()["code"]) == (429, "download.too_many")
         assert answer.headers["retry-after"]
-        monkeypatch.setattr(places, "_wait_s", 60.0)
+        monkeypatch.setattr(slots, "_wait_s", 60.0)
         threads.append(threading.Thread(target=take))
         threads[-1].start()
-        until(lambda: len(places._line) == 1)
+        until(lambda: len(slots._line) == 1)
     finally:
         release.set()
         for thread in threads:
@@ -160,10 +160,10 @@ def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pyt
     noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))
     monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)
-    places = service.state.downloads.places
+    slots = service.state.downloads.slots
     with service.http.stream("GET", f"/api/sessions/{session}/map.png") as answer:
         assert answer.status_code == 200
-        assert places.taken == 1
-        until(lambda: places.taken == 0)
+        assert slots.taken == 1
+        until(lambda: slots.taken == 0)
         with pytest.raises(httpx.RemoteProtocolError):  # it cannot be taken for the whole file
             answer.read()

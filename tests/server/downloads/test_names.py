@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.downloads import MOMENT_NAME, file_name, file_stem
+from server.downloads import SNAPSHOT_NAME, file_name, file_stem
 from server.downloads.names import disposition
 
 
@@ -54,9 +54,9 @@ def test_any_name_is_safe_and_read_back_from_the_header(title: str) -> None:
 
 def test_an_instant_is_part_of_the_name() -> None:
     assert file_name("intel", "pgm", "2026-01-02_03-04-05") == "intel_2026-01-02_03-04-05.pgm"
-    assert re.match(MOMENT_NAME, "2026-01-02_03-04-05")
+    assert re.match(SNAPSHOT_NAME, "2026-01-02_03-04-05")
     for bad in ("", "../x", "a/b", "a b", "é", "x" * 41, ".x"):
-        assert not re.match(MOMENT_NAME, bad)
+        assert not re.match(SNAPSHOT_NAME, bad)
 
 
 def test_a_file_never_has_the_name_of_the_log_itself() -> None:

@@ -43,7 +43,7 @@ def test_the_run_with_its_map(service: Service, session: Any, tmp_path) -> None:
     assert len(maps) == min(MOST_MAPS, max(1, index))
     shown = session.model.recording.replay.grid
     np.testing.assert_array_equal(maps[-1].data.reshape(shown.geometry.shape), occupancy_values(shown))
-    until(lambda: service.state.downloads.places.taken == 0)
+    until(lambda: service.state.downloads.slots.taken == 0)
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()], "no temporary file is left"
 
 
@@ -68,5 +68,5 @@ def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: Any)
             next(answer.iter_raw(1000))
     answer = service.http.get(f"/api/sessions/{session.id}/run.mcap")
     assert answer.status_code == 200
-    until(lambda: service.state.downloads.places.taken == 0)
+    until(lambda: service.state.downloads.slots.taken == 0)
     assert not [one for one in service.state.settings.data_dir.iterdir() if one.is_file()]

@@ -10,17 +10,18 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from mapper.io.logs import opening
 from mapper.io.logs.summary import LogSummary
 from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from tests.server.library.small_logs import carmen
 
 BAD = carmen(2).replace(b"FLASER 3 1.0", b"FLASER 3 6.0")  #: the log that they read so badly
-OPEN = "open_log"  #: what the job calls
+OPEN = "open_log"  #: what the job imports from there and calls
 
 
 def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
-    good = getattr(jobs, OPEN)
+    good = getattr(opening, OPEN)
 
     def read(path: Any, **options: Any) -> ScanLog:
         if path.read_bytes() == BAD:
@@ -28,11 +29,11 @@ def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
         log: ScanLog = good(path, **options)
         return log
 
-    setattr(jobs, OPEN, read)
+    setattr(opening, OPEN, read)
     try:
         return jobs.read_job(*job)
     finally:
-        setattr(jobs, OPEN, good)
+        setattr(opening, OPEN, good)
 
 
 def crash(*job: Any) -> LogSummary:

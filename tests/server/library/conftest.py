@@ -11,7 +11,7 @@ import pytest_asyncio
 
 from mapper.simulation import sample_log
 from server.library import Library, LibraryLimits
-from server.library.reading import Reader
+from server.library.log_reader import Reader
 from server.settings import Settings
 from tests.programs import MissingProgramError
 from tests.server.library.postgresql import Cluster, running_postgresql

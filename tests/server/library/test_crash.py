@@ -13,7 +13,7 @@ import pytest
 
 from server.library import Library, Record, StorageError
 from server.library.jobs import MOST_ATTEMPTS
-from server.library.reading import Reader
+from server.library.log_reader import Reader
 from server.settings import Settings
 from tests.server.library import writes
 from tests.server.library.small_logs import carmen, in_pieces

@@ -16,7 +16,7 @@ import pytest
 
 from mapper.io.logs import open_log
 from server.library import Library
-from server.library.packed import write_pack
+from server.library.log_pack import write_pack
 from server.settings import Settings
 from tests.server.library.small_logs import carmen
 from tests.server.service import eventually

@@ -52,7 +52,7 @@ async def test_an_upload_that_stalls_is_given_up(make_library: Callable[..., Lib
         yield b"x"
         await asyncio.sleep(30)
 
-    with pytest.raises(LimitError, match="came for") as caught:
+    with pytest.raises(LimitError, match="Almost no data") as caught:
         await library.put("ann", "run.log", stalls())
     assert caught.value.code == "log.stalled"
     assert files(settings) == []
@@ -67,7 +67,7 @@ async def test_an_upload_that_trickles_is_given_up(make_library: Callable[..., L
             yield b"x"
             await asyncio.sleep(0.01)
 
-    with pytest.raises(LimitError, match="Next to nothing") as caught:
+    with pytest.raises(LimitError, match="Almost no data") as caught:
         await library.put("ann", "run.log", trickles())
     assert caught.value.code == "log.stalled"
     assert files(settings) == []
@@ -87,12 +87,12 @@ async def test_one_visitors_uploads_leave_places_and_room_to_others(make_library
         return caught.value.code, caught.value.message
 
     slow = [asyncio.create_task(library.put("eve", "slow", waits(5 + n))) for n in range(2)]
-    await eventually(lambda: library._places.of("eve") == 2)
+    await eventually(lambda: library._slots.of("eve") == 2)
     assert (await refused("eve", in_pieces(carmen(9))))[0] == "library.busy"
     assert (await library.put("ann", "run.log", in_pieces(carmen(10)))).state == "queued"
     go_on.set()
     await asyncio.gather(*slow)
-    assert len(library._places) == 0
+    assert len(library._slots) == 0
     assert await refused("eve", in_pieces(carmen(9)), 3900) == (
         "library.too_many",
         "Your logs take all the room that one visitor has here: delete one.",

@@ -12,7 +12,7 @@ import pytest_asyncio
 
 from mapper.core.errors import LimitError, ReadError
 from server.library import StorageError
-from server.library.reading import Reader
+from server.library.log_reader import Reader
 from server.library.workers import ExecutorWorker, worker_at
 from tests.server.library.small_logs import carmen
 from tests.server.service import eventually

@@ -15,6 +15,7 @@ from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
 from server.stream.protocol import encode_text
+from tests.mapper.mapping.sweeping import swept
 from tests.server.begin import new_log, new_simulation
 
 
@@ -87,6 +88,29 @@ async def test_the_last_value_is_the_maps(
         else:
             assert told["log_odds"] == told["prior"]
             assert (told["contributions"], told["curve"]) == ([], [])
+
+
+async def test_a_deskewed_beam_has_the_pose_of_its_own_time(
+    registry: SessionRegistry, obey: Callable[..., Any]
+) -> None:
+    log = swept(12)
+    session = await new_log(registry, "me", log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=11)
+    values = session.model.config.with_values({"mount_yaw": 0.02})
+    await obey(session, type="parameters", values={"mount_yaw": 0.02})
+    one_by_one = [textbook.deskewed(log, t, values) for t in range(11)]
+    hits = 0
+    for row, col in some_cells(session, 8):
+        said = await answer(obey, session, row=row, col=col)
+        assert said["type"] == "why"
+        for one in said["contributions"]:
+            _, direction = one_by_one[one["scan"]][one["beam"]]
+            x, y, yaw = one["pose"]
+            np.testing.assert_allclose([x, y], direction[:2], atol=1e-3)
+            assert np.exp(1j * (yaw + one["bearing"])) == pytest.approx(np.exp(1j * direction[2]), abs=1e-3)
+            hits += one["hit"]
+    assert hits > 0
 
 
 async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, obey: Callable[..., Any]) -> None:

@@ -1,9 +1,9 @@
 /** Cells of a map by state, and the occupied cells where no wall is. */
 
-import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { type Cell, centreOf } from "../../grid/lattice";
 import { logOdds } from "../../grid/logOdds";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import type { Wall } from "./world";
 
 export type State = "free" | "unknown" | "occupied";

@@ -6,6 +6,7 @@ import { Toolbar, ToolHint } from "../../tools/editing/Toolbar";
 import { readable } from "../../tools/parameters/parameters";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { WorldView } from "../../tools/picture/WorldView";
+import { PlaceRobot, PlacingHint } from "../../tools/placing/Placing";
 import { Readout } from "../../tools/readout/Readout";
 import { Button } from "../../ui/Button";
 import { lazy } from "../../ui/lazy";
@@ -84,11 +85,19 @@ export function Pictures({ session, onPicture }: PicturesProps) {
         note="ground truth"
         actions={
           <>
+            {store && <PlaceRobot store={store} />}
             {store && <Toolbar store={store} />}
             <Button kind="quiet" icon="fit" label="Show everything" onClick={fit} />
           </>
         }
-        caption={store && <ToolHint store={store} />}
+        caption={
+          store && (
+            <>
+              <PlacingHint store={store} />
+              <ToolHint store={store} />
+            </>
+          )
+        }
       >
         {store && <WorldView store={store} />}
       </Plate>

@@ -1,8 +1,8 @@
 /** The background of a chart of log-odds: the zones of the three states, the clamp's limits, the axis. */
 
-import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { logOdds } from "../../grid/logOdds";
 import { signed } from "../../ui/numbers";
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import { type Scale, toPixel } from "./scale";
 import "./chart.css";
 

@@ -1,5 +1,6 @@
 /** A map made of two others, cell by cell: how they differ, or where something holds of both. */
 
+import { LATTICE_TOLERANCE } from "../../wire/constants";
 import { type Geometry, TILE } from "../../wire/protocol";
 import { Cells } from "./cells";
 
@@ -10,20 +11,20 @@ export interface CommonLattice {
   readonly b: readonly [ty: number, tx: number];
 }
 
-/** How far two lattices may lie apart and still be the same, in cells. */
-const TOLERANCE = 1e-3;
-
 /**
  * The lattice that holds two maps; null where their cells do not coincide. Maps of one resolution are whole tiles apart
  * (`GridGeometry.covering` of mapper/grid/occupancy_grid.py).
  */
 export function commonLattice(a: Geometry, b: Geometry): CommonLattice | null {
   const size = b.resolution;
-  if (Math.abs(a.resolution / size - 1) * Math.max(a.rows, a.cols) > TOLERANCE) return null;
+  if (Math.abs(a.resolution / size - 1) * Math.max(a.rows, a.cols) > LATTICE_TOLERANCE) return null;
   if (a.origin[2] !== 0 || b.origin[2] !== 0) return null;
   const apart = [1, 0].map((axis) => ((a.origin[axis] as number) - (b.origin[axis] as number)) / (size * TILE));
   const [ty, tx] = apart.map(Math.round) as [number, number];
-  if (Math.abs((apart[0] as number) - ty) * TILE > TOLERANCE || Math.abs((apart[1] as number) - tx) * TILE > TOLERANCE)
+  if (
+    Math.abs((apart[0] as number) - ty) * TILE > LATTICE_TOLERANCE ||
+    Math.abs((apart[1] as number) - tx) * TILE > LATTICE_TOLERANCE
+  )
     return null;
   const bottom = Math.min(0, ty);
   const left = Math.min(0, tx);

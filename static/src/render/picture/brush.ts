@@ -5,12 +5,11 @@
 
 import { along, type Beam, bearingOf } from "../../grid/beams";
 import { fromLattice } from "../../grid/lattice";
+import { ROBOT_RADIUS } from "../../wire/constants";
 import type { Frame, Geometry, Point, Pose } from "../../wire/protocol";
 import { type Size, toScreen, type View } from "../view";
 import type { Inks } from "./inks";
 
-/** The simulated robot is a disc of this radius, metres. */
-const ROBOT_RADIUS = 0.2;
 const SMALLEST_ROBOT_PX = 8;
 const NEAR_PX = 40;
 const RIPPLE_MS = 700;

@@ -4,13 +4,12 @@ import { Icon, type IconName } from "../../ui/Icon";
 import "./toolbar.css";
 
 const TOOLS: readonly { readonly tool: Tool; readonly icon: IconName; readonly label: string }[] = [
-  { tool: "robot", icon: "robot", label: "Move the robot" },
   { tool: "wall", icon: "wall", label: "Draw a wall" },
   { tool: "box", icon: "box", label: "Draw furniture" },
   { tool: "erase", icon: "erase", label: "Erase" },
 ];
 
-/** What is in the hand on the world: the robot, a wall, a box, the eraser. */
+/** The tools that edit the world: a wall, a box, the eraser. Pressed again, a tool is put away. */
 export function Toolbar({ store }: { readonly store: Store }) {
   const now = store.editing.tool.value;
   return (
@@ -23,7 +22,7 @@ export function Toolbar({ store }: { readonly store: Store }) {
           aria-label={label}
           title={label}
           aria-pressed={tool === now}
-          onClick={() => store.editing.take(tool === now ? "robot" : tool)}
+          onClick={() => store.editing.take(tool === now ? null : tool)}
         >
           <Icon name={icon} />
         </button>
@@ -32,7 +31,7 @@ export function Toolbar({ store }: { readonly store: Store }) {
   );
 }
 
-/** One line on what the tool in the hand does. */
+/** One line on what the selected tool does; nothing without one. */
 export function ToolHint({ store }: { readonly store: Store }) {
   switch (store.editing.tool.value) {
     case "wall":
@@ -42,14 +41,6 @@ export function ToolHint({ store }: { readonly store: Store }) {
     case "erase":
       return <p class="hint">Click a wall or a box to erase it. The outer wall cannot be erased.</p>;
     default:
-      return (
-        <p class="hint">
-          Click to move the robot there, or drag it
-          <span class="hint-keys">
-            , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
-          </span>
-          .
-        </p>
-      );
+      return null;
   }
 }

@@ -1,5 +1,6 @@
 /** The shapes that the editing tools draw into a world, and the solids that they erase. */
 
+import { WALL_THICKNESS } from "../../wire/constants";
 import type { DrawnSolid, Edits, Point, WorldMessage } from "../../wire/protocol";
 
 /** Corners lie on multiples of this, metres. */
@@ -8,7 +9,6 @@ const SNAP = 0.05;
 const STRAIGHT = 0.09;
 /** A stroke shorter than this is a slip of the hand, metres. */
 const LEAST = 0.1;
-const THICKNESS = 0.12;
 
 const centimetres = (metres: number): number => Math.round(metres / SNAP) * Math.round(SNAP * 100);
 
@@ -39,8 +39,8 @@ export function outline([kind, ...corners]: DrawnSolid): readonly Point[] {
     ];
   }
   const length = Math.hypot(x1 - x0, y1 - y0);
-  const nx = (-(y1 - y0) / length) * (THICKNESS / 2);
-  const ny = ((x1 - x0) / length) * (THICKNESS / 2);
+  const nx = (-(y1 - y0) / length) * (WALL_THICKNESS / 2);
+  const ny = ((x1 - x0) / length) * (WALL_THICKNESS / 2);
   return [
     [x0 - nx, y0 - ny],
     [x1 - nx, y1 - ny],
@@ -50,7 +50,7 @@ export function outline([kind, ...corners]: DrawnSolid): readonly Point[] {
 }
 
 /** The stroke inside the world's bounds. */
-export function clampedToWorld(point: Point, [x0, y0, x1, y1]: WorldMessage["bounds"], margin = THICKNESS): Point {
+export function clampedToWorld(point: Point, [x0, y0, x1, y1]: WorldMessage["bounds"], margin = WALL_THICKNESS): Point {
   return [
     Math.min(x1 - margin, Math.max(x0 + margin, point[0])),
     Math.min(y1 - margin, Math.max(y0 + margin, point[1])),

@@ -1,4 +1,4 @@
-/** What the tools do to a store's world, by pointer and by keyboard. */
+/** What the editing tools do to a store's world, by pointer and by keyboard. */
 
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
@@ -7,7 +7,7 @@ import { clampedToWorld, editsWithout, shapeOfStroke, solidAt } from "./shapes";
 /** How far beside a solid the eraser still takes it, CSS pixels. */
 const ERASER_PX = 10;
 
-/** A stroke of the tool in the hand: a sketch while it lasts, an edit when it is done, nothing where it is broken off. */
+/** A stroke of the selected tool: a sketch while it lasts, an edit when it is done, nothing where it is broken off. */
 export function stroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
   const { editing } = store;
   const world = store.world.peek();
@@ -29,13 +29,11 @@ export function underEraser(store: Store, point: Point | null): number | null {
   return solidAt(world, point, ERASER_PX * view.scale);
 }
 
-/** What a click on a place of the world does, or Enter at the keyboard's cursor, with the tool in the hand. */
-export function act(store: Store, point: Point, isKey = false): void {
+/** What a click on a place of the world edits, or Enter at the keyboard's cursor, with the selected tool. */
+export function editAt(store: Store, point: Point, isKey: boolean): void {
   const { editing } = store;
   const world = store.world.peek();
-  const tool = editing.tool.peek();
-  if (tool === "robot") store.teleport(point);
-  else if (tool === "erase") {
+  if (editing.tool.peek() === "erase") {
     const polygon = underEraser(store, point);
     if (world && polygon !== null) store.edit(editsWithout(world, polygon));
   } else if (isKey) {

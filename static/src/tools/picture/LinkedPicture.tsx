@@ -64,7 +64,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
         grabs: (x, y, reach) => {
           const view = store.view.peek();
           const pose = store.frame.peek()?.pose;
-          if (draws && store.editing.tool.peek() !== "robot") return false;
+          if (draws && store.editing.tool.peek() !== null) return false;
           if (!view || !pose || !store.isDriven.peek()) return false;
           const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
           return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;

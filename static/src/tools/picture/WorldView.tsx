@@ -20,9 +20,9 @@ import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { paintEditing } from "../editing/paint";
-import { act } from "../editing/strokes";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
+import { act } from "./act";
 import { LinkedPicture } from "./LinkedPicture";
 
 /** The floor plan: painted only when the view, the world or the theme changes. */
@@ -60,7 +60,7 @@ export function WorldView({ store }: { readonly store: Store }) {
   return (
     <LinkedPicture
       store={store}
-      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter moves the robot there, question mark explains the value of its cell; plus and minus zoom, 0 shows everything."
+      label="The true world. Arrow keys or W A S D drive the robot; Shift and arrows move the cell cursor, Enter moves the robot there or uses the selected editing tool, question mark explains the value of its cell; plus and minus zoom, 0 shows everything."
       draws
       onTap={(point) => act(store, point)}
       setUp={(canvas, invalidate) => {

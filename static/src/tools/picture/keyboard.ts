@@ -3,7 +3,7 @@
 import { centreOf } from "../../grid/lattice";
 import { type Size, toScreen, zoomedAt } from "../../render/view";
 import type { Store } from "../../store/store";
-import { act } from "../editing/strokes";
+import { act } from "./act";
 
 const FORWARD = 0.8; // m/s
 const BACK = -0.5;
@@ -97,10 +97,10 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
       store.look(zoomedAt(view, size(), width / 2, height / 2, zoom));
     } else if (event.key === "0" || event.key === "Home") store.viewHeld.value = false;
     else if (event.key === "?") store.ask(store.probe.peek());
-    else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === "robot")
+    else if (event.key === "Escape" && pinned && !store.asked.peek() && store.editing.tool.peek() === null)
       store.pinned.value = null;
     else if (event.key === "Enter" && store.isDriven.peek() && pinned) act(store, pinned, true);
-    else if (event.key === "Escape" && store.editing.tool.peek() !== "robot") store.editing.take("robot");
+    else if (event.key === "Escape" && store.editing.tool.peek() !== null) store.editing.take(null);
     else if (event.key === " ") store.togglePlaying();
     else return;
     event.preventDefault();

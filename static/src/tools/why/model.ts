@@ -1,8 +1,8 @@
 /** The explanation of a cell in words and numbers. */
 
-import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../grid/cellValues";
 import { probability } from "../../grid/logOdds";
 import { signed, written } from "../../ui/numbers";
+import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import type { CellState, Contribution, WhyMessage } from "../../wire/protocol";
 
 export function stateOf(why: WhyMessage): CellState | "never observed" {

@@ -36,6 +36,13 @@ def test_remarks_spaces_mounts_and_the_range_limits(tmp_path):
     log = open_log(path)
     np.testing.assert_array_equal(log.ranges, np.array([[30, np.inf, np.nan, np.nan]], dtype=np.float32))
     assert log.mount == (0.2, 0.0, 0.1)
+    assert log.time_increment == 0.0
+
+
+def test_the_time_from_beam_to_beam(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + "time_increment,0.0005\n" + COLUMNS + "0,0,0,0,1,2\n")
+    assert open_log(path).time_increment == 0.0005
 
 
 @pytest.mark.parametrize(

@@ -77,5 +77,5 @@ def test_logs_are_told_from_their_neighbours(data_dir):
         for path in files
         if (path.parent.name == "carmen" and ".log" in path.name)
         or path.parent.name in ("bags", "breezyslam")
-        or path.name == "measurement.txt"
+        or path.name in ("measurement.txt", "robotdata1.log.gz")
     }

@@ -1,4 +1,4 @@
-"""Places for downloads: so many of all, of guests and of each party; the others wait in line, or are refused."""
+"""Slots for downloads: so many of all, of guests and of each party; the others wait in line, or are refused."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from server.downloads import BusyError, Places
-from server.downloads.places import MAX_AT_ONCE, MAX_LINE, MAX_OF_GUESTS, MAX_OF_PARTY, Asker, asker
+from server.downloads import BusyError, DownloadSlots
+from server.downloads.download_slots import MAX_AT_ONCE, MAX_LINE, MAX_OF_GUESTS, MAX_OF_PARTY, Asker, asker
 from tests.server.service import eventually
 
 
@@ -19,10 +19,10 @@ def other(number: int, *, is_guest: bool = False) -> Asker:
 
 
 @contextlib.asynccontextmanager
-async def held(places: Places, *who: Asker) -> AsyncIterator[None]:
+async def held(slots: DownloadSlots, *who: Asker) -> AsyncIterator[None]:
     async with contextlib.AsyncExitStack() as stack:
         for one in who:
-            await stack.enter_async_context(places.place(one))
+            await stack.enter_async_context(slots.hold(one))
         yield
 
 
@@ -38,45 +38,45 @@ async def held(places: Places, *who: Asker) -> AsyncIterator[None]:
     ids=["visitor", "address", "network", "IPv4 in IPv6", "link"],
 )
 async def test_each_party_has_two(askers: list[Asker]) -> None:
-    places = Places(wait_s=0.01)
-    async with held(places, *askers[:MAX_OF_PARTY]):
+    slots = DownloadSlots(wait_s=0.01)
+    async with held(slots, *askers[:MAX_OF_PARTY]):
         with pytest.raises(BusyError) as caught:
-            async with places.place(askers[2]):
+            async with slots.hold(askers[2]):
                 pass
         assert caught.value.code == "download.too_many"
-        async with places.place(asker("somebody else", "192.168.0.1", None)):
-            assert places.taken == MAX_OF_PARTY + 1
-    assert places.taken == 0
-    async with places.place(askers[2]):
+        async with slots.hold(asker("somebody else", "192.168.0.1", None)):
+            assert slots.taken == MAX_OF_PARTY + 1
+    assert slots.taken == 0
+    async with slots.hold(askers[2]):
         pass
 
 
 async def test_all_have_only_so_many_and_guests_fewer() -> None:
-    places = Places(wait_s=0.01)
+    slots = DownloadSlots(wait_s=0.01)
     guests = [other(n, is_guest=True) for n in range(MAX_OF_GUESTS + 1)]
-    async with held(places, *guests[:-1]):
+    async with held(slots, *guests[:-1]):
         with pytest.raises(BusyError) as caught:
-            async with places.place(guests[-1]):
+            async with slots.hold(guests[-1]):
                 pass
         assert caught.value.code == "download.busy"
-        async with held(places, *[other(100 + n) for n in range(MAX_AT_ONCE - MAX_OF_GUESTS)]):
+        async with held(slots, *[other(100 + n) for n in range(MAX_AT_ONCE - MAX_OF_GUESTS)]):
             with pytest.raises(BusyError):
-                async with places.place(other(200)):
+                async with slots.hold(other(200)):
                     pass
 
 
 async def test_who_waits_comes_first_served_and_passes_those_whose_own_places_are_taken() -> None:
-    places = Places(wait_s=60.0)
+    slots = DownloadSlots(wait_s=60.0)
     served: list[str] = []
     release = asyncio.Event()
 
     async def take(who: Asker, name: str) -> None:
-        async with places.place(who):
+        async with slots.hold(who):
             served.append(name)
             await release.wait()
 
-    async with held(places, other(1), other(1)):
-        async with held(places, *[other(2 + n // 2) for n in range(MAX_AT_ONCE - 2)]):
+    async with held(slots, other(1), other(1)):
+        async with held(slots, *[other(2 + n // 2) for n in range(MAX_AT_ONCE - 2)]):
             waiting = []
             for who, name in ((other(1), "greedy"), (other(50), "first"), (other(51), "second")):
                 waiting.append(asyncio.create_task(take(who, name)))
@@ -86,18 +86,18 @@ async def test_who_waits_comes_first_served_and_passes_those_whose_own_places_ar
     await eventually(lambda: served == ["first", "second", "greedy"])
     release.set()
     await asyncio.gather(*waiting)
-    assert places.taken == 0
+    assert slots.taken == 0
 
 
 async def test_the_line_of_one_party_is_bounded_and_who_leaves_it_takes_nothing() -> None:
-    places = Places(wait_s=60.0)
+    slots = DownloadSlots(wait_s=60.0)
 
     async def take(number: int) -> None:
-        async with places.place(asker(f"visitor{number}", "10.0.0.1", None)):
+        async with slots.hold(asker(f"visitor{number}", "10.0.0.1", None)):
             pass
 
-    async with held(places, other(1), other(2)):
-        async with held(places, *[asker("x", "10.0.0.1", None)] * MAX_OF_PARTY):
+    async with held(slots, other(1), other(2)):
+        async with held(slots, *[asker("x", "10.0.0.1", None)] * MAX_OF_PARTY):
             waiting = [asyncio.create_task(take(number)) for number in range(MAX_LINE)]
             await asyncio.sleep(0)
             with pytest.raises(BusyError) as caught:
@@ -110,4 +110,4 @@ async def test_the_line_of_one_party_is_bounded_and_who_leaves_it_takes_nothing(
             await asyncio.sleep(0)
         late.cancel()  # a place was given to it at this very moment
         await asyncio.gather(*waiting, late, return_exceptions=True)
-        assert places.taken == 2
+        assert slots.taken == 2

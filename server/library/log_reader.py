@@ -1,4 +1,4 @@
-"""Reads logs in a worker: one at a time, in fair order, with a deadline and an error for a reader that died."""
+"""Reads logs in a worker: one at a time, owners in rotation, with a deadline and an error if the process dies."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Reader:
 
     @property
     def progress(self) -> float:
-        """How far the log that is being read is, from 0 to 1."""
+        """Progress of the log that is being read, from 0 to 1."""
         return self._worker.progress
 
     @property

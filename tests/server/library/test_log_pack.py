@@ -9,7 +9,7 @@ import pytest
 
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from server.library.cache import LogCache
-from server.library.packed import StalePackError, nbytes, read_pack, write_pack
+from server.library.log_pack import StalePackError, nbytes, read_pack, write_pack
 
 
 def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:

@@ -16,16 +16,14 @@ from dataclasses import dataclass
 
 from mapper.core.errors import LimitError
 
-LEAST_BYTES_PER_S = (
-    4096  #: of an upload, on average over the seconds in which nothing may come; slower ones are given up
-)
-SLOW_BYTES_PER_S = 32_768  #: an upload that is slower makes room for one that waits
+LEAST_BYTES_PER_S = 4096  #: average over ``idle_s`` seconds below which an upload is cancelled
+SLOW_BYTES_PER_S = 32_768  #: a slower upload may be cancelled for a waiting one
 MEASURED_S = 2.0  #: seconds of waiting over which an upload's speed is measured
-WAIT_S = 10.0  #: seconds that an upload waits for a place
+WAIT_S = 10.0  #: seconds that an upload waits for a slot
 LOOK_EVERY_S = 0.2
 
 
-class Place:
+class UploadSlot:
     """The slot of one upload. It is cancelled when almost no data arrives for ``idle_s`` seconds."""
 
     def __init__(self, owner: str, address: str, idle_s: float) -> None:
@@ -34,24 +32,24 @@ class Place:
         self.is_given_up = False
         self._idle_s = idle_s
         self._clock = asyncio.get_running_loop().time
-        self._limit: asyncio.Timeout | None = None  #: of the wait for bytes that is under way
+        self._limit: asyncio.Timeout | None = None  #: of the current wait for data
         self._since_s = 0.0  #: when it began
         self._waited_s, self._bytes = 0.0, 0  #: since the speed was last measured
         self._speed = math.inf
 
     def speed(self) -> float:
-        """Return how many bytes come per second; infinitely many while that is not known."""
+        """Return the bytes received per second of waiting; infinity before the first measurement."""
         waited = self._waited_s + (0.0 if self._limit is None else self._clock() - self._since_s)
         return self._bytes / waited if waited >= MEASURED_S else self._speed
 
     def give_up(self) -> None:
-        """Make room: :meth:`read` raises as soon as it can."""
+        """Cancel the upload: :meth:`read` raises as soon as it can."""
         self.is_given_up = True
         if self._limit is not None and not self._limit.expired():
             self._limit.reschedule(self._clock())
 
     async def read(self, chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-        """Yield the chunks. Raises :class:`LimitError` where they come too slowly, and where others need the place."""
+        """Yield the chunks. Raises :class:`LimitError` if they arrive too slowly, or :meth:`give_up` was called."""
         waited, come = 0.0, 0
         while True:
             if self.is_given_up:
@@ -75,9 +73,9 @@ class Place:
 
     def _too_slow(self) -> LimitError:
         if self.is_given_up:
-            message = "The upload came slowly, and others wait for its place; try again in a moment."
+            message = "The upload is slow and other uploads are waiting; try again in a moment."
             return LimitError("library.busy", message)
-        return LimitError("log.stalled", f"Next to nothing of the upload came for {self._idle_s:g} s.")
+        return LimitError("log.stalled", f"Almost no data of the upload arrived in {self._idle_s:g} s.")
 
     def _measure(self, took: float, size: int) -> None:
         self._waited_s += took
@@ -91,17 +89,17 @@ class Place:
 class _Waiting:
     owner: str
     address: str
-    place: asyncio.Future[Place]
+    slot: asyncio.Future[UploadSlot]
 
 
-class Places:
-    """At most ``most`` uploads at once, ``most_of_owner`` of one owner. Used from the event loop only."""
+class UploadSlots:
+    """At most ``most`` concurrent uploads, ``most_of_owner`` of one owner. Used on the event loop only."""
 
     def __init__(self, most: int, most_of_owner: int, idle_s: float) -> None:
         self._most = most
         self._most_of_owner = most_of_owner
         self._idle_s = idle_s
-        self._taken: list[Place] = []
+        self._taken: list[UploadSlot] = []
         self._waiting: list[_Waiting] = []
         self._timer: asyncio.TimerHandle | None = None
 
@@ -109,39 +107,39 @@ class Places:
         return len(self._taken)
 
     def of(self, owner: str) -> int:
-        """Return how many uploads of ``owner`` have a place or wait for one."""
+        """Return how many uploads of ``owner`` have a slot or wait for one."""
         return [one.owner for one in self._taken].count(owner) + [one.owner for one in self._waiting].count(owner)
 
     @asynccontextmanager
-    async def take(self, owner: str, address: str) -> AsyncIterator[Place]:
-        """Wait for a place, and hold it. Raises :class:`LimitError` where there is none."""
+    async def take(self, owner: str, address: str) -> AsyncIterator[UploadSlot]:
+        """Wait for a slot and hold it during the block. Raises :class:`LimitError` if none becomes free in time."""
         if self.of(owner) >= self._most_of_owner:
             raise _busy()
         waiting = _Waiting(owner, address, asyncio.get_running_loop().create_future())
         self._waiting.append(waiting)
         self._share_out()
         try:
-            if not waiting.place.done():  # what has come already is lost if the sender goes while we wait
-                await asyncio.wait([waiting.place], timeout=WAIT_S)
-            if not waiting.place.done():
+            if not waiting.slot.done():  # if the client disconnects during the wait, its data is lost
+                await asyncio.wait([waiting.slot], timeout=WAIT_S)
+            if not waiting.slot.done():
                 raise _busy()
-            yield waiting.place.result()
+            yield waiting.slot.result()
         finally:
-            if waiting.place.done():
-                self._taken.remove(waiting.place.result())
+            if waiting.slot.done():
+                self._taken.remove(waiting.slot.result())
             else:
                 self._waiting.remove(waiting)
             self._share_out()
 
     def _share_out(self) -> None:
-        """Give free places to those who wait, fewest uploads of an address first, and have slow uploads make room."""
+        """Give free slots to waiting uploads, fewest of an address first; cancel slow uploads for the rest."""
         uploads = Counter(one.address for one in self._taken)
         for waiting in sorted(self._waiting, key=lambda one: uploads[one.address]):
             if len(self._taken) < self._most:
-                place = Place(waiting.owner, waiting.address, self._idle_s)
-                self._taken.append(place)
+                slot = UploadSlot(waiting.owner, waiting.address, self._idle_s)
+                self._taken.append(slot)
                 self._waiting.remove(waiting)
-                waiting.place.set_result(place)
+                waiting.slot.set_result(slot)
         leaving = sum(one.is_given_up for one in self._taken)
         for waiting in self._waiting[leaving:]:
             slow = [one for one in self._taken if self._makes_room(one, uploads[waiting.address], uploads)]
@@ -150,8 +148,8 @@ class Places:
         if self._waiting and self._timer is None:
             self._timer = asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
 
-    def _makes_room(self, one: Place, newcomers: int, uploads: Counter[str]) -> bool:
-        """Whether an upload makes room for one from an address with ``newcomers`` uploads."""
+    def _makes_room(self, one: UploadSlot, newcomers: int, uploads: Counter[str]) -> bool:
+        """Return whether an upload is cancelled for one from an address that has ``newcomers`` uploads."""
         if one.is_given_up:
             return False
         speed = one.speed()

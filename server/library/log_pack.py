@@ -1,4 +1,4 @@
-"""A log as it was read, in one .npz file of plain arrays, so that opening it again takes no reading.
+"""A log as arrays in one .npz file, from which it is loaded without running the reader again.
 
 No pickle on either side: everything that is not an array of numbers is JSON in an array of bytes.
 """

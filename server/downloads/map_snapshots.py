@@ -16,12 +16,12 @@ MAX_KEPT = 4  #: maps of one session
 MAX_NAMES = 256  #: of one session whose geometry is still known
 
 
-class MomentGoneError(MapperError):
-    """The map of a named instant is no longer kept."""
+class MapSnapshotGoneError(MapperError):
+    """The image of a named snapshot is no longer kept."""
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class MapSnapshot:
     """A map at one instant: the name of its files, its geometry, its image and its frame (None: not known)."""
 
     stem: str
@@ -33,10 +33,10 @@ class Moment:
 @dataclass(slots=True, eq=False)
 class _Entry:
     made: asyncio.Lock = field(default_factory=asyncio.Lock)
-    moment: Moment | None = None
+    snapshot: MapSnapshot | None = None
 
 
-class MomentsSession(Protocol):
+class SnapshottedSession(Protocol):
     """The part of a session that is used here."""
 
     id: str
@@ -44,14 +44,16 @@ class MomentsSession(Protocol):
     on_close: list[Callable[[], None]]
 
 
-class Moments:
-    """The named instants of all sessions. Used on the event loop only."""
+class MapSnapshots:
+    """The named snapshots of all sessions. Used on the event loop only."""
 
     def __init__(self) -> None:
         self._sessions: dict[str, dict[str, _Entry]] = {}
 
-    async def get(self, session: MomentsSession, name: str, make: Callable[[], Awaitable[Moment]]) -> Moment:
-        """Return the map of the instant ``name`` of a session: where the name is new, the one that ``make`` returns."""
+    async def get(
+        self, session: SnapshottedSession, name: str, make: Callable[[], Awaitable[MapSnapshot]]
+    ) -> MapSnapshot:
+        """Return a session's snapshot ``name``; if the name is new, the one that ``make`` returns."""
         if session.id not in self._sessions:
             self._sessions[session.id] = {}
             session.on_close.append(lambda: self._forget(session.id))
@@ -60,12 +62,12 @@ class Moments:
             del entries[next(iter(entries))]
         entry = entries.setdefault(name, _Entry())
         async with entry.made:
-            if entry.moment is None:
-                entry.moment = await make()
+            if entry.snapshot is None:
+                entry.snapshot = await make()
                 self._bound(entries)
                 if session.closed:
                     self._forget(session.id)
-            return entry.moment
+            return entry.snapshot
 
     def _forget(self, session: str) -> None:
         self._sessions.pop(session, None)
@@ -76,7 +78,7 @@ class Moments:
         return sum(_nbytes(entries) for entries in self._sessions.values())
 
     def _bound(self, newest: dict[str, _Entry]) -> None:
-        """Drop the oldest images of the session whose are most, until few enough are kept."""
+        """Drop the oldest images of the session with most bytes until the limits hold."""
         while len(_kept(newest)) > MAX_KEPT:
             _drop_oldest(newest)
         while self.nbytes > MAX_KEPT_BYTES:
@@ -84,15 +86,15 @@ class Moments:
 
 
 def _kept(entries: dict[str, _Entry]) -> list[_Entry]:
-    return [entry for entry in entries.values() if entry.moment is not None and entry.moment.image is not None]
+    return [entry for entry in entries.values() if entry.snapshot is not None and entry.snapshot.image is not None]
 
 
 def _nbytes(entries: dict[str, _Entry]) -> int:
-    images = [entry.moment.image for entry in entries.values() if entry.moment is not None]
+    images = [entry.snapshot.image for entry in entries.values() if entry.snapshot is not None]
     return sum(image.nbytes for image in images if image is not None)
 
 
 def _drop_oldest(entries: dict[str, _Entry]) -> None:
     entry = _kept(entries)[0]
-    assert entry.moment is not None  # noqa: S101 - for the type checker: it is kept
-    entry.moment = replace(entry.moment, image=None)
+    assert entry.snapshot is not None  # noqa: S101 - for the type checker: it is kept
+    entry.snapshot = replace(entry.snapshot, image=None)

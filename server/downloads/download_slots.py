@@ -14,7 +14,7 @@ from mapper.core.errors import LimitError
 MAX_AT_ONCE = 8  #: running downloads of all visitors
 MAX_OF_GUESTS = 4  #: running downloads of all guests
 MAX_OF_PARTY = 2  #: of one visitor, of one address, of one link
-MAX_LINE = 8  #: requests of one party that wait for a place
+MAX_LINE = 8  #: requests of one party that wait for a slot
 WAIT_S = 30.0  #: a request waits no longer than this
 
 
@@ -52,7 +52,7 @@ def _network(address: str) -> str:
     return str(mapped or ipaddress.ip_network((found, 64), strict=False))
 
 
-class Places:
+class DownloadSlots:
     """The download slots of the service. Used on the event loop only."""
 
     def __init__(self, wait_s: float = WAIT_S) -> None:
@@ -63,12 +63,12 @@ class Places:
 
     @property
     def taken(self) -> int:
-        """Downloads that have a place."""
+        """Downloads that hold a slot."""
         return self._all
 
     @asynccontextmanager
-    async def place(self, who: Asker) -> AsyncIterator[None]:
-        """Hold a slot during the block, after waiting for one if none is free (first come, first served).
+    async def hold(self, who: Asker) -> AsyncIterator[None]:
+        """Wait for a slot (first come, first served) and hold it during the block.
 
         Raises :class:`BusyError` if none becomes free in time, or too many requests of one party wait already.
         """
@@ -85,7 +85,8 @@ class Places:
         for party in who.parties:
             if sum(party in other.parties for other, _ in self._line) >= MAX_LINE:
                 raise BusyError(
-                    "download.too_many", f"{MAX_LINE} of your downloads wait already; try again when they are done."
+                    "download.too_many",
+                    f"{MAX_LINE} of your downloads are waiting already; try again when they are finished.",
                 )
         entry = (who, asyncio.get_running_loop().create_future())
         self._line.append(entry)

@@ -1,0 +1,120 @@
+"""Where a robot was between the poses of one of its trajectories."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import interpolate
+from mapper.sensors.scan import MAX_STATED_S, ScanLog
+
+Float64Array = NDArray[np.float64]
+
+DENSE_S = 0.5  #: seconds: poses at most so far apart say enough of the motion between them
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The poses of one trajectory in the order of their times.
+
+    ``times`` (m,) float64 seconds, ascending; ``poses`` (m, 3) ``T_frame_base``, metres and radians.
+    """
+
+    times: Float64Array
+    poses: Float64Array
+
+    @classmethod
+    def of(cls, log: ScanLog, trajectory: str | None = None) -> Motion:
+        """Return the motion along a trajectory (None: the default), which has a pose at each scan's stamp.
+
+        Where stamps run backwards they are sorted. Raises :class:`ConfigError` for a trajectory that the log lacks.
+        """
+        times, poses = seconds(log), log.trajectory(trajectory).poses
+        if not (np.diff(times) >= 0.0).all():
+            order = np.argsort(times, kind="stable")
+            times, poses = times[order], poses[order]
+        return cls(times, poses)
+
+    def at(self, times: Float64Array) -> Float64Array:
+        """Return the poses (..., 3) at ``times`` (...), seconds.
+
+        Linear in position, the short way round in angle. Before the first and after the last pose it is that pose;
+        nothing is extrapolated.
+        """
+        if len(self.times) == 1:
+            return np.broadcast_to(self.poses[0], (*times.shape, 3))
+        return self._between(self._before(times), times)
+
+    def along(self, sweeps: Float64Array) -> Float64Array:
+        """Return :meth:`at` the times of ``sweeps`` (n, b), seconds, faster where each rises or falls along its row."""
+        if len(self.times) == 1:
+            return self.at(sweeps)
+        low = self._before(sweeps[:, 0])
+        poses = self._between(low[:, np.newaxis], sweeps)
+        others = low != self._before(sweeps[:, -1])  # sweeps in the middle of which a pose lies
+        if others.any():
+            poses[others] = self.at(sweeps[others])
+        return poses
+
+    def _before(self, times: Float64Array) -> NDArray[np.int64]:
+        """Return the number of the pose before each of ``times``, of the first or the last but one outside of all."""
+        return np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
+
+    def _between(self, low: NDArray[np.int64], times: Float64Array) -> Float64Array:
+        """Return the poses at ``times`` (...) between the poses number ``low`` and the next; they broadcast."""
+        start, span = self.times[low], self.times[low + 1] - self.times[low]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weight = np.where(span > 0.0, np.clip((times - start) / span, 0.0, 1.0), 0.0)
+        return interpolate(self.poses[low], self.poses[low + 1], weight)
+
+    def covers(self, times: Float64Array) -> NDArray[np.bool_]:
+        """Return whether ``times`` (...), seconds, lie between the first and the last pose."""
+        return np.asarray((times >= self.times[0]) & (times <= self.times[-1]))
+
+    def is_dense(self, first: Float64Array, last: Float64Array) -> NDArray[np.bool_]:
+        """Return for spans of time from ``first`` to ``last`` (n,), seconds, whether the poses around each are dense.
+
+        That is where a pose lies at or before the span and one at or after it, at most :data:`DENSE_S` apart.
+        """
+        low = np.searchsorted(self.times, np.minimum(first, last), side="right") - 1
+        high = np.searchsorted(self.times, np.maximum(first, last), side="left")
+        inside = (low >= 0) & (high < len(self.times))
+        low, high = np.clip(low, 0, None), np.clip(high, None, len(self.times) - 1)
+        return np.asarray(inside & (self.times[high] - self.times[low] <= DENSE_S))
+
+
+def seconds(log: ScanLog) -> Float64Array:
+    """Return the stamps of the scans (n_scans,) in seconds."""
+    return log.stamps_ns.astype(np.float64) * 1e-9
+
+
+def can_deskew(log: ScanLog, trajectory: str | None = None) -> bool:
+    """Return whether the beams of a scan were measured at times that are known, while the robot's poses are."""
+    stated = 0.0 < abs(log.time_increment) <= MAX_STATED_S
+    if not stated or log.n_beams < 2 or log.trajectory(trajectory).is_placeholder:
+        return False
+    return bool((log.stamps_ns != log.stamps_ns[:1]).any())
+
+
+def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset: float = 0.0) -> ScanLog:
+    """Return the log with one trajectory only, each scan at the robot's pose in the middle of its sweep.
+
+    It is for judging a log by few of its scans: the best single pose of a scan whose beams cannot be deskewed. Scans
+    for whose sweep the poses are not dense, as :meth:`Motion.is_dense`, keep the pose at their stamps. ``time_offset``
+    seconds are added to the stamps to find the poses; scans that the trajectory does not cover then are NaN. The log
+    that is returned states no time increment.
+    """
+    name = trajectory or log.default_trajectory
+    way = log.trajectory(name)
+    times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges
+    if can_deskew(log, name):
+        sweep = (log.n_beams - 1) * log.time_increment
+    if log.n_scans and (sweep or time_offset):
+        motion = Motion.of(log, name)
+        dense = motion.is_dense(times, times + sweep)
+        way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)))
+        if time_offset:
+            ranges = np.where(motion.covers(times)[:, np.newaxis], ranges, np.float32(np.nan))
+    return replace(log, ranges=ranges, trajectories={name: way}, time_increment=0.0)

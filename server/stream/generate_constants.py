@@ -1,0 +1,25 @@
+"""The TypeScript module of the constants that the mapper states and the pages use too."""
+
+from __future__ import annotations
+
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
+from mapper.grid.merge import LATTICE_TOLERANCE
+from mapper.simulation.edits import WALL_THICKNESS
+from mapper.simulation.simulation import ROBOT_RADIUS
+
+#: name, value, meaning
+CONSTANTS: tuple[tuple[str, float, str], ...] = (
+    ("ROBOT_RADIUS", ROBOT_RADIUS, "Radius of the simulated robot, which is a disc, metres."),
+    ("WALL_THICKNESS", WALL_THICKNESS, "Thickness of a wall that is drawn into a world, metres."),
+    ("LATTICE_TOLERANCE", LATTICE_TOLERANCE, "How far two lattices may lie apart and still be the same, in cells."),
+    ("OCCUPIED_THRESHOLD", OCCUPIED_THRESHOLD, "p_occ above which a cell is occupied, as in map_server."),
+    ("FREE_THRESHOLD", FREE_THRESHOLD, "p_occ below which a cell is free, as in map_server."),
+)
+
+
+def constants(command: str) -> str:
+    """Return ``static/src/wire/constants.ts``, which says that ``command`` writes it."""
+    lines = [f"// Written by `{command}` from constants of mapper/: change those."]
+    for name, value, meaning in CONSTANTS:
+        lines += ["", f"/** {meaning} */", f"export const {name} = {value!r};"]
+    return "\n".join([*lines, ""])

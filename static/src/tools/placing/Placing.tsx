@@ -1,0 +1,24 @@
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+
+/** The button that puts the editing tools away: a click on the world then places the robot. */
+export function PlaceRobot({ store }: { readonly store: Store }) {
+  const isOn = store.editing.tool.value === null;
+  return (
+    <Button kind="quiet" icon="robot" label="Move the robot" pressed={isOn} onClick={() => store.editing.take(null)} />
+  );
+}
+
+/** One line on how the robot is placed and driven; nothing while a tool edits the world. */
+export function PlacingHint({ store }: { readonly store: Store }) {
+  if (store.editing.tool.value !== null) return null;
+  return (
+    <p class="hint">
+      Click to move the robot there, or drag it
+      <span class="hint-keys">
+        , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
+      </span>
+      .
+    </p>
+  );
+}

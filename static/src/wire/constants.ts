@@ -1,0 +1,16 @@
+// Written by `python -m server.stream.generate` from constants of mapper/: change those.
+
+/** Radius of the simulated robot, which is a disc, metres. */
+export const ROBOT_RADIUS = 0.2;
+
+/** Thickness of a wall that is drawn into a world, metres. */
+export const WALL_THICKNESS = 0.12;
+
+/** How far two lattices may lie apart and still be the same, in cells. */
+export const LATTICE_TOLERANCE = 0.001;
+
+/** p_occ above which a cell is occupied, as in map_server. */
+export const OCCUPIED_THRESHOLD = 0.65;
+
+/** p_occ below which a cell is free, as in map_server. */
+export const FREE_THRESHOLD = 0.25;
