@@ -1,6 +1,6 @@
 """Provenance of a cell's value: every beam that touched it, in order, with the evidence it added.
 
-Found anew from the log and the parameters whenever it is asked for, so the map keeps no history.
+Recomputed from the log and the parameters at each request, so the map stores no history.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class LiveMap:
     ) -> None:
         """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`."""
         sensor = sensor or SensorConfig()
-        self.wanted = wanted  #: asked while maps are made: False ends that with :class:`WorkCancelledError`
+        self.wanted = wanted  #: called while maps are made: False ends that with :class:`WorkCancelledError`
         self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
         self._mapping = mapping
         self.seed = seed

@@ -24,13 +24,13 @@ class Recording:
     Besides the true poses it holds those that odometry reported, and for each reading by how much polished walls
     would have lengthened it: see :mod:`mapper.simulation.faults`.
 
-    When it is full it is thinned, not cut: of the scans taken in one place (a square of 0.5 m, one of four headings)
-    only the newest n stay, n being the most with which half of the capacity is free again; where even one of each
-    place is too many, the squares are larger. So every place that the robot ever saw stays in the map that is made
-    from the recording, however long it runs, and where the robot was most often most is dropped, which the clamp
-    hides. Scans keep their order. :attr:`generation` counts the thinnings:
-    while it stays, a log of the recording is the earlier log grown at its end; when it changes, the map has to be
-    made anew. Logs handed out earlier are never written to.
+    A full recording is thinned: of the scans taken in one place (a square of 0.5 m, one of four headings) only the
+    newest n are kept, with the largest n that frees half of the capacity; if even one scan of each place is too many,
+    the squares are enlarged. So the map of a recording covers every place that the robot has observed, and most scans
+    are dropped where the robot was most often, which the clamp
+    compensates. Scans keep their order. :attr:`generation` counts the thinnings:
+    while it is unchanged, a log of the recording extends the earlier log; when it changes, the map has to be
+    recomputed. Logs returned earlier are never modified.
     """
 
     def __init__(

@@ -21,7 +21,7 @@ class SecondMap:
     with_faults: bool
     config: MappingConfig
     grid: OccupancyGrid
-    box: CellBox | None = None  #: what changed since :meth:`changed` was last asked; None: nothing
+    box: CellBox | None = None  #: what changed since the last call of :meth:`changed`; None: nothing
     is_new: bool = True  #: whether everything may have changed since then
 
     def config_for(self, config: MappingConfig) -> MappingConfig:

@@ -1,6 +1,6 @@
-"""Which messages of viser's client may reach viser: those that a scene needs, with valid fields.
+"""Filter for messages from viser's client to viser: those that a scene needs, with valid fields.
 
-viser would also open a public tunnel, accept files and set any property of its objects at a client's request.
+At a client's request viser would also open a public tunnel, accept files and set any property of its objects.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from typing import Annotated, Literal
 
 import msgspec
 
-UNIT_TOLERANCE = 1e-3  #: by which the norm of a rotation's quaternion may differ from 1
+UNIT_TOLERANCE = 1e-3  #: tolerance of the norm of a unit quaternion
 
 _Number = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
 _Point = tuple[_Number, _Number, _Number]
-_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers count in fractions, too
+_Pixels = Annotated[float, msgspec.Meta(ge=1, le=100_000)]  # browsers send fractions, too
 
 
 class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbid_unknown_fields=True):
@@ -46,7 +46,7 @@ class _Value(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class _Update(msgspec.Struct, tag_field="type", tag="GuiUpdateMessage", forbid_unknown_fields=True):
-    """viser's message on a control that was moved."""
+    """viser's message on a control that was changed."""
 
     uuid: Annotated[str, msgspec.Meta(max_length=100)]
     updates: _Value
@@ -57,7 +57,7 @@ _Owner = Literal[""]  #: the scene of the server; viser could also keep a scene 
 
 
 class _GizmoMove(msgspec.Struct, tag_field="type", tag="TransformControlsUpdateMessage", forbid_unknown_fields=True):
-    """viser's message on a gizmo that was moved or turned."""
+    """viser's message on a gizmo that was moved or rotated."""
 
     name: _NodeName
     wxyz: tuple[_Number, _Number, _Number, _Number]

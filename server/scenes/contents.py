@@ -1,4 +1,4 @@
-"""The drawers of one scene: one for each drawing that the model has at present."""
+"""The drawers of one scene: one for each present drawing of the model."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from server.scenes.reading import Reading, SceneState
 from server.scenes.viser_server import ViserServer
 from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing
 
-SHARE = 0.1  #: of the time that one drawing may take at most,
-QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take some milliseconds
+SHARE = 0.1  #: largest share of the time that one drawing may take,
+QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take milliseconds
 
 _log = structlog.get_logger(__name__)
 
@@ -46,16 +46,16 @@ class SceneContents:
         return self._due.get(drawing.name, 0.0) <= time.monotonic()
 
     def draw_all_now(self) -> None:
-        """Let every drawing be due."""
+        """Make every drawing due."""
         self._due.clear()
 
     @property
     def unsettled(self) -> bool:
-        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        """Whether a change by a user in the scene still waits for the model's confirmation."""
         return any(drawer.unsettled for drawer in self._drawers.values())
 
     def show(self, state: SceneState) -> float | None:
-        """Draw what changed. Return in how many seconds the first drawing is due that was not read, None for none."""
+        """Draw what changed. Return the seconds until the next unread drawing is due, None if all were read."""
         readings = [reading for reading in state.readings if self._is_allowed(reading.drawing)]
         present = {reading.drawing.name: self._types[type(reading.drawing)] for reading in readings}
         gone = [name for name, drawer in self._drawers.items() if present.get(name) is not type(drawer)]

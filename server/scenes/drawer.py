@@ -36,11 +36,10 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
     """
 
     reads_live_arrays: ClassVar[bool] = False
-    """Whether drawings hold arrays that the session goes on writing: :meth:`read` is then called with the session's
-    lock held, and has to copy."""
+    """Whether drawings hold arrays that the session updates: :meth:`read` is then called with the session's lock held,
+    and has to copy."""
     max_hz: ClassVar[float] = 15.0
-    """How often a second the drawing is read and shown at most. Less often where that would take more than a tenth of
-    the time."""
+    """Highest rate at which the drawing is read and shown; lower if that would take more than a tenth of the time."""
 
     def __init__(self, context: DrawerContext, drawing: DrawingT) -> None:
         self.context = context
@@ -48,7 +47,7 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
         self.path = f"/{drawing.name}"
         self.frame = context.scene.add_frame(self.path, show_axes=False)
         self.labels: dict[str, viser.SceneNodeHandle] = {drawing.label: self.frame}
-        """What each switch shows and hides."""
+        """The nodes that each switch shows and hides."""
 
     @classmethod
     def read(cls, drawing: DrawingT) -> ContentT:
@@ -61,7 +60,7 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
 
     @property
     def unsettled(self) -> bool:
-        """Whether something that a person changed in the scene still waits for the model's confirmation."""
+        """Whether a change by a user in the scene still waits for the model's confirmation."""
         return False
 
     def remove(self) -> None:
@@ -69,7 +68,7 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
         self.frame.remove()
 
     def place(self, drawing: PlacedDrawing) -> None:
-        """Move the frame to where the drawing is; viser sends only changes."""
+        """Move the frame to the drawing's pose; viser sends only changes."""
         self.frame.position = drawing.position
         self.frame.wxyz = drawing.wxyz
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
 from server.scenes.shapes import Mesh, boxes
 
-MAX_SIDE = 1024  #: cells a side that are drawn; a larger grid is drawn by blocks of cells
+MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
 STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
 HEIGHTS = np.array([0.0, 0.2, 0.35, 0.45, 0.5])  #: metres of a column of level 0 … 4
 # The floor's colours at p_occ = 0, 0.5 and 1: free, undecided, occupied.
@@ -25,7 +25,7 @@ _FLOOR = np.column_stack([np.interp(np.linspace(0, 1, 256), _FLOOR_P, _FLOOR_RGB
 
 @dataclass(frozen=True, slots=True)
 class MapLevels:
-    """What is drawn of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
+    """The drawn form of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
 
     Row 0 lies at the smallest y. A cell is ``cell`` metres wide.
     """
@@ -41,9 +41,9 @@ class MapLevels:
 
 
 def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: NDArray[np.bool_]) -> MapLevels:
-    """Return what is drawn of the log-odds ``values`` and ``observed`` (rows, cols).
+    """Return the drawn form of the log-odds ``values`` and ``observed`` (rows, cols).
 
-    A block of cells has the log-odds of its most occupied cell, so that thin walls stay.
+    A block of cells has the log-odds of its most occupied cell, so that thin walls stay visible.
     """
     block = -(-max(geometry.shape) // MAX_SIDE)
     seen = np.where(observed, values, np.float32(-np.inf))
@@ -56,7 +56,7 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
     for step in STEPS:
         levels += seen > step
     unseen = np.isneginf(seen)
-    # Unseen cells are transparent, in the colour of free ones, so that smoothing gives the floor no dark rim.
+    # Unobserved cells are transparent, in the colour of free ones, so that smoothing gives the floor no dark edge.
     p_occ = 1.0 / (1.0 + np.exp(-np.where(unseen, np.float32(-8.0), seen)))
     floor = np.empty((*seen.shape, 4), dtype=np.uint8)
     floor[..., :3] = _FLOOR.astype(np.uint8)[(p_occ * 255.0).astype(np.uint8)]
@@ -65,7 +65,7 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
 
 
 def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list[tuple[int, int]]:
-    """Return the tiles (row, col) of 64 × 64 cells in which two pictures' levels differ; all with any, without old."""
+    """Return the tiles (row, col) of 64 × 64 cells in which the levels differ; without ``old``, those with a column."""
     different = new != 0 if old is None or old.shape != new.shape else new != old
     rows, cols = (-(-side // TILE) for side in new.shape)
     whole = np.zeros((rows * TILE, cols * TILE), dtype=np.bool_)
@@ -74,7 +74,7 @@ def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list
 
 
 def tile_columns(levels: NDArray[np.uint8], tile: tuple[int, int], cell: float) -> Mesh:
-    """Return the columns of one tile as boxes in metres from cell (0, 0)'s corner; runs of equal level are one box."""
+    """Return the columns of one tile as boxes, metres from cell (0, 0)'s corner; a run of equal level is one box."""
     row, col = tile[0] * TILE, tile[1] * TILE
     part = levels[row : row + TILE, col : col + TILE]
     along, across = _runs(part), _runs(part.T)

@@ -1,6 +1,6 @@
 """viser's buffer of outgoing messages, with a limit on how many bytes are sent at once.
 
-viser sends up to 128 messages in one WebSocket message, of any size: to a browser that connects, all of the scene.
+viser sends up to 128 messages of any size in one WebSocket message; a browser that connects gets the whole scene.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
 
 
 def parts_of(window: Sequence[Message]) -> Iterator[Sequence[Message]]:
-    """Yield the messages in their order, in parts of at most :data:`MAX_TOGETHER` bytes or of one message."""
+    """Yield the messages in order, in parts of at most :data:`MAX_TOGETHER` bytes or of one message."""
     part: list[Message] = []
     size = 0
     for message in window:
@@ -45,7 +45,7 @@ def parts_of(window: Sequence[Message]) -> Iterator[Sequence[Message]]:
 
 
 class MessageBuffer(AsyncMessageBuffer):
-    """viser's buffer, whose windows come in parts."""
+    """viser's buffer, with its windows divided by :func:`parts_of`."""
 
     async def _window_loop(
         self, client_id: int, backlog_last_id: int, backlog_done_message: Message | None

@@ -1,8 +1,8 @@
 """viser's panel: controls for the parameters and for the session's clock.
 
-A change made here is posted to the session; a change made elsewhere moves the control. A control that a user has
-changed ignores other values of the session until the session confirms it, or until :data:`PATIENCE_S` have passed:
-a refused value is then reset.
+A change in the panel is posted to the session; a change made elsewhere updates the control. A control that a user has
+changed ignores other values of the session until the session confirms the change or :data:`CONFIRM_TIMEOUT_S` have
+passed, which resets a refused value.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import viser
 from mapper.core.parameter import Parameter
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 
-PATIENCE_S = 1.5  #: seconds for which the session may disagree with what a person chose here
+CONFIRM_TIMEOUT_S = 1.5  #: longest time in which a control shows a value that the session has not confirmed
 Post = Callable[[dict[str, Any]], None]
 
 
@@ -29,7 +29,7 @@ class ParameterControls:
         self._command = table.command
         self._handles: dict[str, Any] = {}
         self._rows: dict[str, Parameter] = {}
-        self._chosen: dict[str, tuple[Any, float]] = {}  #: name → (what was chosen here, when it stops to count)
+        self._chosen: dict[str, tuple[Any, float]] = {}  #: name → (value that was chosen, time at which it expires)
         groups: dict[str, list[Parameter]] = {}
         for row in table.rows:
             groups.setdefault(row.group, []).append(row)
@@ -51,9 +51,9 @@ class ParameterControls:
             handle = gui.add_checkbox(label, bool(value), hint=row.sentence)
 
         async def chosen(event: viser.GuiEvent[Any]) -> None:
-            if event.client is None:  # moved by show(), not by a person
+            if event.client is None:  # changed by show(), not by a user
                 return
-            self._chosen[row.name] = (handle.value, time.monotonic() + PATIENCE_S)
+            self._chosen[row.name] = (handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
             self._post({"type": self._command, "values": {row.name: handle.value}})
 
         handle.on_update(chosen)
@@ -75,11 +75,11 @@ class ParameterControls:
 
     @property
     def unsettled(self) -> bool:
-        """Whether a change made here still waits for the session's confirmation."""
+        """Whether a change in the panel still waits for the session's confirmation."""
         return bool(self._chosen)
 
     def _show_relevant(self, values: Mapping[str, Any]) -> None:
-        """Hide what does not concern the chosen model, or kind of sensor."""
+        """Hide parameters that do not apply to the chosen model or kind of sensor."""
         chosen = values.get("model", values.get("kind"))
         for name, row in self._rows.items():
             if row.only_for:
@@ -87,7 +87,7 @@ class ParameterControls:
 
 
 class Clock:
-    """Buttons for play, pause and restart, and a slider over scans, each where the session has it."""
+    """Buttons for play, pause and restart, and a slider over scans if the session can seek."""
 
     def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post) -> None:
         self._playing = controls.playing
@@ -105,7 +105,7 @@ class Clock:
 
             async def sought(event: viser.GuiEvent[Any]) -> None:
                 if event.client is not None:
-                    self._sought = (self._scan.value, time.monotonic() + PATIENCE_S)
+                    self._sought = (self._scan.value, time.monotonic() + CONFIRM_TIMEOUT_S)
                     post({"type": "seek", "index": self._scan.value})
 
             self._scan.on_update(sought)
@@ -114,7 +114,7 @@ class Clock:
             post({"type": "restart"})
 
         if controls.can_restart:
-            gui.add_button("Start again", color="gray").on_click(restarted)
+            gui.add_button("Restart", color="gray").on_click(restarted)
 
     def show(self, controls: SceneControls) -> None:
         """Show the state of the session's clock."""
@@ -132,7 +132,7 @@ class Clock:
 
 
 class NamedChoice:
-    """One of several names. A choice is posted as its command with a ``name``."""
+    """A choice of one of several names, posted as its command with a ``name``."""
 
     def __init__(self, gui: viser.GuiApi, choice: Choice, post: Post) -> None:
         self._handle: Any = gui.add_dropdown(choice.label, choice.names, initial_value=choice.current)
@@ -140,13 +140,13 @@ class NamedChoice:
 
         async def chosen(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:
-                self._chosen = (self._handle.value, time.monotonic() + PATIENCE_S)
+                self._chosen = (self._handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
                 post({"type": choice.command, "name": self._handle.value})
 
         self._handle.on_update(chosen)
 
     def show(self, name: str) -> None:
-        """Show the session's choice, unless a user has just made another."""
+        """Show the session's choice, unless a user has just changed it."""
         if self._chosen is not None and name != self._chosen[0] and time.monotonic() < self._chosen[1]:
             return
         self._chosen = None
@@ -159,7 +159,7 @@ class Panel:
     def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post) -> None:
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
         gui.set_panel_label("Gridbloom")
-        gui.main_panel.dock_right()  # beside the scene, not over it
+        gui.main_panel.dock_right()  # next to the scene, not over it
         if controls.hint:
             gui.add_markdown(controls.hint)
         self._clock = Clock(gui, controls, post)
@@ -167,7 +167,7 @@ class Panel:
         self.switches = VisibilitySwitches(gui)
         self._tables: dict[str, ParameterControls] = {}
         if controls.tables:
-            # The parameters have a panel of their own: on a phone it stays folded, and the scene in view.
+            # The parameters have a separate panel: on a phone it stays closed, so that the scene is visible.
             panel = gui.add_panel()
             for table in controls.tables:
                 with panel.add_tab(table.title):
@@ -184,7 +184,7 @@ class Panel:
 
     @property
     def unsettled(self) -> bool:
-        """Whether a parameter changed here still waits for the session's confirmation."""
+        """Whether a parameter changed in the panel still waits for the session's confirmation."""
         return any(table.unsettled for table in self._tables.values())
 
 

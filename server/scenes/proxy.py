@@ -2,7 +2,7 @@
 
 viser's client is one page without further files, so it is served from the installed package, compressed once, and
 only the WebSocket is forwarded: viser's HTTP server, which reads files, is not reachable from outside. Of the browser's
-messages only those that :func:`server.scenes.browser_messages.passes` lets through are forwarded.
+messages only those that :func:`server.scenes.browser_messages.passes` accepts are forwarded.
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ from websockets.typing import Subprotocol
 from server.scenes.browser_messages import passes
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
-SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: without importing viser, which is slow
-MAX_FROM_BROWSER = 16 * 1024  #: bytes of one message of the browser's; a camera has some 300
-MAX_FROM_SCENE = MAX_DRAWING_BYTES + (1 << 20)  #: bytes of one message of viser's: the largest drawing and its fields
+SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: from the metadata, since importing viser is slow
+MAX_FROM_BROWSER = 16 * 1024  #: most bytes of one message from the browser; a camera message has about 300
+MAX_FROM_SCENE = MAX_DRAWING_BYTES + (
+    1 << 20
+)  #: most bytes of one message from viser: the largest drawing and its fields
 CONNECT_S = 5.0
 TOO_BIG = 1009  #: the close code for a message that is too large
 
@@ -38,7 +40,7 @@ _TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</titl
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """viser's client as it is sent: plain and compressed, with a tag for caches."""
+    """viser's client page, plain and compressed, with its ETag."""
 
     plain: bytes
     compressed: bytes
@@ -47,7 +49,7 @@ class Page:
 
 @lru_cache(maxsize=1)
 def client_page() -> Page:
-    """Return the installed viser's client page under our title."""
+    """Return the client page of the installed viser, with Gridbloom's title."""
     spec = find_spec("viser")  # does not import it
     assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
     plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
@@ -57,9 +59,9 @@ def client_page() -> Page:
 def page_headers(host: str) -> dict[str, str]:
     """Return the headers of the 3D page: its content security policy for a service reached as ``host``.
 
-    viser's client brings its script and styles inline, unpacks them with WebAssembly, whose glue code makes functions
-    from strings, and runs its socket in a worker made of a blob. It may connect to this service only, whatever the
-    query of its address says.
+    viser's client has inline scripts and styles, unpacks them with WebAssembly, whose glue code makes functions from
+    strings, and runs its socket in a worker from a blob. It may connect to this service only, whatever the query of
+    its address is.
     """
     policy = {
         "default-src": "'none'",
@@ -85,11 +87,11 @@ def page_headers(host: str) -> dict[str, str]:
 async def pass_on(browser: WebSocket, path: Path) -> None:
     """Connect the browser's WebSocket to viser's Unix socket at ``path`` until one of them closes; close the other.
 
-    The caller has not accepted the socket yet. One that does not speak viser's subprotocol is refused, as viser
-    itself refuses clients of another version.
+    The caller has not accepted the socket yet. A socket without viser's subprotocol is refused, as viser itself
+    refuses clients of another version.
     """
     if SUBPROTOCOL not in browser.scope.get("subprotocols", ()):
-        await browser.close(1002, f"This scene speaks {SUBPROTOCOL}.")
+        await browser.close(1002, f"The subprotocol must be {SUBPROTOCOL}.")
         return
     try:
         async with asyncio.timeout(CONNECT_S):
@@ -97,7 +99,7 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
                 str(path),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 max_size=MAX_FROM_SCENE,
-                max_queue=1,  # further messages wait at viser: each may be as large
+                max_queue=1,  # further messages, each of which may be as large, wait in viser
                 compression=None,
                 proxy=None,
                 ping_interval=None,  # both ends are in one process
@@ -148,7 +150,7 @@ async def _to_browser(scene: ClientConnection, browser: WebSocket) -> int:
             await browser.send_bytes(data if isinstance(data, bytes) else data.encode())
     except ConnectionClosed as closed:
         return 1002 if closed.rcvd is not None and closed.rcvd.code == 1002 else 1001
-    except (WebSocketDisconnect, RuntimeError):  # the browser went while we sent
+    except (WebSocketDisconnect, RuntimeError):  # the browser disconnected during the send
         return 0
     return 1001
 

@@ -1,4 +1,4 @@
-"""What a scene shows of a session: values that later ticks do not change."""
+"""The state of a session for its scene: values that later ticks do not change."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from server.sessions.scene_controls import SceneControls
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read of one drawing, in ``seconds``.
+    """The content of one drawing, and the ``seconds`` that reading it took.
 
-    ``content`` is what its drawer returned, None where the drawing is not due yet.
+    ``content`` is the result of :meth:`Drawer.read`, None if the drawing is not due yet.
     """
 
     drawing: Drawing
@@ -36,11 +36,11 @@ class SceneState:
 
 
 async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Drawing], bool]) -> SceneState:
-    """Read the state of a session under its lock (event loop). Arrays that the session writes are read on a thread.
+    """Read the state of a session under its lock (event loop). Arrays that the session updates are read on a thread.
 
-    Raises :class:`ValueError` where two drawings have one name, :class:`KeyError` for a drawing without a drawer.
+    Raises :class:`ValueError` if two drawings have one name, :class:`KeyError` for a drawing without a drawer.
     """
-    async with session.still():
+    async with session.locked():
         read_at = time.monotonic()
         drawings, controls = session.model.drawings(), session.model.controls()
         if len({drawing.name for drawing in drawings}) < len(drawings):

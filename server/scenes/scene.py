@@ -1,8 +1,8 @@
-"""The 3D view of one session: a viser server behind the proxy that follows the session.
+"""The 3D view of one session: a viser server behind the proxy, updated after the session's ticks.
 
-It shows what the model gives (``drawings()``, ``controls()``) and knows no kind of session. Nothing is computed while
-no browser shows it; otherwise the session is read at most :data:`MAX_HZ` times a second, and each drawing as often as
-its drawer allows.
+It shows the model's ``drawings()`` and ``controls()`` and does not depend on the kind of session. Nothing is computed
+while no browser shows it; otherwise the session is read at most :data:`MAX_HZ` times a second, and each drawing at most
+as often as its drawer states.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds
 
 MAX_HZ = 15.0
-WIDE = 1.3  #: width over height of a picture in which the first camera has all of its bounds in view
+ASPECT = 1.3  #: aspect ratio from which the initial camera has all of its bounds in view
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
-SETTLE_S = 0.25  #: seconds after which a control that waits for the session is looked at again
+SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
 _log = structlog.get_logger(__name__)
 
@@ -54,7 +54,7 @@ class Scene:
 
     @classmethod
     async def open(cls, session: SessionHost, drawers: Drawers = DRAWERS) -> Scene:
-        """Create the scene of ``session`` and start to follow it."""
+        """Create the scene of ``session`` and start updating it."""
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server, drawers)
         try:
@@ -105,7 +105,7 @@ class Scene:
 
     def _build(self, state: SceneState) -> None:
         scene = self._server.scene
-        # Two lights of our own: the environment map is a photograph that takes long to light up on a slow machine.
+        # Two lights instead of viser's environment map, a photograph that is slow to load on a slow machine.
         scene.configure_environment_map(None)
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_hemisphere("/Sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
@@ -137,8 +137,8 @@ class Scene:
     async def _welcome(self, client: viser.ClientHandle) -> None:
         """Move the camera back on a narrow screen, so that all of its bounds are in view."""
         aim = self._server.initial_camera
-        if client.camera.aspect < WIDE:
-            back = min(WIDE / client.camera.aspect, 4.0)
+        if client.camera.aspect < ASPECT:
+            back = min(ASPECT / client.camera.aspect, 4.0)
             client.camera.position = aim.look_at + (aim.position - aim.look_at) * back
             client.camera.look_at = aim.look_at  # viser moved it along with the position
 
@@ -150,7 +150,7 @@ class Scene:
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
-        """Tell the model where the floor was clicked."""
+        """Pass the clicked point of the floor to the model."""
         (ox, oy, oz), (dx, dy, dz) = event.ray_origin, event.ray_direction
         if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor
             return
@@ -169,7 +169,7 @@ class Scene:
             self._post(command)
 
     def _note_move(self, name: str, position: Point, wxyz: Quaternion) -> None:
-        """Post a gizmo's move, at most :data:`MAX_HZ` a second: of moves in between only the last counts."""
+        """Post a gizmo's move, at most :data:`MAX_HZ` times a second: of moves in between only the last is posted."""
         self._moves[name] = (position, wxyz)
         if not self._posts_moves:
             self._post_moves()

@@ -35,7 +35,7 @@ async def _open(session: SessionHost, drawers: Drawers | None) -> Scene:
 class Scenes:
     """The open scenes by session. Used from the event loop only; :meth:`close` ends all of them.
 
-    ``drawers`` says which class draws which type of drawing, None for those of ``server.scenes.drawers``.
+    ``drawers`` maps types of drawings to drawers; None for those of ``server.scenes.drawers``.
     """
 
     def __init__(self, *, drawers: Drawers | None = None, idle_s: float = IDLE_S, check_s: float = CHECK_S) -> None:

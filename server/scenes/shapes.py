@@ -1,4 +1,4 @@
-"""Triangle meshes of what stands on a floor: extruded polygons, boxes and an arrow. NumPy only.
+"""Triangle meshes: extruded polygons, boxes and an arrow. NumPy only.
 
 A mesh is ``vertices`` (V, 3) float32 in metres and ``faces`` (F, 3) uint32, counter-clockwise seen from outside.
 """
@@ -27,7 +27,7 @@ def boxes(low: NDArray[np.float64], high: NDArray[np.float64]) -> Mesh:
 
 
 def extruded(polygons: Iterable[NDArray[np.float64]], height: float) -> Mesh:
-    """Return the simple polygons (n, 2), counter-clockwise, as walls of ``height`` metres with a lid."""
+    """Return simple polygons (n, 2), counter-clockwise, as solids of ``height`` metres without their bottoms."""
     vertices, faces, count = [], [], 0
     for polygon in polygons:
         n = len(polygon)
@@ -45,12 +45,12 @@ def extruded(polygons: Iterable[NDArray[np.float64]], height: float) -> Mesh:
 def triangles(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the triangles (n − 2, 3), as indices, of a simple counter-clockwise polygon (n, 2).
 
-    Source: ear clipping (Meisters 1975, "Polygons have ears"); quadratic, for polygons of some dozen corners.
+    Source: ear clipping (Meisters 1975, "Polygons have ears"); quadratic, for polygons of a few dozen corners.
     """
     left = list(range(len(polygon)))
     found: list[tuple[int, int, int]] = []
     while len(left) > 3:
-        ear = next((k for k in range(len(left)) if _is_ear(polygon, left, k)), 0)  # 0: a degenerate rest
+        ear = next((k for k in range(len(left)) if _is_ear(polygon, left, k)), 0)  # 0: a degenerate remainder
         found.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
         del left[ear]
     found.append((left[0], left[1], left[2]))
@@ -58,16 +58,16 @@ def triangles(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _is_ear(polygon: NDArray[np.float64], left: list[int], k: int) -> bool:
-    """Return whether corner ``k`` of what is left is convex and its triangle holds no other corner."""
+    """Return whether corner ``k`` of those in ``left`` is convex and its triangle contains no other corner."""
     corners = (left[k - 1], left[k], left[(k + 1) % len(left)])
     a, b, c = polygon[list(corners)]
     if _cross(a, b, c) <= 0.0:
         return False
     others = polygon[[i for i in left if i not in corners]]
     inside = (_cross(a, b, others) >= 0.0) & (_cross(b, c, others) >= 0.0) & (_cross(c, a, others) >= 0.0)
-    # A corner that lies on one of the ear's own does not spoil it: polygons may touch themselves.
-    apart = (others[:, None, :] != np.stack([a, b, c])).any(axis=2).all(axis=1)
-    return not bool(np.any(inside & apart))
+    # A corner at the same point as one of the ear's corners does not count: polygons may touch themselves.
+    distinct = (others[:, None, :] != np.stack([a, b, c])).any(axis=2).all(axis=1)
+    return not bool(np.any(inside & distinct))
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:

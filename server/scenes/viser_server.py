@@ -1,9 +1,9 @@
 """A viser server that listens on a Unix socket and offers nothing but the scene's WebSocket.
 
-viser 1.1 can listen on a TCP port only. A TCP port of 127.0.0.1 takes any process of the machine and, from a browser,
-any page, past the service's token and its checks. Here viser's call of :func:`websockets.asyncio.server.serve` is
-replaced, in viser's module alone, by one that listens on a Unix socket in a folder of mode 0700. So is the class of its
-message buffers, by one that limits the size of what is sent at once.
+viser 1.1 can listen on a TCP port only. A TCP port of 127.0.0.1 can be reached by any process of the machine and by any
+page in a browser, without the service's token and checks. Here viser's call of
+:func:`websockets.asyncio.server.serve` is replaced, in viser's module only, by one that listens on a Unix socket in a
+folder of mode 0700. The class of its message buffers is replaced by one that limits the size of what is sent at once.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _serve(
     port: int,
     **options: Any,  # noqa: ANN401 - passed on
 ) -> Awaitable[Server]:
-    """Stand in for ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
+    """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
     bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
@@ -60,7 +60,7 @@ class ViserServer(viser.ViserServer):
         self._folder = tempfile.TemporaryDirectory(prefix="gridbloom-")  # of mode 0700
         self.path = Path(self._folder.name) / "viser"
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as bound:
-            bound.bind(str(self.path))  # here, because viser would try for ever
+            bound.bind(str(self.path))  # here, because viser would retry without end
             descriptor = os.dup(bound.fileno())
         super().__init__(host=str(descriptor), port=0, label="Gridbloom", verbose=False)
 

@@ -1,4 +1,4 @@
-"""The commands that ask about one cell of a map: its state (``inspect``), and what it was made of (``why``)."""
+"""The commands about one cell of a map: its state (``inspect``) and its contributions (``why``)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class ExplainedMap:
-    """A map about whose cells can be asked: its layer, what it is made of, and how many scans are in it."""
+    """A map whose cells can be inspected: its layer, its sources, and the number of scans in it."""
 
     layer: GridLayer
     grid: OccupancyGrid
@@ -33,7 +33,7 @@ class ExplainedMap:
 
 
 class CellQuestions:
-    """Answers questions about the cells of the maps that ``maps`` returns, the first one being meant by default."""
+    """Answers questions about cells of the maps that ``maps`` returns; the default map is the first."""
 
     def __init__(self, maps: Callable[[], Sequence[ExplainedMap]]) -> None:
         self._maps = maps
@@ -41,8 +41,8 @@ class CellQuestions:
     def obey(self, command: dict[str, Any], result: TickResult) -> bool:
         """Answer ``command`` if it is a question, and return whether it is.
 
-        Of each client's "why" in one tick only the newest is answered, from the map that the tick leaves. Raises
-        :class:`ProtocolError`.
+        Of several "why" of one client in one tick only the newest is answered, from the map at the end of the tick.
+        Raises :class:`ProtocolError`.
         """
         match command["type"]:
             case "inspect":

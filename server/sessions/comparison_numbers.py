@@ -1,4 +1,4 @@
-"""The figures of a comparison of two maps as JSON has them."""
+"""The numbers of a comparison of two maps, for JSON."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from mapper.grid.compare import Comparison
 
 
 def numbers(found: Comparison) -> dict[str, Any]:
-    """Return a comparison as JSON has it."""
+    """Return the numbers of a comparison as a dictionary for JSON."""
     return {
         "cells": found.cells,
         "states": found.states.tolist(),
@@ -24,7 +24,7 @@ def numbers(found: Comparison) -> dict[str, Any]:
 
 
 def comparison_message(index: int, found: Comparison | None = None, refused: str | None = None) -> dict[str, Any]:
-    """Return a ``comparison`` message: the numbers, or why there are none."""
+    """Return a ``comparison`` message: the numbers, or the reason why the maps cannot be compared."""
     return {
         "type": "comparison",
         "index": index,

@@ -1,4 +1,4 @@
-"""One tick of a session's computation: its commands, then time, then the pictures, then the questions."""
+"""One tick of a session's computation: commands, then time, then layers, then questions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.protocol import ProtocolError, number
 
 COMMANDS_S = (
-    0.05  #: computing time after which further commands wait for the next tick: other sessions want the threads
+    0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
 )
 
 _log = structlog.get_logger(__name__)
@@ -28,9 +28,9 @@ def compute_tick(
     *,
     whole: bool = False,
 ) -> TickResult:
-    """Carry out ``commands``, let ``dt`` seconds pass, and return what to send (worker thread).
+    """Carry out ``commands``, advance the model by ``dt`` seconds, and return what to send (worker thread).
 
-    ``closed`` says whether the session has ended meanwhile; ``whole`` says that all is to be drawn anew.
+    ``closed`` returns whether the session has ended meanwhile; with ``whole`` the layers are drawn completely.
     """
     result = TickResult(rest=[*commands], new_grid=whole)
     started = time.perf_counter()
@@ -48,7 +48,7 @@ def compute_tick(
     try:
         model.advance(dt if model.playback.playing else 0.0, result)
     except WorkCancelledError:
-        result.new_grid = True  # the map is somewhere on the way
+        result.new_grid = True  # the map is between two states
     except MapperError as error:
         model.playback.playing = False
         result.changed = True

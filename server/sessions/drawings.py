@@ -1,9 +1,9 @@
 """What a model shows in 3D, as plain data. How each is drawn is in ``server.scenes.drawers``.
 
 Positions are in metres in the map frame, x forward, y left, z up; rotations are unit quaternions (w, x, y, z). A
-drawing is known by its ``name``: the next drawing of the same name replaces it, and the parts that did not change are
-not sent again. Arrays must not be written after they were put into a drawing, unless its class says otherwise: a model
-that changes them puts a new array into the next drawing. An array that is the same object is not even compared.
+drawing is identified by its ``name``: the next drawing of the same name replaces it, and parts that did not change are
+not sent again. Arrays must not be modified after they were put into a drawing, unless its class says otherwise: a model
+that changes them puts a new array into the next drawing. An array that is the same object is taken as unchanged.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
 
-MAX_DRAWING_BYTES = 64 << 20  #: bytes of the arrays of one drawing, which reach the browser in one message
+MAX_DRAWING_BYTES = 64 << 20  #: bytes of the arrays of one drawing, which are sent in one message
 
 Color = tuple[int, int, int]  #: red, green, blue, 0 to 255
 Point = tuple[float, float, float]
@@ -30,11 +30,11 @@ _NAME = re.compile(r"[a-z0-9_-]{1,100}")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawing:
-    """What all drawings have.
+    """Base class of drawings.
 
-    ``name`` is unique among the drawings of a model: 1 to 100 of a–z, 0–9, ``_`` and ``-``. ``label`` names the switch
-    that shows and hides the drawing, together with all others of the same label; "" for no switch. Raises
-    :class:`ValueError` for another name.
+    ``name`` is unique among the drawings of a model: 1 to 100 characters of a–z, 0–9, ``_`` and ``-``. ``label`` names
+    the switch that shows and hides all drawings of the same label; "" for no switch. Raises :class:`ValueError` for an
+    invalid name.
     """
 
     name: str
@@ -46,13 +46,13 @@ class Drawing:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of the arrays that are sent in one message; at most :data:`MAX_DRAWING_BYTES` are drawn."""
+        """Bytes of the arrays that are sent in one message. Above :data:`MAX_DRAWING_BYTES` a drawing is not shown."""
         return 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedDrawing(Drawing):
-    """A drawing in a frame of its own: ``position`` and ``wxyz`` are T_map_drawing."""
+    """A drawing with its own frame: ``position`` and ``wxyz`` are T_map_drawing."""
 
     position: Point = (0.0, 0.0, 0.0)
     wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -158,11 +158,11 @@ class Image(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Gizmo(PlacedDrawing):
-    """Handles by which a person moves and turns a frame; each move calls the model's ``on_gizmo_moved``.
+    """Handles for moving and rotating a frame; each move calls the model's ``on_gizmo_moved``.
 
-    The gizmo stays where it was moved to until the model shows it there. If the model does not, it returns after 1.5 s.
-    ``axes`` says along and about which of x, y and z it can be moved and turned, ``turns`` whether it can be turned,
-    ``moves`` whether it can be moved. An arrow is ``scale`` metres long.
+    The gizmo keeps its new pose until the model returns that pose. If the model does not, the gizmo is reset after
+    1.5 s. ``axes`` are those of x, y and z along which it can be moved (if ``moves``) and about which it can be
+    rotated (if ``turns``). An arrow is ``scale`` metres long.
     """
 
     scale: float = 1.0
@@ -173,10 +173,10 @@ class Gizmo(PlacedDrawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridColumns(Drawing):
-    """An occupancy grid: its floor coloured by p_occ, and a column on each occupied cell.
+    """An occupancy grid: a floor coloured by p_occ, and a column on each occupied cell.
 
-    ``log_odds`` float32 and ``observed`` bool are (rows, cols); they may be the session's own, which it writes: they
-    are read between two ticks.
+    ``log_odds`` float32 and ``observed`` bool are (rows, cols); they may be the arrays that the session
+    updates: they are read between two ticks.
     """
 
     geometry: GridGeometry
@@ -186,9 +186,9 @@ class GridColumns(Drawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Walls(Drawing):
-    """The solids of a simulated world, as low walls, and its ground.
+    """The solids of a simulated world as low walls, and its ground.
 
-    ``solids`` are simple polygons (n, 2), counter-clockwise; the same object as long as they do not change. ``bounds``
+    ``solids`` are simple polygons (n, 2), counter-clockwise; the same object while they do not change. ``bounds``
     are x_min, y_min, x_max, y_max of the ground.
     """
 
@@ -211,14 +211,14 @@ class RobotBody(Drawing):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Path(Drawing):
-    """A path on the floor along ``poses`` (n, 3 or 2), x and y first; long ones are drawn with fewer points."""
+    """A path on the floor along ``poses`` (n, 3 or 2), x and y first; long paths are drawn with fewer points."""
 
     poses: NDArray[np.float64]
     color: Color = (71, 78, 96)
 
 
 def _check(name: str, array: NDArray[Any], dtype: str, shape: tuple[int | None, ...]) -> None:
-    """Raise :class:`ValueError` unless ``array`` has this type and shape; None stands for any length."""
+    """Raise :class:`ValueError` unless ``array`` has this type and shape; None is any length."""
     fits = len(shape) == array.ndim and all(b in (None, a) for a, b in zip(array.shape, shape, strict=True))
     if array.dtype != np.dtype(dtype) or not fits:
         wanted = ", ".join("n" if side is None else str(side) for side in shape)

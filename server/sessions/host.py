@@ -1,8 +1,8 @@
-"""The host of a session: its clients, its queue of commands, its clock, and the turns in which its model computes.
+"""The host of a session: its clients, its queue of commands, its clock, and the scheduling of its model's computation.
 
-One asyncio task for each session waits for commands and for the next tick, has a worker thread compute (the kernels
-release the GIL), and publishes the result. What the worker thread uses is used by nothing else meanwhile; everything
-else (hub, listeners, messages) belongs to the event loop. The host knows no kind of session.
+One asyncio task for each session waits for commands and for the next tick, computes the tick on a worker thread (the
+kernels release the GIL), and publishes the result. Only the worker thread uses the model during a tick; everything else
+(hub, listeners, messages) belongs to the event loop. The host does not depend on the kind of session.
 """
 
 from __future__ import annotations
@@ -30,13 +30,15 @@ from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.work.scheduler import Party, Scheduler, checkpoint
 
 TICK_S = 1.0 / 30.0
-MAX_TICK_S = 0.1  #: a tick never makes up for more wall time than this: a slow machine plays slower
-MAX_QUEUED = 256  #: commands that wait for one session
-PAUSE_S = 0.05  #: least time between two computations of deferred work, which takes at most a quarter of the time
-PATIENCE_S = 0.2  #: deferred work waits no longer than this for a moment without commands
-SHOWN_AFTER_S = 0.3  #: progress of a computation that takes longer is shown,
-SHOWN_EVERY_S = 0.25  #: as often as this
-GIVE_UP_S = 1.5  #: commands that follow one another for longer than this end no computation: something must be shown
+MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
+MAX_QUEUED = 256  #: most commands in the queue of a session
+PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
+MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands
+SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
+SHOWN_EVERY_S = 0.25  #: at this interval
+MAX_CANCELLING_S = (
+    1.5  #: after this time without a finished map, commands no longer cancel the computation: a map must be shown
+)
 
 T = TypeVar("T")
 
@@ -44,7 +46,7 @@ _log = structlog.get_logger(__name__)
 
 
 class SessionHost:
-    """Runs one model. Made by the registry, on the event loop; :meth:`start` gives it its model."""
+    """Runs one model. Created by the registry on the event loop; :meth:`start` sets the model."""
 
     model: SessionModel
     hub: Hub
@@ -65,7 +67,7 @@ class SessionHost:
         self.epoch_id = secrets.token_hex(8)
         self.party = party
         self.owner = party.visitor
-        self.link = link  #: the link by which the owner came, a guest then
+        self.link = link  #: the link that the owner followed, for a guest; else None
         self.scheduler = scheduler
         self.closed = False
         self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
@@ -80,17 +82,17 @@ class SessionHost:
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
-        self._tick_failed = False  #: whether a tick was cut off before the layers followed the model
+        self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
         self._deferred_due = 0.0
-        self._may_give_up = False  #: whether what is being computed can be given up and begun anew
-        #: Commands that ask for another map: how many were queued, and how many of them have begun to be carried out.
+        self._is_cancellable = False  #: whether the current computation may be cancelled by a newer command
+        #: Commands that replace the map: how many were queued, and how many of them were started.
         self._requests = self._requests_begun = 0
-        self._requested_since: float | None = None  #: when the first came of those for which no map was finished yet
+        self._requested_since: float | None = None  #: arrival of the first of those without a finished map
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
     def start(self, model: SessionModel) -> None:
-        """Begin to run ``model``."""
+        """Start running ``model``."""
         self.model = model
         self.hub = Hub(model.layers, self._clock, self._traffic)
         for message in model.messages():
@@ -111,41 +113,41 @@ class SessionHost:
         for callback in (*self.on_close,):
             try:
                 callback()
-            except Exception:  # noqa: BLE001 - one listener's defect must not keep the others from closing
+            except Exception:  # noqa: BLE001 - a defect in one listener must not prevent the others from closing
                 _log.exception("a listener failed while its session closed")
         self.listeners.clear()
 
     def listen(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` on the event loop after each tick that changed something; the session runs meanwhile."""
+        """Call ``callback`` on the event loop after each tick that changed something; it keeps the session running."""
         self.listeners.append(callback)
         self._wake.set()
 
     def ignore(self, callback: Callable[[], None]) -> None:
-        """Call ``callback`` no longer."""
+        """Remove a callback of :meth:`listen`."""
         if callback in self.listeners:
             self.listeners.remove(callback)
             self._left()
 
     def join(self) -> Client:
-        """Return a new client, which is sent everything."""
+        """Return a new client, to which the complete state will be sent."""
         self.hub.slots["hello"] = encode_text(self._hello())
         client = self.hub.join()
         self._wake.set()
         return client
 
     def leave(self, client: Client) -> None:
-        """Forget a client."""
+        """Remove a client."""
         self.hub.leave(client)
         self._left()
 
     def _left(self) -> None:
         if not self.watched:
             self.unwatched_since = self._clock()
-            self.hub.settled = True  # nothing runs now: what was true stays true
+            self.hub.settled = True  # nothing is computed now, so the newest frame remains true
 
     @property
     def watched(self) -> bool:
-        """Whether a client or a listener follows the session."""
+        """Whether the session has a client or a listener."""
         return bool(self.hub.clients or self.listeners)
 
     @property
@@ -154,9 +156,9 @@ class SessionHost:
         return self.model.footprint.cells
 
     def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
-        """Queue a command. Raises :class:`ProtocolError` where too many wait already."""
+        """Queue a command. Raises :class:`ProtocolError` if the queue is full."""
         if len(self._queue) >= MAX_QUEUED:
-            raise ProtocolError("session.busy", "Too many commands wait; this one was dropped.")
+            raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
         self._queue.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
         if command["type"] in self.model.replacing:
@@ -166,20 +168,20 @@ class SessionHost:
 
     @property
     def has_queued_commands(self) -> bool:
-        """Whether commands wait to be carried out, or are being."""
+        """Whether commands are queued or being carried out."""
         return bool(self._queue)
 
     @property
     def is_busy(self) -> bool:
-        """Whether the session computes, or is about to."""
+        """Whether the session computes or has queued commands."""
         return self.has_queued_commands or self._lock.locked()
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what prepares seeks in idle time; None where there is nothing to prepare."""
+        """Return the prefetcher of checkpoints; None if no checkpoint is missing."""
         return self.model.prefetcher()
 
     def post(self, command: dict[str, Any]) -> None:
-        """Queue a command from any thread; one that is refused is only logged."""
+        """Queue a command from any thread; a refused command is only logged."""
         self._loop.call_soon_threadsafe(self._post, command)
 
     def _post(self, command: dict[str, Any]) -> None:
@@ -188,12 +190,12 @@ class SessionHost:
         except ProtocolError as error:
             _log.info("command refused", code=error.code)
 
-    def still(self) -> AbstractAsyncContextManager[None]:
-        """Return a context in which nothing computes in the session, so that its maps can be read (event loop)."""
+    def locked(self) -> AbstractAsyncContextManager[None]:
+        """Return a context in which the session computes nothing, so that its maps can be read (event loop)."""
         return self._lock
 
     def limits(self) -> Limits:
-        """Return what the session's grids may grow to now."""
+        """Return the present limits of the session's grids."""
         return self._limits(self)
 
     # -- messages -------------------------------------------------------------------------------------------------
@@ -240,7 +242,7 @@ class SessionHost:
                 return
             now = self._clock()
             if not ticking:
-                last = now - TICK_S  # time in which nothing ran does not count
+                last = now - TICK_S  # time without playback does not count
             due = playback.playing and self.watched and now - last >= TICK_S
             commands = [*self._queue]
             if not (commands or due):
@@ -250,7 +252,7 @@ class SessionHost:
             await self._tick(commands, dt)
 
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
-        """Have the model carry out ``commands``, the first ones of the queue, and send what comes of it."""
+        """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
         rest: list[QueuedCommand] = []
         try:
             async with self._lock:
@@ -259,26 +261,26 @@ class SessionHost:
                 result = await self.on_thread(job, waited_for=self.watched)
             if self._requests == self._requests_begun:
                 self._requested_since = None
-            elif not result.given_up:
+            elif not result.cancelled:
                 self._requested_since = self._clock()
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
-        except Exception:  # noqa: BLE001 - the session stops, and says so, instead of failing 30 times a second
+        except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
             self._stop()
         finally:
             self._queue[: len(commands)] = rest
 
     def _is_deferred_work_due(self) -> bool:
-        """Whether there is deferred work that is due, and no command, or that has been due for too long."""
+        """Whether deferred work is due and no command is queued, or it has been due for :data:`MAX_DEFERRAL_S`."""
         if not (self.model.has_deferred_work and self.watched) or self.closed:
             return False
         late = self._clock() - self._deferred_due
-        return late >= 0.0 and (not self._queue or late > PATIENCE_S)
+        return late >= 0.0 and (not self._queue or late > MAX_DEFERRAL_S)
 
     def _idle_s(self, tick_at: float | None) -> float | None:
-        """Return how long nothing is due, in seconds; None for as long as no command comes."""
+        """Return the seconds until something is due; None if only a command ends the wait."""
         due = [] if tick_at is None else [tick_at]
         if self.model.has_deferred_work and self.watched:
             due.append(self._deferred_due)
@@ -297,7 +299,7 @@ class SessionHost:
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
     async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
-        """Compute ``job`` on a worker thread in its turn; clients are shown its progress where it takes long."""
+        """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
         showing = asyncio.ensure_future(self._show_work())
         try:
             return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
@@ -316,35 +318,35 @@ class SessionHost:
             self.hub.set_slot(working_message())
 
     @contextmanager
-    def giving_up(self) -> Iterator[None]:
-        """Return a context in which a newer command may end a computation; nothing is lost by it (worker thread)."""
-        self._may_give_up = True
+    def cancellable(self) -> Iterator[None]:
+        """Return a context in which a newer command cancels the computation (worker thread)."""
+        self._is_cancellable = True
         try:
             yield
         finally:
-            self._may_give_up = False
+            self._is_cancellable = False
 
-    def goes_on(self) -> bool:
-        """Let others have their turn (worker thread), and return whether what is being computed is still wanted."""
+    def may_continue(self) -> bool:
+        """Yield to other sessions (worker thread), and return whether the computation should continue."""
         checkpoint()
-        return not (self.closed or (self._may_give_up and self._is_outdated()))
+        return not (self.closed or (self._is_cancellable and self._is_outdated()))
 
     def is_open(self) -> bool:
-        """Let others have their turn (worker thread), and return whether the session has not ended: for computations
-        that no newer command replaces.
+        """Yield to other sessions (worker thread), and return whether the session is open: for computations that
+        commands do not cancel.
         """
         checkpoint()
         return not self.closed
 
     def _is_outdated(self) -> bool:
         since = self._requested_since
-        return self._requests > self._requests_begun and since is not None and self._clock() - since < GIVE_UP_S
+        return self._requests > self._requests_begun and since is not None and self._clock() - since < MAX_CANCELLING_S
 
     def _stop(self) -> None:
-        """Pause after a defect, and send an error about it."""
+        """Pause after a defect, and send an error message."""
         self.model.playback.playing = False
         self._tick_failed = True
-        self.hub.tell_all(error_message("internal", "The session stopped because of a defect in the service."))
+        self.hub.send_all(error_message("internal", "The session stopped because of a defect in the service."))
         with contextlib.suppress(Exception):  # the defect may lie in what is shown
             self._publish_frame()
 
@@ -358,7 +360,7 @@ class SessionHost:
                 await self._wake.wait()
 
     def deliver(self, result: TickResult) -> None:
-        """Send what a computation left (event loop)."""
+        """Send the result of a computation (event loop)."""
         self._wake.set()
         if self.closed:
             return
@@ -371,17 +373,17 @@ class SessionHost:
             self._publish_frame()
         for client, message in result.answers:
             if client is not None:
-                client.tell(message)
+                client.send(message)
             else:
                 _log.info("command refused", code=message.get("code"))
         for client, kind in result.resent:
             if client is not None:
-                client.remind(kind)
+                client.resend(kind)
         for message in result.notices:
-            self.hub.tell_all(message)
+            self.hub.send_all(message)
         if result.changed:
             for listener in (*self.listeners,):
                 try:
                     listener()
-                except Exception:  # noqa: BLE001 - one listener's defect must not stop the session
+                except Exception:  # noqa: BLE001 - a defect in one listener must not stop the session
                     _log.exception("a listener failed")

@@ -1,4 +1,4 @@
-"""What a model and its parts may ask of the host that runs them."""
+"""The interface of the host that a model and its parts use."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class ModelHost(Protocol):
-    """The host as its model sees it; :class:`server.sessions.host.SessionHost` is one."""
+    """The host's interface for its model; implemented by :class:`server.sessions.host.SessionHost`."""
 
     closed: bool
     scheduler: Scheduler
@@ -23,24 +23,24 @@ class ModelHost(Protocol):
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
     def limits(self) -> Limits:
-        """Return what the session's grids may grow to now (any thread)."""
+        """Return the present limits of the session's grids (any thread)."""
 
-    def goes_on(self) -> bool:
-        """Let others have their turn, and return whether what is being computed is still wanted."""
+    def may_continue(self) -> bool:
+        """Yield to other sessions, and return whether the computation should continue."""
 
     def is_open(self) -> bool:
-        """Let others have their turn, and return whether the session has not ended."""
+        """Yield to other sessions, and return whether the session is open."""
 
-    def giving_up(self) -> AbstractContextManager[None]:
-        """Return a context in which :meth:`goes_on` is False once a newer command makes the result useless."""
+    def cancellable(self) -> AbstractContextManager[None]:
+        """Return a context in which :meth:`may_continue` is False once a newer command makes the result useless."""
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
-    def still(self) -> AbstractAsyncContextManager[None]:
-        """Return a context in which nothing computes in the session, so that its maps can be read."""
+    def locked(self) -> AbstractAsyncContextManager[None]:
+        """Return a context in which the session computes nothing, so that its maps can be read."""
 
     async def on_thread(self, job: Callable[[], T]) -> T:
-        """Compute ``job`` on a worker thread in its turn."""
+        """Compute ``job`` on a worker thread as scheduled."""
 
     def deliver(self, result: TickResult) -> None:
-        """Send what was computed between two ticks."""
+        """Send the result of a computation between two ticks."""

@@ -1,4 +1,4 @@
-"""A kind of session: what a request for one says, and how its model is made."""
+"""A kind of session: its request, and the plan by which its model is made."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from server.sessions.model import SessionModel
 
 
 class SessionRequest(BaseModel):
-    """The body of ``POST /api/sessions``. Each kind derives its own, in which ``kind`` is a literal: its name."""
+    """The body of ``POST /api/sessions``. Each kind derives a class in which ``kind`` is a literal, its name."""
 
     model_config = ConfigDict(extra="forbid")
 
     kind: str
-    playing: bool = Field(True, description="Whether time passes from the start.")
+    playing: bool = Field(True, description="Whether the session plays from the start.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,17 +29,17 @@ class Plan:
     """How the model of one session is made, within the budgets of the registry."""
 
     make: Callable[[ModelHost, Making], SessionModel]
-    """Makes the model (worker thread); asks :meth:`Making.goes_on` meanwhile, and raises
-    :class:`mapper.core.errors.WorkCancelledError` where that is False."""
+    """Makes the model (worker thread). It checks :meth:`Making.may_continue` and raises
+    :class:`mapper.core.errors.WorkCancelledError` if that is False."""
     logs: tuple[ScanLog, ...] = ()  #: logs that the model will hold in memory
-    name: str | None = None  #: under which the visitor's page asks how far it is
-    waited_for: bool = True  #: False for work that takes so long that others' short work goes first
-    playing: bool = True  #: False: time stands still at first, whatever the model says
+    name: str | None = None  #: under which the page requests the progress
+    waited_for: bool = True  #: False for long work, which others' short work precedes
+    playing: bool = True  #: False: paused at first, whatever the model's default is
 
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """What a plan may use: the visitor's logs, and the computing time that replaying a story may take, seconds."""
+    """What a plan may use: the visitor's logs, and the longest computing time for replaying a story, seconds."""
 
     visitor: str
     library: Library
@@ -52,4 +52,4 @@ class Kind:
 
     request: type[SessionRequest]
     plan: Callable[[Any, Resources], Awaitable[Plan]]
-    """Returns the plan for such a request. Raises :class:`mapper.core.errors.MapperError` for one that is refused."""
+    """Returns the plan for a request. Raises :class:`mapper.core.errors.MapperError` if it is refused."""

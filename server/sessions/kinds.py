@@ -9,5 +9,5 @@ from server.sessions.kind import Kind
 from server.sessions.models.log_kind import LOG
 from server.sessions.models.simulation_kind import SIMULATION
 
-#: By name, as ``POST /api/sessions`` and the message ``hello`` have it.
+#: By the name in ``POST /api/sessions`` and in the message ``hello``.
 KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG})

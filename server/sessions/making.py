@@ -1,4 +1,4 @@
-"""Sessions that are being made: how far each is, and whether anybody still waits for it."""
+"""Sessions that are being created: the progress of each, and whether it was cancelled."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from server.work.scheduler import checkpoint
 
 @dataclass(slots=True, eq=False)
 class Making:
-    """A session that is being made. The fields may be read from any thread."""
+    """A session that is being created. The fields may be read from any thread."""
 
-    fraction: float = 0.0  #: share of the work that is done
+    fraction: float = 0.0  #: share of the work that is done, 0 to 1
     is_wanted: bool = True
     began: float = field(default_factory=time.monotonic)
 
-    def goes_on(self) -> bool:
-        """Let others have their turn (worker thread), and return whether anybody still waits for the session."""
+    def may_continue(self) -> bool:
+        """Yield to other sessions (worker thread), and return whether the session is still wanted."""
         checkpoint()
         return self.is_wanted
 
     def report(self, fraction: float) -> None:
-        """Note how much of the work is done."""
+        """Set the share of the work that is done."""
         self.fraction = fraction
 
 
 class UnderWay:
-    """The sessions that are being made, by their visitor and the name that the visitor's page gave each."""
+    """The sessions that are being created, by visitor and by the name that the page chose."""
 
     def __init__(self) -> None:
         self._all: set[Making] = set()
@@ -38,7 +38,7 @@ class UnderWay:
 
     @contextmanager
     def making(self, visitor: str, name: str | None) -> Iterator[Making]:
-        """Return a new one, which can be found under its ``name`` while the block runs, and is unwanted after it."""
+        """Return a context with a new entry, found under its ``name`` inside the block and cancelled after it."""
         making = Making()
         self._all.add(making)
         if name is not None:
@@ -53,16 +53,16 @@ class UnderWay:
 
     @property
     def is_empty(self) -> bool:
-        """Whether none is being made."""
+        """Whether no session is being created."""
         return not self._all
 
     def end(self) -> None:
-        """Let all of them end soon: the service does."""
+        """Cancel all, when the service ends."""
         for making in self._all:
             making.is_wanted = False
 
     def get(self, visitor: str, name: str) -> Making:
-        """Return what is being made. Raises :class:`MapperError` where nothing is under that name."""
+        """Return the entry of that name. Raises :class:`MapperError` if there is none."""
         making = self._named.get((visitor, name))
         if making is None:
             raise MapperError("session.not_making", "No session of that name is being made.")

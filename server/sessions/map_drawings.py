@@ -1,4 +1,4 @@
-"""A map and a robot as the 3D view shows them."""
+"""The drawings of a map and a robot for the 3D view."""
 
 from __future__ import annotations
 

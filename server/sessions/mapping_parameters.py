@@ -1,4 +1,4 @@
-"""The mapping parameters of a model: commands change them, and a tick makes the map anew at most once."""
+"""The mapping parameters of a model: commands change them, and a tick recomputes the map at most once."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from server.stream.protocol import values
 
 
 class MappingParameters:
-    """The parameters of the map that is shown, and those that were asked for.
+    """The parameters of the present map, and the requested ones.
 
-    ``remake`` makes the whole map anew with other parameters; it may raise :class:`MapperError`, and nothing has
-    changed then. ``message`` returns the ``parameters`` message. Parameters without one of ``rows`` keep their initial
+    ``remake`` recomputes the whole map with other parameters; if it raises :class:`MapperError`, nothing has
+    changed. ``message`` returns the ``parameters`` message. Parameters without one of ``rows`` keep their initial
     values.
     """
 
@@ -33,17 +33,18 @@ class MappingParameters:
         message: Callable[[], dict[str, Any]],
         rows: tuple[Parameter, ...] = PARAMETERS,
     ) -> None:
-        self.config = config  #: of the map as it is
+        self.config = config  #: of the present map
         self._host, self._remake, self._message = host, remake, message
         self._rows = rows
-        self._wanted = config  #: other parameters than those of the map: it has yet to be made anew
+        self._wanted = config  #: the requested ones; where they differ, the map is recomputed in :meth:`settle`
         self._asked_by: Client | None = None
         self._remade_ms: float | None = None
 
     def obey(self, command: dict[str, Any], result: TickResult) -> bool:
-        """Carry out ``command`` if it is about parameters, and return whether it is. The map follows in :meth:`settle`.
+        """Carry out ``command`` if it is about parameters, and return whether it is.
 
-        Raises :class:`server.stream.protocol.ProtocolError` and :class:`mapper.core.errors.ConfigError`.
+        :meth:`settle` recomputes the map. Raises :class:`server.stream.protocol.ProtocolError` and
+        :class:`mapper.core.errors.ConfigError`.
         """
         if command["type"] != "parameters":
             return False
@@ -51,22 +52,22 @@ class MappingParameters:
         self._wanted, self._asked_by = self._wanted.with_values(values(command)).with_values(fixed), result.client
         return True
 
-    def follow(self, config: MappingConfig) -> None:
-        """Take over the parameters of the map, which changed otherwise; what was asked for beside them remains."""
+    def adopt(self, config: MappingConfig) -> None:
+        """Set the parameters of a map that was changed by other means; requested changes remain."""
         before, self.config = self.config, config
         self._wanted = self._wanted.with_values(_changed(before, config))
 
     def settle(self, result: TickResult) -> None:
-        """Make the map anew if other parameters were asked for; refuse them where that cannot be done."""
+        """Recompute the map if other parameters were requested; refuse them if that fails."""
         asked_by, self._asked_by = self._asked_by, None
         if self._wanted == self.config:
             return
         started = time.perf_counter()
         try:
-            with self._host.giving_up():
+            with self._host.cancellable():
                 self._remake(self._wanted, result)
         except WorkCancelledError:
-            result.given_up = True  # the newer command comes with the next tick, and these parameters with it
+            result.cancelled = True  # the next tick has the newer command, and applies these parameters too
             return
         except MapperError as error:
             self._wanted = self.config
@@ -79,7 +80,7 @@ class MappingParameters:
         result.slot(self._message())
 
     def table(self, first: MappingConfig) -> dict[str, Any]:
-        """Return the ``parameters`` of ``hello``: the table, with ``first`` as its initial values, and the values."""
+        """Return the ``parameters`` of ``hello``: the table with initial values ``first``, and the values."""
         rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in self._rows]
         return {"table": rows, "values": asdict(self.config)}
 
@@ -88,10 +89,10 @@ class MappingParameters:
         return ParameterTable("Mapping", self._rows, asdict(self.config), "parameters", ("model",))
 
     def frame(self) -> dict[str, Any]:
-        """Return the field of ``frame`` about the newest map that was made anew."""
+        """Return the field of ``frame`` about the newest recomputation of the map."""
         return {} if self._remade_ms is None else {"remade_ms": round(self._remade_ms, 2)}
 
 
 def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:
-    """Return the values of ``after`` that are not those of ``before``."""
+    """Return the values of ``after`` that differ from those of ``before``."""
     return {name: value for name, value in asdict(after).items() if value != getattr(before, name)}

@@ -20,7 +20,7 @@ def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> di
 
 
 def working_message(elapsed_s: float | None = None, fraction: float | None = None) -> dict[str, Any]:
-    """Return a ``working`` message; without a time nothing is being computed any more."""
+    """Return a ``working`` message; without a time the computation has ended."""
     return {
         "type": "working",
         "elapsed_s": None if elapsed_s is None else round(elapsed_s, 2),
@@ -29,7 +29,7 @@ def working_message(elapsed_s: float | None = None, fraction: float | None = Non
 
 
 def frame_fields(robot_state: RobotState) -> dict[str, Any]:
-    """Return the part of a ``frame`` message that says where the robot is."""
+    """Return the fields of a ``frame`` message with the robot's pose."""
     fields: dict[str, Any] = {
         "stamp": round(robot_state.stamp_s, 4),
         "pose": _rounded(robot_state.pose),
@@ -41,7 +41,7 @@ def frame_fields(robot_state: RobotState) -> dict[str, Any]:
 
 
 def scan_fields(robot_state: RobotState, config: MappingConfig) -> dict[str, Any]:
-    """Return the part of a ``frame`` message that says what the robot sees."""
+    """Return the fields of a ``frame`` message with the robot's scan."""
     scan = robot_state.scan
     fields: dict[str, Any] = {"scan_pose": _rounded(robot_state.scan_pose)}
     if robot_state.believed_scan_pose is not None:
@@ -83,7 +83,7 @@ def _rounded(pose: Pose) -> list[float]:
 
 
 def _ranges(scan: RangeScan) -> list[float | None]:
-    """Return the scan's readings in metres, None for no return and for what is no reading."""
+    """Return the scan's readings in metres, None for no return and for an invalid reading."""
     ranges = scan.ranges
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
     rounded = np.round(ranges.astype(np.float64), 3).tolist()

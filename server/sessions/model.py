@@ -1,8 +1,7 @@
-"""What a session computes, as its host sees it: the interface that every kind of session implements.
+"""The model of a session: the interface that every kind of session implements.
 
-Methods run on a worker thread unless they say otherwise. What a model shows is read by the event loop between two
-ticks. A model knows no socket and no asyncio; what it needs of both it asks of its
-:class:`server.sessions.hosting.ModelHost`.
+Methods run on a worker thread unless stated otherwise. The event loop reads what a model shows between two ticks. A
+model uses no sockets and no asyncio, only its :class:`server.sessions.hosting.ModelHost`.
 """
 
 from __future__ import annotations
@@ -37,22 +36,22 @@ class Footprint:
 
 
 class SessionModel(ABC):
-    """What a session computes. A kind has to say what it shows and what time does; all else has a default."""
+    """What a session computes. A kind has to implement :attr:`layers` and :meth:`advance`; all else has a default."""
 
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sessions.kinds.KINDS`
     replacing: ClassVar[frozenset[str]] = frozenset()
-    """Types of commands that make a map useless which is still being computed."""
+    """Types of commands that make an unfinished map useless."""
     resent_on_refusal: ClassVar[Mapping[str, str]] = {}
-    """Where a command of this type is refused: the type of the message that its sender gets again."""
+    """Type of a command → type of the message that its sender gets again if the command is refused."""
 
-    recording: Recording | None = None  #: the log that is shown
+    recording: Recording | None = None  #: the log, for a session of a log
     comparison: Comparable | None = None  #: the comparison of the map with another one
-    story: Story | None = None  #: from which the session can be made again
+    story: Story | None = None  #: recorded history from which the session can be reproduced
 
     def __init__(self, playback: Playback | None = None) -> None:
         self.playback = playback or Playback()
 
-    # -- what every kind says -------------------------------------------------------------------------------------
+    # -- required -------------------------------------------------------------------------------------
 
     @property
     @abstractmethod
@@ -61,32 +60,32 @@ class SessionModel(ABC):
 
     @abstractmethod
     def advance(self, dt: float, result: TickResult) -> None:
-        """Let ``dt`` seconds pass, 0 to only finish what commands began.
+        """Advance by ``dt`` seconds; 0 only finishes what commands began.
 
-        Raises :class:`mapper.core.errors.WorkCancelledError` where a newer command ended it, and
-        :class:`mapper.core.errors.MapperError` for what cannot go on: time stops then.
+        Raises :class:`mapper.core.errors.WorkCancelledError` if a newer command cancelled it, and
+        :class:`mapper.core.errors.MapperError` if it cannot continue: the session is paused then.
         """
 
-    # -- what it is -----------------------------------------------------------------------------------------------
+    # -- description -----------------------------------------------------------------------------------------------
 
     @property
     def title(self) -> str:
-        """A title for people."""
+        """The title that pages show."""
         return self.kind.capitalize()
 
     @property
     def file_stem(self) -> str:
-        """What files of the session are named after."""
+        """The stem of the names of downloaded files."""
         return self.title
 
     @property
     def frame_id(self) -> str | None:
-        """The frame of the map, None where it is not known."""
+        """The frame of the map, None if it is not known."""
         return "map"
 
     @property
     def grid(self) -> OccupancyGrid | None:
-        """The map that can be downloaded, None where there is none."""
+        """The map that can be downloaded, None if there is none."""
         return None
 
     @property
@@ -96,7 +95,7 @@ class SessionModel(ABC):
 
     @property
     def progress(self) -> tuple[int, int]:
-        """``(index, count)``: scans in the map, scans that there are."""
+        """``(index, count)``: scans in the map, scans in total."""
         return (0, 0)
 
     def particulars(self) -> dict[str, Any]:
@@ -104,7 +103,7 @@ class SessionModel(ABC):
         return {}
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the messages that each new client gets: the newest of each type."""
+        """Return the messages for a new client: the newest of each type."""
         return []
 
     def frame(self) -> dict[str, Any]:
@@ -112,23 +111,23 @@ class SessionModel(ABC):
         return {}
 
     def scan(self) -> dict[str, Any]:
-        """Return the fields of ``frame`` about the newest scan: the same object while that is the same."""
+        """Return the fields of ``frame`` about the newest scan: the same object until there is a newer scan."""
         return NO_SCAN
 
     # -- 3D -------------------------------------------------------------------------------------------------------
 
     def drawings(self) -> list[Drawing]:
-        """Return what is shown in 3D (event loop, between two ticks). The arrays may be the model's own."""
+        """Return what is shown in 3D (event loop, between two ticks); the arrays may be those that ticks update."""
         return []
 
     def controls(self) -> SceneControls:
-        """Return what the panel of the 3D view offers (event loop, between two ticks)."""
+        """Return the controls of the 3D view's panel (event loop, between two ticks)."""
         return SceneControls(playing=self.playback.playing)
 
     def on_scene_click(self, x: float, y: float) -> dict[str, Any] | None:  # noqa: ARG002 - most kinds need none
-        """Return the command that a click on the floor of the 3D view at (x, y) gives, None for none.
+        """Return the command for a click on the floor of the 3D view at (x, y), metres; None for no command.
 
-        Event loop, possibly during a tick: read only what a tick replaces as a whole.
+        Event loop, possibly during a tick: read only attributes that a tick replaces as a whole.
         """
         return None
 
@@ -138,44 +137,44 @@ class SessionModel(ABC):
         position: Point,  # noqa: ARG002
         wxyz: Quaternion,  # noqa: ARG002
     ) -> dict[str, Any] | None:
-        """Return the command that a move of the gizmo ``name`` gives, None for none. As :meth:`on_scene_click`."""
+        """Return the command for a move of the gizmo ``name``, None for no command. As :meth:`on_scene_click`."""
         return None
 
     # -- commands -------------------------------------------------------------------------------------------------
 
     def play(self) -> None:
-        """Let time pass."""
+        """Start playing."""
         self.playback.playing = True
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:  # noqa: ARG002
-        """Carry out a command that is not one of every session (play, pause, speed).
+        """Carry out a command other than those of every session (play, pause, speed).
 
-        Sets ``result.changed`` where a new frame is to be published. Raises :class:`ProtocolError` or
-        :class:`mapper.core.errors.MapperError` for a command that is refused; nothing has changed then.
+        Sets ``result.changed`` if a new frame has to be published. Raises :class:`ProtocolError` or
+        :class:`mapper.core.errors.MapperError` if the command is refused; nothing has changed then.
         """
-        raise ProtocolError("command.unknown", f"A {self.kind} session knows no command {command['type']!r:.80}.")
+        raise ProtocolError("command.unknown", f"A {self.kind} session has no command {command['type']!r:.80}.")
 
     def settle(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
-        """Compute what the commands of this tick asked for together, such as a map with other parameters."""
+        """Compute once what the commands of this tick requested, such as a map with other parameters."""
 
     def draw(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
-        """Bring the layers up to date with what the tick changed."""
+        """Update the layers with the changes of the tick."""
 
     # -- long work ------------------------------------------------------------------------------------------------
 
     @property
     def fraction(self) -> float | None:
-        """How much of the present computation is done, 0 to 1; None where that is not known (any thread)."""
+        """The share of the present computation that is done, 0 to 1; None if not known (any thread)."""
         return None
 
     @property
     def has_deferred_work(self) -> bool:
-        """Whether something is left to compute that no picture waits for (event loop)."""
+        """Whether there is work that the layers do not depend on (event loop)."""
         return False
 
     def run_deferred_work(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
-        """Compute it."""
+        """Do the deferred work."""
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what prepares seeks in idle time, None where there is nothing to prepare (event loop)."""
+        """Return the prefetcher of checkpoints, None if no checkpoint is missing (event loop)."""
         return None

@@ -1,4 +1,4 @@
-"""What a model may have beside its layers: a recording, a comparison, a story. Routes ask for these, not for a kind."""
+"""Optional parts of a model: a recording, a comparison, a story. Routes check for these, not for a kind."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Recording(Protocol):
-    """The log that a session shows."""
+    """The log of a session."""
 
     log_id: str
 
@@ -29,16 +29,16 @@ class Recording(Protocol):
         """The name of the trajectory in use."""
 
     def first_config(self) -> MappingConfig:
-        """Return the parameters that the log is mapped with at first."""
+        """Return the initial parameters for the log."""
 
-    def seen(self) -> LogView:
-        """Return what is shown now."""
+    def view(self) -> LogView:
+        """Return the present view: sensor, trajectory, parameters, scans in the map."""
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
-        """Return how the map that is shown is made, and the name of its trajectory, between two ticks."""
+        """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
 
     async def examined(self) -> list[Finding]:
-        """Return what the doctor finds in the log with the present trajectory.
+        """Return the diagnosis of the log with the present trajectory.
 
         Raises as :func:`mapper.diagnosis.examine`.
         """
@@ -48,20 +48,20 @@ class Comparable(Protocol):
     """The comparison of a session's map, B, with another one, A."""
 
     async def compare(self, wanted: Wanted | None) -> None:
-        """Begin to compare with another map, or, None, end it. Raises :class:`mapper.core.errors.MapperError`."""
+        """Compare with another map; None ends the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
-        """Return A and the comparison, between two ticks. Raises :class:`mapper.core.errors.MapperError`."""
+        """Return the description of A and the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
-        """Return the maps A and B, to be read while the session is still. Raises as :meth:`compared`."""
+        """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
 
     def description(self) -> dict[str, Any] | None:
-        """Return what A is, None where nothing is compared."""
+        """Return the description of A, None if there is no comparison."""
 
 
 class Story(Protocol):
-    """The history of a session, from which it can be made again."""
+    """The recorded history of a session, from which it can be reproduced."""
 
     async def current(self) -> dict[str, Any]:
-        """Return it as it is between two ticks."""
+        """Return the story, between two ticks."""

@@ -1,4 +1,4 @@
-"""The clock of a session as clients set it: whether time passes, and how fast."""
+"""The playback of a session: whether it plays, and its speed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from server.stream.protocol import ProtocolError
 
 @dataclass(slots=True)
 class Playback:
-    """Whether time passes in a session; ``speed`` is seconds of its time in a second, within ``speeds``."""
+    """Whether a session plays; ``speed`` is seconds of its time per second, within ``speeds``."""
 
     playing: bool = True
     speed: float = 1.0

@@ -1,8 +1,7 @@
-"""Prepares seeks in idle time: stores the checkpoints of logs that were not played to their end.
+"""Stores checkpoints of logs in idle time, so that later seeks are fast.
 
-One log at a time in the whole service, on one thread of its own, at most half of the time, and only while no session
-computes or has commands. A command to the session ends it at once; it begins again once the session had no command for
-:data:`QUIET_S`.
+One log at a time in the whole service, on a separate thread, at most half of the time, and only while no session
+computes or has commands. A command to the session interrupts it; it resumes after :data:`QUIET_S` without commands.
 """
 
 from __future__ import annotations
@@ -19,36 +18,36 @@ import structlog
 from mapper.replay.incremental import CheckpointPrefetcher
 
 LOOK_EVERY_S = 0.25
-QUIET_S = 1.0  #: without a command to a session before its log is prepared
+QUIET_S = 1.0  #: seconds without a command to a session before prefetching
 PAUSE_S = 0.02
 
 _log = structlog.get_logger(__name__)
 
 
 class Prefetchable(Protocol):
-    """What prefetching needs of a session."""
+    """The properties of a session that prefetching uses."""
 
     closed: bool
     commanded_at: float
 
     @property
     def cells(self) -> int:
-        """Cells of its maps."""
+        """Cells of the session's maps."""
 
     @property
     def watched(self) -> bool:
-        """Whether a client or a 3D view shows it."""
+        """Whether the session has a client or a 3D view."""
 
     @property
     def is_busy(self) -> bool:
-        """Whether it computes, or has commands."""
+        """Whether the session computes or has queued commands."""
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what stores its missing checkpoints; None where there is nothing to do."""
+        """Return the prefetcher of missing checkpoints; None if none is missing."""
 
 
 class CheckpointPrefetching:
-    """Prepares the sessions that ``sessions`` returns, where there ``is_room`` for another map of that size."""
+    """Prefetches for the sessions that ``sessions`` returns, if ``is_room`` for another map of that size."""
 
     def __init__(
         self,
@@ -57,20 +56,20 @@ class CheckpointPrefetching:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._sessions, self._is_room, self._clock = sessions, is_room, clock
-        self._given_up: WeakSet[Prefetchable] = WeakSet()
+        self._failed: WeakSet[Prefetchable] = WeakSet()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="prefetch")
 
     async def run(self) -> None:
-        """Prepare whatever there is, until cancelled."""
+        """Prefetch until cancelled."""
         try:
             while True:
                 await asyncio.sleep(LOOK_EVERY_S)
                 for session in self._sessions():
-                    await self._prepare(session)
+                    await self._prefetch(session)
         finally:
             self._thread.shutdown(wait=False, cancel_futures=True)
 
-    async def _prepare(self, session: Prefetchable) -> None:
+    async def _prefetch(self, session: Prefetchable) -> None:
         prefetcher: CheckpointPrefetcher | None = None
         while self._may(session):
             began = self._clock()
@@ -84,10 +83,10 @@ class CheckpointPrefetching:
         try:
             return await asyncio.get_running_loop().run_in_executor(self._thread, prefetcher.step)
         except Exception:  # noqa: BLE001 - a defect in prefetching must not stop the service
-            _log.exception("a log could not be prepared")
-            self._given_up.add(session)
+            _log.exception("prefetching failed")
+            self._failed.add(session)
             return False
 
     def _may(self, session: Prefetchable) -> bool:
-        is_left_alone = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
-        return is_left_alone and session not in self._given_up and self._is_room(session)
+        is_idle = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
+        return is_idle and session not in self._failed and self._is_room(session)

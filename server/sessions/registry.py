@@ -1,6 +1,6 @@
-"""All live sessions of the service, within their budgets: how many, for whom, how large, how long unwatched.
+"""All live sessions of the service, within budgets of number, visitor, memory and idle time.
 
-The registry knows no kind of session: it makes models by plans, and asks them for their footprint.
+The registry does not depend on the kind of session: it makes models by plans, and reads their footprint.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from server.stream.hub import Traffic
 from server.work.scheduler import Party, Scheduler
 
 REAP_EVERY_S = 5.0
-THREADS_OF_SESSION = 4  #: at most: its tick, another side for it, and what is asked by HTTP
+THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
 _log = structlog.get_logger(__name__)
 
@@ -38,7 +38,7 @@ class SessionBudgetError(MapperError):
 
 
 class SessionNotFoundError(MapperError):
-    """There is no such session: never was, or it has ended."""
+    """There is no session of that id; it may have ended."""
 
 
 class RegistrySettings(Protocol):
@@ -55,7 +55,7 @@ class RegistrySettings(Protocol):
 
 
 class SessionRegistry:
-    """Makes, finds and ends sessions. Lives on the event loop.
+    """Creates, finds and ends sessions. Used from the event loop only.
 
     Call :meth:`start` before and :meth:`shutdown` after use.
     """
@@ -72,15 +72,17 @@ class SessionRegistry:
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
         self._sessions: dict[str, SessionHost] = {}
-        self._making: list[tuple[str, str | None]] = []  #: owner and link of those that are being made: they count
+        self._making: list[
+            tuple[str, str | None]
+        ] = []  #: owner and link of sessions that are being created, which count
         self._tasks: list[asyncio.Task[None]] = []
-        #: Who computes is the scheduler's choice: a thread that hands its turn on waits, so there are enough of them.
+        #: More threads than compute at one time: a thread whose turn is over waits for the scheduler.
         self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
         self._scheduler = Scheduler(settings.threads)
         self.under_way = UnderWay()
 
     async def start(self) -> None:
-        """Begin to end sessions that nobody watches, and to prepare what others may ask for."""
+        """Start the tasks that end idle sessions and prefetch checkpoints."""
         self.loop = asyncio.get_running_loop()
         preparing = CheckpointPrefetching(
             self.all, lambda session: self._limits(None, guest=True).max_cells >= session.cells
@@ -96,7 +98,7 @@ class SessionRegistry:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self.under_way.end()
-        # All at once: a session that ends waits for its turn, and those that have ended need none.
+        # Concurrently: closing a session waits for its computation to be scheduled.
         await asyncio.gather(*(self._end(session) for session in self.all()))
         await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)
 
@@ -117,15 +119,15 @@ class SessionRegistry:
     async def create(
         self, kind: Kind, wanted: SessionRequest, visitor: str, library: Library, *, address: str = ""
     ) -> SessionHost:
-        """Begin the session of a kind that a visitor asked for. Raises as the kind's plan and :meth:`begin`."""
+        """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
         plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s))
         return await self.begin(plan, visitor, address=address)
 
     async def begin(self, plan: Plan, owner: str, *, link: str | None = None, address: str = "") -> SessionHost:
-        """Begin a session for a visitor, with ``link`` for one who came by that link.
+        """Begin a session for a visitor; ``link`` is the link that a guest followed.
 
-        ``address`` is where the visitor's requests come from. While the model is made, :attr:`under_way` tells how far
-        that is; cancelled, it ends. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
+        ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
+        cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
         host = SessionHost(
             party=Party(owner, address),
@@ -136,7 +138,7 @@ class SessionRegistry:
             traffic=self._traffic,
             remake_seconds=self._remake_seconds,
         )
-        async with self._place(owner, link):
+        async with self._reserved(owner, link):
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
             with self.under_way.making(owner, plan.name) as making:
@@ -153,7 +155,7 @@ class SessionRegistry:
         await self._end(self.get(session_id))
 
     async def end_linked(self, link: str) -> None:
-        """End the sessions of all who came by a link."""
+        """End the sessions of all guests of a link."""
         for session in [one for one in self.all() if one.link == link]:
             await self._end(session)
 
@@ -163,16 +165,16 @@ class SessionRegistry:
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
     def limits(self, session: SessionHost | None) -> Limits:
-        """Return what the grid of ``session`` (None: of a new one) may be, given what the others hold."""
+        """Return the limits of the grid of ``session`` (None: of a new one), given the cells of the others."""
         owner = None if session is None else session.owner
         return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
     def _limits(self, session: SessionHost | None, *, guest: bool, owner: str | None = None) -> Limits:
         others = [s for s in self._sessions.copy().values() if s is not session]
         room = self._settings.max_total_cells - sum(s.cells for s in others)
-        if guest:  # of all that there is, guests have half at most
+        if guest:  # all guests together have at most half of the cells
             room = min(room, self._settings.max_total_cells // 2 - sum(s.cells for s in others if s.link is not None))
-        if owner is not None:  # and so has one visitor, but always a grid of the largest size
+        if owner is not None:  # one visitor has at most half, but at least one grid of the largest size
             share = max(self._settings.max_total_cells // 2, self._settings.max_cells)
             room = min(room, share - sum(s.cells for s in others if s.owner == owner))
         return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
@@ -180,27 +182,27 @@ class SessionRegistry:
     # -- budgets ---------------------------------------------------------------------------------------------------
 
     @asynccontextmanager
-    async def _place(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
-        """Keep a place while a session is made on a worker thread; end one that nobody watches if there is none.
+    async def _reserved(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
+        """Reserve room while a session is created on a worker thread; end an idle session if there is none.
 
-        Who came by a link ends no session of others than such guests, and guests have half of the places.
+        Guests of links end only sessions of guests, and have at most half of the number of sessions.
         """
         place = (owner, link)
         self._making.append(place)
         try:
             mine = [s for s in self._sessions.values() if s.owner == owner]
             if len(mine) + sum(one == owner for one, _ in self._making) > self._settings.max_sessions_per_visitor:
-                message = f"You have {len(mine)} sessions open, as many as one visitor may: close one first."
+                message = f"You have {len(mine)} sessions open, the most for one visitor: close one first."
                 await self._evict(mine, "session.too_many", message)
             if link is not None:
                 await self._make_room_for_guest(link)
             if len(self._sessions) + len(self._making) > self._settings.max_sessions:
-                message = "All places are taken and watched: try again in a minute."
+                message = "The service has no room for another session: try again in a minute."
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
             await self._free_cells(guest=link is not None, owner=owner)
             if self._limits(None, guest=link is not None, owner=owner).max_cells == 1:
-                message = "The maps that are open take all the cells that there are, or that one visitor may have."
+                message = "The open maps use all cells of the service, or all that one visitor may have."
                 raise SessionBudgetError("session.memory", f"{message} Close one, or try again later.")
             yield
         finally:
@@ -212,17 +214,19 @@ class SessionRegistry:
     async def _make_room_for_guest(self, link: str) -> None:
         same = [s for s in self._guests() if s.link == link]
         if len(same) + sum(one == link for _, one in self._making) > self._settings.max_sessions_per_visitor:
-            message = "As many people as may look through this link at one time do so: try again in a minute."
+            message = "This link is in use by as many people as it allows: try again in a minute."
             await self._evict(same, "link.crowded", message)
         guests = self._guests()
         places = max(1, self._settings.max_sessions // 2)
         if len(guests) + sum(one is not None for _, one in self._making) > places:
-            await self._evict(guests, "session.full", "All places for guests are taken: try again in a minute.")
+            await self._evict(
+                guests, "session.full", "The service has no room for another guest: try again in a minute."
+            )
 
     async def _free_cells(self, *, guest: bool, owner: str) -> None:
-        """End sessions that nobody watches, until a grid of the largest size finds room or all are watched.
+        """End idle sessions until there is room for a grid of the largest size.
 
-        One visitor's own are ended first: where it is their share that is used up, others' would make no room.
+        The visitor's own sessions are ended first: if their share is used up, ending others makes no room.
         """
         for whose in (owner, None):
             while self._limits(None, guest=guest, owner=whose).max_cells < self._settings.max_cells:
@@ -233,18 +237,18 @@ class SessionRegistry:
                 await self._end(min(idle, key=lambda s: s.unwatched_since))
 
     async def free_bytes(self, log: ScanLog, owner: str, *, guest: bool = False) -> None:
-        """End log sessions that nobody watches, for a ``guest`` only those of guests, until there is room for ``log``.
+        """End idle log sessions, for a ``guest`` only those of guests, until there is room for ``log``.
 
-        One visitor's logs have half of it, or one log as large as it may be. Raises :class:`SessionBudgetError` where
-        there is no room.
+        One visitor's logs have at most half of the memory, but at least one log of the largest size. Raises
+        :class:`SessionBudgetError` if there is no room.
         """
         room = self._settings.max_log_bytes - log.ranges.nbytes
         if room < 0:
             raise SessionBudgetError("session.memory", "This log needs more memory than the server has for logs.")
         share = max(self._settings.max_log_bytes // 2 - log.ranges.nbytes, 0)
-        own = "The logs that you have open take all the memory that one visitor may have: close one first."
+        own = "Your open logs use all the memory that one visitor may have: close one first."
         await self._free_bytes(log, share, own, guest=guest, owner=owner)
-        all_open = "The logs that are open take all the memory that there is for them: try again later."
+        all_open = "The open logs use all the memory for logs: try again later."
         await self._free_bytes(log, room, all_open, guest=guest)
 
     async def _free_bytes(
@@ -261,12 +265,12 @@ class SessionRegistry:
             if sum({key: size for sizes in held.values() for key, size in sizes.items()}.values()) <= room:
                 return
             needed = {key for s, sizes in held.items() if s.watched for key in sizes}
-            # One is ended for what only it and others that nobody watches hold.
+            # Ending a session frees only logs that no watched session shares.
             idle = [s for s, sizes in held.items() if sizes.keys() - needed and (s.link is not None or not guest)]
             await self._evict(idle, "session.memory", message)
 
     async def _evict(self, sessions: Sequence[SessionHost], code: str, message: str) -> None:
-        """End the session that was left the longest ago."""
+        """End the session that has been idle for the longest time."""
         idle = [s for s in sessions if not s.watched]
         if not idle:
             raise SessionBudgetError(code, message)
@@ -278,7 +282,7 @@ class SessionRegistry:
             await self.reap()
 
     async def reap(self) -> None:
-        """End the sessions that nobody has watched for too long."""
+        """End the sessions that have been idle for too long."""
         oldest = self._clock() - self._settings.session_idle_s
         for session in self.all():
             if not session.watched and session.unwatched_since <= oldest:

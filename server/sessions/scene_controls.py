@@ -1,4 +1,4 @@
-"""What the panel of a 3D view offers of a model, as plain data."""
+"""The controls of a 3D view's panel, as plain data."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Bounds = tuple[float, float, float, float]  #: x_min, y_min, x_max, y_max in met
 
 @dataclass(frozen=True, slots=True)
 class ParameterTable:
-    """One table of parameters, their values, and the command that sets some of them: ``{"type": command, "values":
+    """A table of parameters, their values, and the command that sets some of them: ``{"type": command, "values":
     {name: value}}``.
 
-    ``title`` names the tab; ``open_groups`` are the groups of rows that are unfolded at first.
+    ``title`` names the tab; ``open_groups`` are the groups of rows that are open at first.
     """
 
     title: str
@@ -38,12 +38,12 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class SceneControls:
-    """What the panel offers.
+    """The controls of the panel.
 
-    ``hint`` says what a click into the scene does, "" for nothing. Titles of ``tables`` and labels of ``choices`` stay
-    the same for the life of a session. ``count`` is the number of scans among which "seek" chooses, None where there
-    is nothing to seek, ``index`` how many of them are in the map. ``bounds`` is what the first camera shows, None for
-    20 m about the origin.
+    ``hint`` describes the effect of a click into the scene, "" for none. Titles of ``tables`` and labels of ``choices``
+    do not change during a session. ``count`` is the number of scans that "seek" can reach, None if the session cannot
+    seek; ``index`` is how many of them are in the map. ``bounds`` is what the initial camera shows, None for 20 m
+    around the origin.
     """
 
     playing: bool

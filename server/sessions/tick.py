@@ -1,4 +1,4 @@
-"""What one tick of a session's computation leaves for the event loop to send."""
+"""The result of one tick of a session's computation, for the event loop to send."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.stream.protocol import ProtocolError
 
 @dataclass(frozen=True, slots=True)
 class QueuedCommand:
-    """A command and the client who sent it (None: viser's panel, or code)."""
+    """A command and the client that sent it (None: viser's panel, or code)."""
 
     command: dict[str, Any]
     client: Client | None = None
@@ -28,14 +28,14 @@ class TickResult:
     rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
     unfinished: dict[str, Any] | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
-    new_grid: bool = False  #: whether the whole map has to be drawn anew
+    new_grid: bool = False  #: whether the whole layer of the map has to be updated
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
-    given_up: bool = False  #: whether a map was given up for a newer command, to be made in the next tick
-    remade_ms: float | None = None  #: duration of making the whole map anew
-    slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, for every client
-    notices: list[dict[str, Any]] = field(default_factory=list)  #: for every client, each one
+    cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
+    remade_ms: float | None = None  #: duration of recomputing the whole map
+    slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, to all clients
+    notices: list[dict[str, Any]] = field(default_factory=list)  #: each sent to all clients
     answers: list[tuple[Client | None, dict[str, Any]]] = field(default_factory=list)
-    resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients who get a slot's message again
+    resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
 
     def add(self, change: Change) -> None:
@@ -46,11 +46,11 @@ class TickResult:
             self.box = change.box if self.box is None else self.box | change.box
 
     def slot(self, message: dict[str, Any]) -> None:
-        """Send ``message`` to every client, unless a newer one of its type comes first."""
+        """Send ``message`` to all clients, unless a newer one of its type replaces it first."""
         self.slots[message["type"]] = message
 
     def notice(self, code: str, message: str) -> None:
-        """Send a notice to every client."""
+        """Send a notice to all clients."""
         self.notices.append({"type": "notice", "code": code, "message": message})
 
     def answer(self, message: dict[str, Any]) -> None:
@@ -58,7 +58,7 @@ class TickResult:
         self.answers.append((self.client, message))
 
     def refuse(self, client: Client | None, error: ProtocolError | MapperError) -> None:
-        """Tell ``client`` why a command was refused."""
+        """Send ``client`` the reason why a command was refused."""
         self.answers.append((client, error_message(error.code, error.message)))
 
 

@@ -1,4 +1,4 @@
-"""Values that sessions, their parts and their readers exchange: poses, views, requests for a comparison."""
+"""Values that sessions and their users exchange: poses, views, requests for a comparison."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class LogView:
-    """What a session shows of a log, enough for another session to show the same: the sensor and the trajectory, None
-    for the usual ones, the values of the parameters, and how many scans are in the map.
+    """The view of a log, from which another session can show the same: sensor and trajectory (None: the default),
+    values of the parameters, and number of scans in the map.
     """
 
     topic: str | None = None
@@ -27,9 +27,9 @@ class LogView:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What to compare with: a map of ``log``, None being the session's own, with the poses of ``trajectory``.
+    """A requested comparison: with a map of ``log`` (None: the session's own) and the poses of ``trajectory``.
 
-    ``values`` are the parameters that it keeps; in all others it follows the session's.
+    ``values`` are the parameters set for that map; all others are the session's.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
@@ -45,8 +45,8 @@ class RobotState:
     """The robot and its newest scan.
 
     ``pose`` is T_map_base and ``sensor_pose`` T_map_laser now, ``scan_pose`` is T_map_laser at the scan. None of them
-    includes the correction of the mount among the parameters, which the map composes onto them. ``believed_*`` are the
-    same as the robot estimates them, None where the estimate is exact.
+    includes the mount correction of the parameters, which is composed onto them in the map. ``believed_*`` are the
+    robot's estimates of them, None if the estimate is exact.
     """
 
     pose: Pose
@@ -59,6 +59,6 @@ class RobotState:
 
 
 def as_pose(row: NDArray[np.float64]) -> Pose:
-    """Return (3,) as a tuple of plain numbers."""
+    """Return a pose (3,) as a tuple of Python floats."""
     x, y, yaw = (float(v) for v in row)
     return (x, y, yaw)

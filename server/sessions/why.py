@@ -1,4 +1,4 @@
-"""Why a cell is what it is: the answer to ``why``, as :mod:`server.stream.protocol` describes it."""
+"""The answer to ``why``: the contributions to a cell; message format in :mod:`server.stream.messages`."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
 
 MAX_CONTRIBUTIONS = 300  #: described in detail, in one message
-STRETCHES = 300  #: of the curve, each with its least and its greatest value
+STRETCHES = 300  #: of the curve, each with its minimum and maximum
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Scans that a map is made of: the first ``stop`` of a log, with one of its trajectories."""
+    """Scans in a map: the first ``stop`` of a log, with one of its trajectories."""
 
     log: ScanLog
     trajectory: str
     stop: int
-    stamps_s: NDArray[np.float64]  #: (n_scans,), as the ``frame`` message has them
+    stamps_s: NDArray[np.float64]  #: (n_scans,), as in the ``frame`` message
 
 
 def why_message(
@@ -41,11 +41,11 @@ def why_message(
 ) -> dict[str, Any]:
     """Return a ``why`` message about the cell (row, col), epoch and index of ``about``.
 
-    ``until`` is the last contribution to tell in detail, None for the newest. Raises
-    :class:`ProtocolError` for one below 1.
+    ``until`` is the last contribution to describe in detail, None for the newest. Raises :class:`ProtocolError` if it
+    is below 1.
     """
     if until is not None and until < 1:
-        raise ProtocolError("command.until", f"Contributions count from 1; there is none up to {until}.")
+        raise ProtocolError("command.until", f"Contributions count from 1, not {until}.")
     row, col = about["row"], about["col"]
     parts: list[Provenance] = []
     part: Provenance | None = None
@@ -87,7 +87,7 @@ def why_message(
 def _contributions(
     source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[dict[str, Any]]:
-    """Return the contributions ``inside`` one log, which come after ``n`` of earlier logs with ``first_scan`` scans."""
+    """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
     scans, beams = part.scans[inside], part.beams[inside]
     poses = sensor_poses_of_readings(source.log, plan, source.trajectory, scans, beams)
@@ -125,9 +125,9 @@ def _contributions(
 
 
 def thinned(log_odds: NDArray[np.float32]) -> list[list[float]]:
-    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` contributions, n from 1, the last one always among them.
+    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` contributions, n from 1, including the last one.
 
-    Of each stretch the least and the greatest stay, so that no excursion is lost.
+    Of each stretch the minimum and the maximum are kept, so that no peak is lost.
     """
     if len(log_odds) <= 2 * STRETCHES:
         kept = np.arange(len(log_odds))

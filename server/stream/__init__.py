@@ -1,1 +1,1 @@
-"""The tile stream: the wire format, what changed, and who still needs it."""
+"""The stream: the wire format, the layers, and what each client has received."""

@@ -1,4 +1,4 @@
-"""The codes with which the server closes the stream's socket, and what the page says of each."""
+"""The codes with which the server closes the stream's socket, and the sentence that the page shows for each."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class CloseCode:
     """One close code: ``cause`` is for developers, ``sentence`` is what the page shows.
 
-    ``may_be_over`` says that the session may not exist any more: the page asks before it connects again.
+    ``may_be_over``: the session may not exist any more; the page checks that before it reconnects.
     """
 
     code: int

@@ -1,4 +1,4 @@
-"""The binary frames, one codec for each way in which a layer is sent; :mod:`server.stream.protocol` has the format."""
+"""The binary frames, one codec for each encoding of a layer; :mod:`server.stream.protocol` has the format."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ C = TypeVar("C")
 
 @dataclass(frozen=True, slots=True)
 class TilePayload:
-    """One compressed tile as it goes over the wire: shared by all who watch."""
+    """One compressed tile as it is sent, shared by all clients."""
 
     tx: int
     ty: int
@@ -35,7 +35,7 @@ class TilePayload:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Nodes (columns, n) float32, edges (m, 2) uint32 as the nodes' places from and to, and a value of each edge (m,)
+    """Nodes (columns, n) float32, edges (m, 2) uint32 as indices of nodes (from, to), and a value of each edge (m,)
     float32.
     """
 
@@ -46,10 +46,10 @@ class Graph:
 
 @dataclass(frozen=True, slots=True)
 class Codec(Generic[C]):
-    """How one kind of content is written into the body of a frame, and read from it.
+    """Encoder and decoder of one kind of content for the body of a frame.
 
     ``encode`` returns the header's ``count`` and the pieces of the body, ``decode`` takes the count and the body and
-    raises :class:`ProtocolError` for one that is cut or too long.
+    raises :class:`ProtocolError` for a body that is too short or too long.
     """
 
     kind: int
@@ -81,11 +81,11 @@ def _decode_tiles(count: int, body: bytes) -> Sequence[TilePayload]:
     tiles: list[TilePayload] = []
     for _ in range(count):
         if at + TILE_HEADER.size > len(body):
-            raise ProtocolError("frame.cut", f"The frame promises {count} tiles and ends after {len(tiles)}.")
+            raise ProtocolError("frame.cut", f"The frame states {count} tiles and ends after {len(tiles)}.")
         tx, ty, revision, nbytes = TILE_HEADER.unpack_from(body, at)
         at += TILE_HEADER.size
         if at + nbytes > len(body):
-            raise ProtocolError("frame.cut", f"Tile ({tx}, {ty}) promises {nbytes} bytes; {len(body) - at} are left.")
+            raise ProtocolError("frame.cut", f"Tile ({tx}, {ty}) states {nbytes} bytes; {len(body) - at} are left.")
         tiles.append(TilePayload(tx, ty, revision, body[at : at + nbytes]))
         at += nbytes
     if at != len(body):
@@ -127,9 +127,9 @@ def _decode_graph(count: int, body: bytes) -> Graph:
 
 
 def _check_size(body: bytes, header: int, rest: int | None = None) -> None:
-    """Raise :class:`ProtocolError` where a body is not a ``header`` and the ``rest`` of bytes, None for any."""
+    """Raise :class:`ProtocolError` unless a body has ``header`` + ``rest`` bytes, or more if ``rest`` is None."""
     if len(body) < header + (rest or 0):
-        raise ProtocolError("frame.cut", f"The frame promises {header + (rest or 0)} bytes; {len(body)} are there.")
+        raise ProtocolError("frame.cut", f"The frame states {header + (rest or 0)} bytes and has {len(body)}.")
     if rest is not None and len(body) > header + rest:
         raise ProtocolError("frame.rest", f"{len(body) - header - rest} bytes follow the content.")
 
@@ -156,7 +156,7 @@ def encode_frame(codec: Codec[C], content: C, *, layer: int, epoch: int, seq: in
 
 
 def decode_frame(frame: bytes) -> Frame:
-    """Return what a binary frame says. Raises :class:`ProtocolError` for one that is cut or of an unknown kind."""
+    """Decode a binary frame. Raises :class:`ProtocolError` if it is truncated or of an unknown kind."""
     if len(frame) < HEADER.size:
         raise ProtocolError("frame.cut", f"A binary frame has at least {HEADER.size} bytes, this one {len(frame)}.")
     kind, flags, layer, epoch, seq, count = HEADER.unpack_from(frame)

@@ -17,13 +17,13 @@ Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
 
 
 class AckCommand(Struct, tag_field="type", tag="ack"):
-    """The binary frames up to `seq` were painted."""
+    """Acknowledge that the binary frames up to `seq` were painted."""
 
     seq: Annotated[Whole, Meta(description="number of the newest such frame")]
 
 
 class ResumeCommand(Struct, tag_field="type", tag="resume"):
-    """After a reconnect, before `subscribe`: which tiles of a grid are still there. Only newer ones are then sent."""
+    """After a reconnect, before `subscribe`: the tiles of a grid that the page still has. Only newer ones are sent."""
 
     epoch_id: Annotated[str, Meta(description="of the `hello` of the earlier connection")]
     layer: Annotated[str, Meta(description="name of the grid")]
@@ -32,25 +32,25 @@ class ResumeCommand(Struct, tag_field="type", tag="resume"):
 
 
 class SubscribeCommand(Struct, tag_field="type", tag="subscribe"):
-    """Which layers to send from now on. Without it, the first."""
+    """Set the layers to send from now on. Without it the first layer is sent."""
 
     layers: Annotated[list[str], Meta(description="names of all layers that are wanted", max_length=64)]
 
 
 class PlayCommand(Struct, tag_field="type", tag="play"):
-    """Let time pass."""
+    """Start playing."""
 
 
 class PauseCommand(Struct, tag_field="type", tag="pause"):
-    """Stop time."""
+    """Pause."""
 
 
 class RestartCommand(Struct, tag_field="type", tag="restart"):
-    """Begin again with an empty map."""
+    """Restart with an empty map."""
 
 
 class StepCommand(Struct, tag_field="type", tag="step"):
-    """Pause, and go forward or back by some scans."""
+    """Pause, and step forward or back by some scans."""
 
     scans: Annotated[Whole, Meta(description="number of scans; negative: back")] = 1
 
@@ -62,9 +62,9 @@ class SpeedCommand(Struct, tag_field="type", tag="speed"):
 
 
 class SeekCommand(Struct, tag_field="type", tag="seek"):
-    """Log sessions: go to the map after some scans."""
+    """Log sessions: seek the map after a number of scans."""
 
-    index: Annotated[Whole, Meta(description="scans in the map, 0 to their number")]
+    index: Annotated[Whole, Meta(description="number of scans in the map, 0 to that of the log")]
 
 
 class ParametersCommand(Struct, tag_field="type", tag="parameters"):
@@ -80,23 +80,23 @@ class SensorCommand(Struct, tag_field="type", tag="sensor"):
 
 
 class FaultsCommand(Struct, tag_field="type", tag="faults"):
-    """Simulations: which faults of the robot enter the map. The whole map is recomputed."""
+    """Simulations: set which faults of the robot affect the map. The whole map is recomputed."""
 
     values: Annotated[Values, Meta(description="`drift`, `specular`: true or false")]
 
 
 class CompareCommand(Struct, tag_field="type", tag="compare"):
-    """Simulations: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`."""
+    """Simulations: make a second map of the same recording. For logs use `PUT /api/sessions/{id}/compare`."""
 
     values: Annotated[Values | None, Meta(description="parameters in which it differs; null: no second map")] = None
 
 
 class TeleportCommand(Struct, tag_field="type", tag="teleport"):
-    """Simulations: put the robot somewhere; it moves to the nearest free place."""
+    """Simulations: place the robot; a position inside a wall is replaced by the nearest free one."""
 
     x: Annotated[Number, Meta(description="x in the map frame, m")]
     y: Annotated[Number, Meta(description="y in the map frame, m")]
-    yaw: Annotated[Number | None, Meta(description="heading, rad; null: as it is")] = None
+    yaw: Annotated[Number | None, Meta(description="heading, rad; null: unchanged")] = None
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):
@@ -107,13 +107,13 @@ class DriveCommand(Struct, tag_field="type", tag="drive"):
 
 
 class AutoCommand(Struct, tag_field="type", tag="auto"):
-    """Simulations: let the robot explore by itself, or not."""
+    """Simulations: switch the robot's own exploration on or off."""
 
     value: Annotated[bool, Meta(description="whether it explores")] = False
 
 
 class EditCommand(Struct, tag_field="type", tag="edit"):
-    """Simulations: all changes to the world as it was built; they replace the earlier ones."""
+    """Simulations: set all edits of the world; they replace the earlier ones."""
 
     added: Annotated[list[DrawnSolid], Meta(description="walls and boxes to draw")] = []
     erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
@@ -121,7 +121,7 @@ class EditCommand(Struct, tag_field="type", tag="edit"):
 
 
 class WorldCommand(Struct, tag_field="type", tag="world"):
-    """Simulations: begin in another world."""
+    """Simulations: restart in another world."""
 
     name: Annotated[str, Meta(description="one of `names` of the message `world`")]
     added: Annotated[list[DrawnSolid], Meta(description="walls and boxes to draw")] = []
@@ -129,13 +129,13 @@ class WorldCommand(Struct, tag_field="type", tag="world"):
 
 
 class TrajectoryCommand(Struct, tag_field="type", tag="trajectory"):
-    """Log sessions: make the map with another trajectory."""
+    """Log sessions: recompute the map with another trajectory."""
 
     name: Annotated[str, Meta(description="one of the `trajectories` of `hello`")]
 
 
 class InspectCommand(Struct, tag_field="type", tag="inspect"):
-    """Ask for one cell; answered with `cell`."""
+    """Request the state of one cell; answered with `cell`."""
 
     row: Annotated[Whole, Meta(description="row of the cell")]
     col: Annotated[Whole, Meta(description="column of the cell")]
@@ -144,7 +144,7 @@ class InspectCommand(Struct, tag_field="type", tag="inspect"):
 
 
 class WhyCommand(Struct, tag_field="type", tag="why"):
-    """Ask what each beam added to a cell; answered with `why`. Of several that wait only the newest is answered."""
+    """Request the contributions to a cell; answered with `why`. Of several in a tick only the newest is answered."""
 
     row: Annotated[Whole, Meta(description="row of the cell")]
     col: Annotated[Whole, Meta(description="column of the cell")]
@@ -154,7 +154,7 @@ class WhyCommand(Struct, tag_field="type", tag="why"):
 
 
 class PingCommand(Struct, tag_field="type", tag="ping"):
-    """Ask for a `pong`."""
+    """Request a `pong`."""
 
     id: Annotated[Whole, Meta(description="returned in the answer")]
 

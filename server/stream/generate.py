@@ -1,8 +1,8 @@
-"""Write what follows from the messages: TypeScript types and validators, the JSON Schema, and the documentation page.
+"""Generate from the messages: TypeScript types and validators, the JSON Schema, and the documentation page.
 
 The constants that the pages share with the mapper are written with them.
 
-``python -m server.stream.generate`` writes the files; with ``--check`` it only fails where one is out of date.
+``python -m server.stream.generate`` writes the files; with ``--check`` it only fails if one is out of date.
 """
 
 from __future__ import annotations
@@ -69,12 +69,12 @@ def _children(of: types.Type) -> tuple[types.Type, ...]:
 
 
 def _alias(of: types.Type) -> str | None:
-    """Return the name that a type has by the title of its ``Meta``."""
+    """Return the name of a type: the title of its ``Meta``."""
     return (of.extra_json_schema or {}).get("title") if isinstance(of, types.Metadata) else None
 
 
 def _named_parts(roots: Iterable[types.Type]) -> dict[str, types.Type]:
-    """Return the aliases and the objects inside messages by name, each after those that it is made of."""
+    """Return the aliases and the objects inside messages by name, each after its parts."""
     found: dict[str, types.Type] = {}
 
     def visit(one: types.Type, *, is_root: bool) -> None:
@@ -215,7 +215,7 @@ def typescript() -> str:
         *(f"  {struct.tag}: {_fields(struct.fields, '  ')}," for struct in MESSAGES),
         "};",
         "",
-        "/** What a person reads when the server closes the connection with one of these codes. */",
+        "/** The sentence that the page shows when the server closes the connection with one of these codes. */",
         "export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {",
         *(f"  {code.code}: {json.dumps(code.sentence)}," for code in CLOSE_CODES),
         "};",
@@ -245,7 +245,7 @@ def schema() -> str:
 
 
 def _words(of: types.Type) -> str:
-    """Return a type as the documentation has it."""
+    """Return a type in words for the documentation."""
     if (name := _alias(of)) is not None:
         return f"[{name}](#{name.lower()})"
     match of:
@@ -293,7 +293,7 @@ def page() -> str:
         else:
             shape = _typescript(part, expand=True).replace("readonly ", "")
             lines += [f"### {name}", "", f"`{shape}`: {ALIASES[name]}.", ""]
-    lines += ["## Close codes", "", "| code | cause | what the page says |", "| --- | --- | --- |"]
+    lines += ["## Close codes", "", "| code | cause | sentence on the page |", "| --- | --- | --- |"]
     lines += [f"| {code.code} | {code.cause} | {code.sentence} |" for code in CLOSE_CODES]
     return "\n".join([*lines, ""])
 

@@ -1,10 +1,10 @@
-"""Who still needs what: one :class:`Client` for each browser, all fed from one :class:`Hub` of a session.
+"""The hub of a session, and its clients, one :class:`Client` for each browser.
 
-Nothing queues. For every client the hub knows what it has of each layer, and holds one slot for each kind of text
-message; what is sent next is decided when it is sent, from the newest state. At most two batches of binary frames are
-unacknowledged, one where acknowledgements are slow, so a slow client gets fewer frames and never stale ones.
+There is no queue of frames. For each client the hub keeps what it has of each layer, and one slot for each type of text
+message; the next frames are made from the newest state when they are sent. At most two batches of binary frames are
+unacknowledged, one if acknowledgements are slow, so a slow client gets fewer frames but no outdated ones.
 
-This file does no I/O and reads no clock of its own: the route moves the bytes, and tests turn the clock.
+This module does no I/O, and its clock is an argument: the route sends the bytes, and tests set the time.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from server.stream.protocol import ProtocolError, encode_text
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
-PRESUMED_LATENCY_S = 1.0  #: before anything is known of a client: it has to show that it is quick
-HOLD_SHARE = 0.1  #: a slow client's next batch waits this share of its latency, so that it is fresh when it is read
+PRESUMED_LATENCY_S = 1.0  #: assumed latency of a new client, until its acknowledgements are quicker
+HOLD_SHARE = 0.1  #: a slow client's next batch waits this share of its latency, so that it is recent when it is read
 MAX_HOLD_S = 0.1
-ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for so long is gone
+ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for this time is disconnected
 FIRST_BATCH_BYTES = 16 * 1024
 MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
-MAX_ANSWERS = 64  #: answers and notices that wait for one client; older ones give way
-_FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which the session set them first
+MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
+_FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 _NOTHING = Body(0, 0, (), complete=False)
 
 
 @dataclass(slots=True)
 class Traffic:
-    """What went out, for the metrics."""
+    """Counts of what was sent, for the metrics."""
 
     frames: int = 0
     bytes: int = 0
@@ -45,7 +45,7 @@ class Traffic:
 
 
 class Hub:
-    """The newest state of one session, and the clients that watch it. Lives on the event loop."""
+    """The newest state of one session, and its clients. Used from the event loop only."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Hub:
         self.slots: dict[str, str] = {}
         self.frame_number = 0  #: of the newest frame message; 0 before the first
         self.published_at = 0.0
-        self.settled = True  #: whether nothing moves: the newest frame message is then true now, not only at its tick
+        self.settled = True  #: whether nothing changes: the newest frame message is then true now, not only at its tick
         self.scan_number = 0  #: of the newest scan; 0 before the first
         self.focus_xy = (0.0, 0.0)
         self._ids: dict[Layer, int] = {}
@@ -71,17 +71,17 @@ class Hub:
         self.set_layers(layers)
 
     def join(self) -> Client:
-        """Return a new client, which is sent everything."""
+        """Return a new client, to which the complete state will be sent."""
         client = Client(self)
         self.clients.add(client)
         return client
 
     def leave(self, client: Client) -> None:
-        """Forget a client."""
+        """Remove a client."""
         self.clients.discard(client)
 
     def set_layers(self, layers: Sequence[Layer]) -> None:
-        """Show these layers, in this order. Raises :class:`ValueError` where two have one name."""
+        """Set the layers, in this order. Raises :class:`ValueError` if two have one name."""
         if self.layers == (*layers,) and "layers" in self.slots:
             return
         if len({layer.name for layer in layers}) < len(layers):
@@ -102,25 +102,25 @@ class Hub:
         return self._ids[layer]
 
     def set_slot(self, message: dict[str, Any]) -> None:
-        """Make ``message`` the newest of its type, to be sent to all clients once."""
+        """Set ``message`` as the newest of its type, to be sent once to each client."""
         kind = message["type"]
         self.slots[kind] = encode_text(message)
         for client in self.clients:
             client.unsent.add(kind)
             client.wake.set()
 
-    def tell_all(self, message: dict[str, Any]) -> None:
-        """Send a notice to every client."""
+    def send_all(self, message: dict[str, Any]) -> None:
+        """Send a notice to all clients."""
         for client in self.clients:
-            client.tell(message)
+            client.send(message)
 
     def publish(
         self, frame: dict[str, Any], scan: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool
     ) -> None:
-        """Make ``frame`` (without its ``t``) the newest frame message, and the layers' changes due to everyone.
+        """Set ``frame`` (without ``t``) as the newest frame message, and publish the changes of the layers.
 
-        ``scan`` is the part of it that a client is sent only when it is another object than the client was sent
-        last; ``focus_xy`` is the place in map metres whose tiles go first.
+        ``scan`` has the fields that are sent only if they are another object than at the client's last frame;
+        ``focus_xy`` is the point, map metres, whose nearest tiles are sent first.
         """
         for layer in self.layers:
             layer.publish()
@@ -137,14 +137,14 @@ class Hub:
             client.wake.set()
 
     def frame_text(self, *, with_scan: bool = True) -> str:
-        """Return the newest frame message, with the instant at which it was last known to be true."""
+        """Return the newest frame message, with the time at which it was last true."""
         t = self.clock() if self.settled else self.published_at
         scan = f"{self._scan_rest}," if with_scan and self._scan_rest else ""
         return f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
 
 
 class Client:
-    """One browser: what it has, what it was sent and has not yet acknowledged, and what waits for it."""
+    """One browser: what it has received, what it has not yet acknowledged, and what has to be sent to it."""
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
@@ -152,13 +152,15 @@ class Client:
         self.wake.set()
         self.unsent: set[str] = set(hub.slots)
         self._answers: deque[str] = deque(maxlen=MAX_ANSWERS)
-        self._wanted: frozenset[str] | None = None  #: names of layers; None before it said which
+        self._wanted: frozenset[str] | None = None  #: names of layers; None before the first ``subscribe``
         self._cursors: dict[Layer, Cursor] = {}
         self._frame_number = 0
         self._scan_number = 0
         self._seq = 0
         self._batch = 0
-        self._unacknowledged: deque[tuple[int, float]] = deque()  #: of each batch its last number, and when it was sent
+        self._unacknowledged: deque[tuple[int, float]] = (
+            deque()
+        )  #: of each batch its last number, and the time at which it was sent
         self._latency = PRESUMED_LATENCY_S  #: of acknowledgements: rises at once, falls slowly
         self._least_latency = float("inf")
         self._batch_bytes = FIRST_BATCH_BYTES
@@ -166,31 +168,31 @@ class Client:
 
     @property
     def is_slow(self) -> bool:
-        """Whether acknowledgements take long, or too few came to tell."""
+        """Whether acknowledgements are slow, or too few have arrived yet."""
         return self._latency > SLOW_ACK_S
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def send(self, message: dict[str, Any]) -> None:
         """Send an answer or a notice to this client alone."""
         self._answers.append(encode_text(message))
         self.wake.set()
 
-    def remind(self, kind: str) -> None:
+    def resend(self, kind: str) -> None:
         """Send this client the newest message of a kind again."""
         self.unsent.add(kind)
         self.wake.set()
 
     def subscribe(self, names: Sequence[str]) -> None:
-        """Send the layers of these names from now on, and no others; a name that there is not yet waits."""
+        """Send only the layers of these names from now on; a name takes effect when a layer has it."""
         self._wanted = frozenset(names)
         self.keep_only([layer for layer in self.hub.layers if layer.name in self._wanted])
         self.wake.set()
 
     def keep_only(self, layers: Sequence[Layer]) -> None:
-        """Forget what the client has of all other layers."""
+        """Remove the cursors of all other layers."""
         self._cursors = {layer: cursor for layer, cursor in self._cursors.items() if layer in layers}
 
     def resume(self, name: str, epoch: int, revision: int) -> None:
-        """The client has kept what it was sent of a layer's ``epoch`` up to ``revision`` on an earlier connection."""
+        """Note that the client still has a layer's ``epoch`` up to ``revision`` from an earlier connection."""
         for layer in self.hub.layers:
             if layer.name == name:
                 self._cursor(layer).resume(epoch, revision)
@@ -202,28 +204,28 @@ class Client:
         return cursor
 
     def _shown(self) -> list[tuple[Layer, Cursor]]:
-        """Return the layers that the client is sent."""
+        """Return the layers that are sent to the client."""
         if self._wanted is None:
             return [(layer, self._cursor(layer)) for layer in self.hub.layers[:1]]
         return [(layer, self._cursor(layer)) for layer in self.hub.layers if layer.name in self._wanted]
 
     def acknowledge(self, seq: int) -> None:
-        """The client has read the binary frames up to ``seq``. Raises :class:`ProtocolError` for one not sent yet."""
+        """Note that the frames up to ``seq`` were painted. Raises :class:`ProtocolError` if ``seq`` was not sent."""
         if seq > self._seq or seq < 0:
             raise ProtocolError("command.seq", f"Frame {seq} was not sent; the newest is {self._seq}.")
         now = self.hub.clock()
         while self._unacknowledged and self._unacknowledged[0][0] <= seq:
             latency = now - self._unacknowledged.popleft()[1]
             self._measure(latency)
-            # Whoever looks once in a while has just looked: what was made before this instant would be older than a
-            # whole period at the next look. With a share of the period to spare, clocks and lines may be uneven.
+            # A client that paints at intervals has just painted: a frame made before this time would be older than a
+            # whole period at its next painting. A share of the period is left for uneven clocks and connections.
             self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * latency) if self.is_slow else 0.0)
         self.wake.set()
 
     def _measure(self, latency: float) -> None:
         self._latency = max(latency, 0.7 * self._latency)
         self._least_latency = min(latency, self._least_latency * 1.02)
-        # Batches whose size is what makes them late get smaller; a client that is late by itself keeps its size.
+        # Batches get smaller if their size causes the latency; for a client that is always slow they keep their size.
         if latency > self._least_latency + 0.25:
             self._batch_bytes = max(MIN_BATCH_BYTES, self._batch_bytes // 2)
         elif latency <= self._least_latency + 0.1:
@@ -231,21 +233,21 @@ class Client:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the oldest unacknowledged batch is so old that nobody reads any more."""
+        """Whether the oldest unacknowledged batch is older than :data:`ACK_TIMEOUT_S`."""
         return bool(self._unacknowledged) and self.hub.clock() - self._unacknowledged[0][1] > ACK_TIMEOUT_S
 
     @property
     def unacknowledged(self) -> int:
-        """Batches that were sent and not acknowledged."""
+        """Number of batches that were sent and not acknowledged."""
         return len(self._unacknowledged)
 
     @property
     def dirty_tiles(self) -> int:
-        """Tiles that the client has yet to be sent."""
+        """Number of tiles that have to be sent to the client."""
         return sum(cursor.dirty_tiles() for _, cursor in self._shown())
 
     def take(self) -> list[str | bytes]:
-        """Return the messages that go out now, in order; empty when nothing does."""
+        """Return the messages to send now, in order."""
         out: list[str | bytes] = []
         if self.unsent:
             first = [kind for kind in _FIRST_SLOTS if kind in self.unsent]
@@ -270,7 +272,7 @@ class Client:
         if self._unacknowledged:
             return max(0.0, self._unacknowledged[0][1] + ACK_TIMEOUT_S - now) + 0.01
         if self.hub.settled and self._wants_batch(self._shown()):
-            # Never past due: the instant may have come since take() looked, and nothing else would wake the client.
+            # Not negative: the time may have passed since take() was called, and nothing else would wake the client.
             return max(0.0, self._fresh_after - now)
         return 3600.0
 
@@ -293,7 +295,7 @@ class Client:
         self._frame_number = hub.frame_number
         self._batch += 1
         out: list[str | bytes] = [hub.frame_text(with_scan=with_scan)]
-        # Whichever waited longest comes first and always gets something; the others share the bytes that are left.
+        # The layer that waited longest comes first and always gets something; the others share the remaining bytes.
         behind = sorted((one for one in shown if one[1].is_behind()), key=lambda one: one[1].batch)
         room = self._batch_bytes
         for place, (layer, cursor) in enumerate(behind):

@@ -1,8 +1,8 @@
-"""What a session shows: named layers, written by the computation, published by the event loop, read by clients.
+"""The layers of a session: written by the computation, published by the event loop, read by clients.
 
-A layer is written on a worker thread and shows nothing of it before :meth:`Layer.publish`, which the hub calls on the
-event loop while the worker stands still. Content is encoded once for all clients; what one client has of a layer is in
-its :class:`Cursor`.
+A layer is written on a worker thread. Its changes take effect with :meth:`Layer.publish`, which the hub calls on the
+event loop while the worker does not run. Content is encoded once for all clients; a :class:`Cursor` records what one
+client has of a layer.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A frame's body, encoded, with what its header says of it; ``tiles`` is the number of tiles in it."""
+    """The encoded body of a frame, with the fields of its header; ``tiles`` is the number of tiles in it."""
 
     epoch: int
     count: int
@@ -38,40 +38,40 @@ class Body:
 
 
 class Cursor(ABC):
-    """What one client has of a layer (event loop)."""
+    """Records what one client has of a layer (event loop)."""
 
-    batch = 0  #: number of the client's batch in which it was sent something of the layer last
+    batch = 0  #: number of the client's last batch that contained the layer
 
     @abstractmethod
     def is_behind(self) -> bool:
-        """Whether the client lacks something of the layer as it is now."""
+        """Whether the client has not yet been sent the newest content."""
 
     @abstractmethod
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:
-        """Return what goes out next and take it as sent.
+        """Return the next body, and mark it as sent.
 
-        It has about ``share`` bytes where it can be divided, else at most ``room`` bytes; None where there is nothing
-        so small, unless ``always``. What lies next to ``focus_xy``, map metres, goes first.
+        A layer that can be divided gives about ``share`` bytes; another at most ``room`` bytes, else None, unless
+        ``always``. Tiles nearest to ``focus_xy``, map metres, are sent first.
         """
 
     def announcement(self, layer: int) -> dict[str, object] | None:  # noqa: ARG002 - most have none
-        """Return the message about the layer of the id ``layer`` that has to come before its next frame, once."""
+        """Return the message that has to be sent once before the next frame of the layer with the id ``layer``."""
         return None
 
-    def resume(self, epoch: int, revision: int) -> None:  # noqa: B027 - what is always sent whole has nothing to do
-        """The client has kept what it was sent of ``epoch`` up to ``revision`` on an earlier connection."""
+    def resume(self, epoch: int, revision: int) -> None:  # noqa: B027 - nothing to do for content that is always sent whole
+        """Note that the client still has ``epoch`` up to ``revision`` from an earlier connection."""
 
     def empty(self) -> Body | None:
-        """Return a body that says that nothing is due; None where such content has none."""
+        """Return a body without content; None if the codec has none."""
         return None
 
     def dirty_tiles(self) -> int:
-        """Return the number of tiles that the client has yet to be sent."""
+        """Return the number of tiles that have to be sent to the client."""
         return 0
 
 
 class Layer(ABC):
-    """A named layer. ``style`` names the palette or the overlay with which the page paints it.
+    """A named layer. ``style`` names the palette or overlay with which pages paint it.
 
     ``columns`` are the names of the columns of its table: ``x``, ``y`` (map metres) and more, such as ``yaw``
     (radians), ``value`` or ``stamp`` (seconds).
@@ -87,7 +87,7 @@ class Layer(ABC):
         self.codec = CODECS[self.kind]
 
     def info(self, layer: int) -> dict[str, Any]:
-        """Return the layer, of the id ``layer``, as the message ``layers`` lists it."""
+        """Return the entry of the message ``layers`` for the layer, whose id is ``layer``."""
         return {
             "id": layer,
             "name": self.name,
@@ -99,7 +99,7 @@ class Layer(ABC):
 
     @abstractmethod
     def publish(self) -> None:
-        """Make what was written since the last call due to everyone (event loop)."""
+        """Publish the changes since the last call (event loop)."""
 
     @abstractmethod
     def cursor(self) -> Cursor:
@@ -107,22 +107,22 @@ class Layer(ABC):
 
 
 class GridLayer(Layer):
-    """A grid: a belief, which :meth:`update` follows, or values of a linear scale, which :meth:`set` takes."""
+    """A grid: an occupancy grid, set with :meth:`update`, or values on a linear scale, set with :meth:`set`."""
 
     kind = "grid"
 
     def __init__(self, name: str, title: str, style: str = "belief") -> None:
         super().__init__(name, title, style)
         self.picture: TilePicture | None = None  #: the published one; None before the first
-        self._written: TilePicture | None = None  # the one that is written, which may begin a new epoch
+        self._written: TilePicture | None = None  # the picture that is written, which may begin a new epoch
 
     @property
     def epoch(self) -> int:
-        """The epoch of the newest picture, published or not; 0 where there is none."""
+        """The epoch of the newest picture, published or not; 0 if there is none."""
         return 0 if self._written is None else self._written.epoch
 
     def update(self, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool) -> bool:
-        """Bring the picture up to date with a belief, ``whole`` or in a ``box`` (worker thread).
+        """Update the picture from an occupancy grid, ``whole`` or in a ``box`` (worker thread).
 
         Return whether a new epoch begins.
         """
@@ -141,13 +141,13 @@ class GridLayer(Layer):
         high: float,
         missing: NDArray[np.bool_] | None = None,
     ) -> bool:
-        """Show ``values`` (rows, cols), ``low`` … ``high``, beyond which they are cut off (worker thread).
+        """Set ``values`` (rows, cols), clipped to ``low`` … ``high`` (worker thread).
 
         A cell that is ``missing`` (rows, cols) or NaN has no value. Return whether a new epoch begins. Raises
-        :class:`ValueError` for another shape than the geometry's, and unless ``low < high``.
+        :class:`ValueError` for another shape than the geometry's, or unless ``low < high``.
         """
         if values.shape != geometry.shape or not low < high:
-            raise ValueError(f"values of shape {values.shape}, {low} … {high}, are none of a grid {geometry.shape}")
+            raise ValueError(f"values of shape {values.shape}, {low} … {high}, do not fit a grid {geometry.shape}")
         picture, is_new = self._picture_of(geometry, low, high)
         picture.set(values, missing)
         return is_new
@@ -161,7 +161,7 @@ class GridLayer(Layer):
         return self._written, True
 
     def publish(self) -> None:
-        """Show the newest picture, its changes under a new revision."""
+        """Publish the newest picture; its changes get a new revision."""
         self.picture = self._written
         if self.picture is not None:
             self.picture.publish()
@@ -172,7 +172,7 @@ class GridLayer(Layer):
 
 
 class GridCursor(Cursor):
-    """Which revision of each tile a client was sent."""
+    """Records the revision of each tile that a client was sent."""
 
     def __init__(self, layer: GridLayer) -> None:
         self._layer = layer
@@ -181,7 +181,7 @@ class GridCursor(Cursor):
         self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)
 
     def _follow(self) -> TilePicture | None:
-        """Return the layer's picture; of a new one the client has nothing."""
+        """Return the layer's picture; for a new picture, clear the record."""
         picture = self._layer.picture
         if picture is not self._picture and picture is not None:
             self._picture = picture
@@ -189,12 +189,12 @@ class GridCursor(Cursor):
         return picture
 
     def is_behind(self) -> bool:
-        """Whether the client lacks tiles."""
+        """Whether tiles have to be sent."""
         picture = self._follow()
         return picture is not None and bool(np.any(picture.revision != self._has))
 
     def dirty_tiles(self) -> int:
-        """Return the number of tiles that the client has yet to be sent."""
+        """Return the number of tiles that have to be sent to the client."""
         picture = self._follow()
         return 0 if picture is None else int(np.count_nonzero(picture.revision != self._has))
 
@@ -207,14 +207,14 @@ class GridCursor(Cursor):
         return picture.message(layer)
 
     def resume(self, epoch: int, revision: int) -> None:
-        """The client has kept all tiles of ``epoch`` up to ``revision``."""
+        """Note that the client still has all tiles of ``epoch`` up to ``revision``."""
         picture = self._follow()
         if picture is not None and epoch == picture.epoch:
             known = picture.revision <= revision
             self._has[known] = picture.revision[known]
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - divided
-        """Return tiles of about ``share`` bytes, those next to ``focus_xy`` first."""
+        """Return tiles of about ``share`` bytes, those nearest to ``focus_xy`` first."""
         picture = self._follow()
         if picture is None:
             return None
@@ -239,7 +239,7 @@ class GridCursor(Cursor):
 
 
 def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Point) -> NDArray[np.intp]:
-    """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, those next to ``focus_xy`` first, at most a frame's worth."""
+    """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, nearest to ``focus_xy`` first, at most those of one frame."""
     tiles = np.argwhere(dirty)
     if len(tiles) > 1:
         at = picture.geometry.to_lattice(np.array(focus_xy)) / TILE - 0.5
@@ -252,7 +252,7 @@ def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Poi
 
 
 class WholeLayer(Layer):
-    """A layer whose content is always sent as a whole; the newest content replaces what a client has."""
+    """A layer whose content is always sent as a whole and replaces the older content."""
 
     def __init__(self, name: str, title: str, style: str, columns: Sequence[str]) -> None:
         super().__init__(name, title, style, columns)
@@ -266,11 +266,11 @@ class WholeLayer(Layer):
     def _as_table(self, columns: ArrayLike) -> NDArray[np.float32]:
         table: NDArray[np.float32] = np.asarray(columns, dtype=np.float32)
         if table.ndim != 2 or len(table) != len(self.columns):
-            raise ValueError(f"a table of shape {table.shape} has not the columns {', '.join(self.columns)}")
+            raise ValueError(f"a table of shape {table.shape} does not have the columns {', '.join(self.columns)}")
         return table
 
     def publish(self) -> None:
-        """Show the newest content, under a new number where it differs."""
+        """Publish the newest content, with a new number if it differs."""
         if self._written is not self.body and self._written != self.body:
             self.number += 1
             self.body = self._written
@@ -290,7 +290,7 @@ class TableLayer(WholeLayer):
         super().__init__(name, title, style, columns)
 
     def set(self, columns: ArrayLike) -> None:
-        """Show a table (columns, points) of numbers, NaN for no value (worker thread).
+        """Set a table (columns, points) of numbers, NaN for no value (worker thread).
 
         Raises :class:`ValueError` for another number of columns than the layer's, or columns of different lengths.
         """
@@ -303,32 +303,32 @@ class GraphLayer(WholeLayer):
     kind = "graph"
 
     def set(self, nodes: ArrayLike, edges: ArrayLike, values: ArrayLike) -> None:
-        """Show ``nodes`` (columns, n) and ``edges`` (m, 2), places of nodes from and to, with ``values`` (m,).
+        """Set ``nodes`` (columns, n) and ``edges`` (m, 2), indices of nodes (from, to), with ``values`` (m,).
 
         Called on the worker thread. Raises :class:`ValueError` for another number of columns than the layer's, for an
-        edge without its nodes, and unless there is a value for each edge.
+        edge to a missing node, and unless there is a value for each edge.
         """
         table = self._as_table(nodes)
         pairs = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
         each = np.asarray(values, dtype=np.float32)
         if each.shape != (len(pairs),) or np.any(pairs < 0) or np.any(pairs >= table.shape[1]):
-            raise ValueError(f"{len(pairs)} edges of {table.shape[1]} nodes with {each.shape} values are no graph")
+            raise ValueError(f"{len(pairs)} edges of {table.shape[1]} nodes with {each.shape} values are not a graph")
         self._write(Graph(table, pairs.astype(np.uint32), each))
 
 
 class WholeCursor(Cursor):
-    """Which content a client was sent last."""
+    """Records the content that a client was sent last."""
 
     def __init__(self, layer: WholeLayer) -> None:
         self._layer = layer
         self._has = 0
 
     def is_behind(self) -> bool:
-        """Whether there is newer content than the client has."""
+        """Whether there is newer content than the client was sent."""
         return self._has != self._layer.number
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - undivided
-        """Return the newest content if it has at most ``room`` bytes."""
+        """Return the newest content if it has at most ``room`` bytes, or ``always``."""
         count, parts = self._layer.body
         if not always and sum(map(len, parts)) > room:
             return None

@@ -22,7 +22,7 @@ CellState = Annotated[
     Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
 ]
 LayerKind = Annotated[
-    Literal["grid", "points", "path", "graph"], Meta(title="LayerKind", description="what a layer is made of")
+    Literal["grid", "points", "path", "graph"], Meta(title="LayerKind", description="kind of content of a layer")
 ]
 DrawnSolid = Annotated[
     tuple[Literal["wall", "box"], int, int, int, int],
@@ -54,7 +54,7 @@ class Parameter(Part):
     label: Annotated[str, Meta(description="short name on the page")]
     group: Annotated[str, Meta(description="panel that shows it")]
     kind: Annotated[Literal["number", "choice", "flag"], Meta(description="which of the other fields apply")]
-    initial: Annotated[Value, Meta(description="value with which such a session begins")]
+    initial: Annotated[Value, Meta(description="initial value")]
     sentence: Annotated[str, Meta(description="explanation, one sentence")]
     unit: Annotated[str, Meta(description="unit of a number; may be empty")]
     low: Annotated[float, Meta(description="least value of a number")]
@@ -75,14 +75,14 @@ class TrajectoryInfo(Part):
     """A trajectory of a log."""
 
     name: Annotated[str, Meta(description="name, as the command `trajectory` takes it")]
-    description: Annotated[str, Meta(description="where the poses come from")]
+    description: Annotated[str, Meta(description="source of the poses")]
 
 
 class LogInfo(Part):
     """The log of a log session."""
 
     id: Annotated[str, Meta(description="id in the library")]
-    trajectory: Annotated[str, Meta(description="trajectory with which the map is made")]
+    trajectory: Annotated[str, Meta(description="trajectory of the map")]
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
     n_beams: Annotated[int, Meta(description="beams of each scan")]
     n_scans: Annotated[int, Meta(description="scans of the log")]
@@ -94,20 +94,18 @@ class LogInfo(Part):
 
 
 class Edits(Part):
-    """Changes to a world as it was built."""
+    """Edits of a world."""
 
     added: Annotated[list[DrawnSolid], Meta(description="solids that were drawn")]
     erased: Annotated[list[int], Meta(description="indices of the built solids that were erased")]
 
 
 class Compared(Part):
-    """How the second map of a session differs from the first in what it is made with."""
+    """The parameters of the second map of a session that differ from those of the first."""
 
     values: Annotated[Values, Meta(description="parameters in which it differs")]
-    with_faults: Annotated[bool, Meta(description="whether the robot's faults enter it")]
-    trajectory: Annotated[
-        str | UnsetType, Meta(description="log sessions: trajectory with which the second map is made")
-    ] = UNSET
+    with_faults: Annotated[bool, Meta(description="whether the robot's faults affect it")]
+    trajectory: Annotated[str | UnsetType, Meta(description="log sessions: trajectory of the second map")] = UNSET
     log: Annotated[
         str | UnsetType | None, Meta(description="log sessions: id of its log; null for the session's own log")
     ] = UNSET
@@ -130,11 +128,11 @@ class Numbers(Part):
     contrast: Annotated[Sides, Meta(description="contrast of each map")]
     mean_difference: Annotated[float, Meta(description="mean absolute difference of the probabilities")]
     max_difference: Annotated[float, Meta(description="greatest absolute difference of the probabilities")]
-    max_at: Annotated[Point | None, Meta(description="centre of that cell; null where the maps do not differ")]
+    max_at: Annotated[Point | None, Meta(description="centre of that cell; null if the maps do not differ")]
 
 
 class Contribution(Part):
-    """What one beam added to a cell."""
+    """The contribution of one beam to a cell."""
 
     n: Annotated[int, Meta(description="number of the contribution, from 1")]
     scan: Annotated[int, Meta(description="index of the scan, from 0")]
@@ -153,8 +151,8 @@ class LayerInfo(Part):
 
     id: Annotated[int, Meta(description="`layer` of its binary frames, from 1")]
     name: Annotated[str, Meta(description="name, as the commands take it")]
-    kind: Annotated[LayerKind, Meta(description="what it is made of")]
-    title: Annotated[str, Meta(description="name for the person")]
+    kind: Annotated[LayerKind, Meta(description="kind of its content")]
+    title: Annotated[str, Meta(description="title on the page")]
     style: Annotated[str, Meta(description="how the page paints it: a palette of grids, or an overlay")]
     columns: Annotated[
         list[str], Meta(description="names of the columns of its table: `x`, `y` and more; empty for a grid")
@@ -162,20 +160,20 @@ class LayerInfo(Part):
 
 
 class Hello(Struct, tag_field="type", tag="hello"):
-    """First message of a connection: what the session is."""
+    """First message of a connection: description of the session."""
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
     kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
     title: Annotated[str, Meta(description="title of the world or log")]
-    epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is made anew")]
+    epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[
         tuple[float, float],
         Meta(description="least and greatest playback speed", extra={"labels": ("least", "greatest")}),
     ]
     parameters: Annotated[Table, Meta(description="mapping parameters")]
-    sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null where there is none")]
-    log: Annotated[LogInfo | None, Meta(description="the log; null where there is none")]
+    sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null if there is none")]
+    log: Annotated[LogInfo | None, Meta(description="the log; null if there is none")]
     world: Annotated[str | UnsetType, Meta(description="simulations: name of the world")] = UNSET
     seed: Annotated[
         int | UnsetType,
@@ -184,13 +182,13 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
 
 class LayersMessage(Struct, tag_field="type", tag="layers"):
-    """What the session shows. Sent at the start and after a change."""
+    """The layers of the session. Sent at the start and after a change."""
 
-    layers: Annotated[list[LayerInfo], Meta(description="the layers; the first is sent to who subscribes to none")]
+    layers: Annotated[list[LayerInfo], Meta(description="the layers; without a subscription the first is sent")]
 
 
 class Geometry(Struct, tag_field="type", tag="geometry"):
-    """The grid to which the tiles of an epoch belong. Tiles of another epoch are void.
+    """The grid to which the tiles of an epoch belong. Tiles of another epoch are ignored.
 
     Sent before the first tiles of an epoch, of each grid that the page has subscribed to.
     """
@@ -201,8 +199,8 @@ class Geometry(Struct, tag_field="type", tag="geometry"):
     rows: Annotated[int, Meta(description="cells along y")]
     cols: Annotated[int, Meta(description="cells along x")]
     origin: Annotated[Pose, Meta(description="pose of the outer corner of cell (0, 0) in the map frame")]
-    low: Annotated[float, Meta(description="what the tile value -127 stands for")]
-    high: Annotated[float, Meta(description="what the tile value +127 stands for")]
+    low: Annotated[float, Meta(description="value of -127 in a tile")]
+    high: Annotated[float, Meta(description="value of +127 in a tile")]
     tile: Annotated[Literal[64], Meta(description="cells along the side of a tile")]
 
 
@@ -210,22 +208,20 @@ class FrameMessage(Struct, tag_field="type", tag="frame"):
     """Newest state of the session, sent directly before the tiles of the same instant.
 
     The fields of the scan (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`,
-    `beam_width`, `range_max`) are sent only with a new scan: where `ranges` is missing, all of them are unchanged.
+    `beam_width`, `range_max`) are sent only with a new scan: if `ranges` is missing, all of them are unchanged.
     """
 
     t: Annotated[float, Meta(description="monotonic clock of the server, s; for measuring the age of the frame")]
-    playing: Annotated[bool, Meta(description="whether time passes")]
+    playing: Annotated[bool, Meta(description="whether the session plays")]
     speed: Annotated[float, Meta(description="playback speed; 1 is real time")]
     index: Annotated[int, Meta(description="scans in the map")]
-    count: Annotated[int, Meta(description="scans that there are")]
-    stamp: Annotated[float, Meta(description="time of the state in the world or the recording, s")]
+    count: Annotated[int, Meta(description="scans in total")]
+    stamp: Annotated[float, Meta(description="simulated or recorded time of the state, s")]
     pose: Annotated[Pose, Meta(description="T_map_base now")]
-    sensor_pose: Annotated[
-        Pose, Meta(description="T_map_laser now, without the mount correction that the parameters hold")
-    ]
+    sensor_pose: Annotated[Pose, Meta(description="T_map_laser now, without the mount correction of the parameters")]
     auto: Annotated[bool, Meta(description="whether the robot explores by itself")]
     believed_pose: Annotated[
-        Pose | UnsetType, Meta(description="`pose` as the map has it; only while the odometry drifts")
+        Pose | UnsetType, Meta(description="estimate of `pose` that the map uses; only while the odometry drifts")
     ] = UNSET
     remade_ms: Annotated[
         float | UnsetType, Meta(description="time in which the map was last recomputed with other parameters, ms")
@@ -234,7 +230,7 @@ class FrameMessage(Struct, tag_field="type", tag="frame"):
         Pose | UnsetType, Meta(description="T_map_laser at the newest scan, without the mount correction")
     ] = UNSET
     believed_scan_pose: Annotated[
-        Pose | UnsetType, Meta(description="`scan_pose` as the map has it; only while the odometry drifts")
+        Pose | UnsetType, Meta(description="estimate of `scan_pose` that the map uses; only while the odometry drifts")
     ] = UNSET
     ranges: Annotated[
         list[float | None] | UnsetType,
@@ -243,10 +239,10 @@ class FrameMessage(Struct, tag_field="type", tag="frame"):
     angle_min: Annotated[float | UnsetType, Meta(description="bearing of the first beam, rad")] = UNSET
     angle_increment: Annotated[float | UnsetType, Meta(description="angle between two beams, rad")] = UNSET
     bearings: Annotated[
-        list[float] | UnsetType, Meta(description="bearing of each beam where they are uneven (sonars), rad")
+        list[float] | UnsetType, Meta(description="bearing of each beam if they are uneven (sonars), rad")
     ] = UNSET
     beam_width: Annotated[float | UnsetType, Meta(description="full angle of a sonar's cone, rad")] = UNSET
-    range_max: Annotated[float | UnsetType, Meta(description="greatest range that is used, m")] = UNSET
+    range_max: Annotated[float | UnsetType, Meta(description="largest range that is used, m")] = UNSET
 
 
 class Trajectory(Struct, tag_field="type", tag="trajectory"):
@@ -255,25 +251,23 @@ class Trajectory(Struct, tag_field="type", tag="trajectory"):
     name: Annotated[str, Meta(description="name of the trajectory")]
     every: Annotated[int, Meta(description="a point for each `every`-th scan")]
     poses: Annotated[list[Point], Meta(description="position of the base at those scans")]
-    stamps: Annotated[list[float], Meta(description="recorded time passed at those scans, s")]
+    stamps: Annotated[list[float], Meta(description="recorded time at those scans, from the first scan, s")]
 
 
 class ParametersMessage(Struct, tag_field="type", tag="parameters"):
-    """Present parameters: after a change by anyone, and as an answer to a refused change."""
+    """Present parameters, sent after each change and after a refused change."""
 
     values: Annotated[Values, Meta(description="mapping parameters")]
-    sensor: Annotated[Values | None, Meta(description="simulated sensor; null where there is none")]
-    faults: Annotated[Values | UnsetType, Meta(description="simulations: faults that enter the map")] = UNSET
-    compare: Annotated[Compared | UnsetType | None, Meta(description="the second map; null where there is none")] = (
-        UNSET
-    )
+    sensor: Annotated[Values | None, Meta(description="simulated sensor; null if there is none")]
+    faults: Annotated[Values | UnsetType, Meta(description="simulations: faults that affect the map")] = UNSET
+    compare: Annotated[Compared | UnsetType | None, Meta(description="the second map; null if there is none")] = UNSET
 
 
 class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
-    """Log sessions: how the map, B, differs from the second one, A. Both fields null: nothing is compared."""
+    """Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison."""
 
     index: Annotated[int, Meta(description="scans in the map")]
-    refused: Annotated[str | None, Meta(description="why the maps cannot be compared, one sentence")]
+    refused: Annotated[str | None, Meta(description="reason why the maps cannot be compared, one sentence")]
     numbers: Annotated[Numbers | None, Meta(description="the comparison")]
 
 
@@ -291,14 +285,14 @@ class WorldMessage(Struct, tag_field="type", tag="world"):
     ids: Annotated[
         list[int], Meta(description="of each polygon: index of the built solid, or -1 - its index in `added`")
     ]
-    edits: Annotated[Edits, Meta(description="changes to the world as it was built")]
-    polished: Annotated[list[Segment], Meta(description="faces that return nothing while the fault `specular` is on")]
+    edits: Annotated[Edits, Meta(description="edits of the world")]
+    polished: Annotated[list[Segment], Meta(description="faces that give no return while the fault `specular` is on")]
 
 
 class Forgetting(Struct, tag_field="type", tag="forgetting"):
     """Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased."""
 
-    cells: Annotated[int, Meta(description="cells that held what was erased; 0: nothing is watched")]
+    cells: Annotated[int, Meta(description="occupied cells of what was erased; 0: nothing is watched")]
     scans: Annotated[int, Meta(description="scans since then")]
     with_clamp: Annotated[
         int | None, Meta(description="scans after which 9 in 10 of the cells were free with clamping; null: not yet")
@@ -309,14 +303,14 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
 
 
 class WorkingMessage(Struct, tag_field="type", tag="working"):
-    """A computation takes more than 0.3 s. Repeated four times a second until it has ended."""
+    """Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended."""
 
     elapsed_s: Annotated[float | None, Meta(description="time since its start, s; null: it has ended")]
-    fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null where not known")]
+    fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null if not known")]
 
 
 class NoticeMessage(Struct, tag_field="type", tag="notice"):
-    """Something that the person should know, such as the end of the log."""
+    """A notice to the user, such as the end of the log."""
 
     code: Annotated[str, Meta(description="stable name of the notice")]
     message: Annotated[str, Meta(description="one sentence")]
@@ -338,7 +332,7 @@ class CellMessage(Struct, tag_field="type", tag="cell"):
     epoch: Annotated[int, Meta(description="epoch of the geometry")]
     x: Annotated[float, Meta(description="x of the cell's centre in the map frame, m")]
     y: Annotated[float, Meta(description="y of the cell's centre in the map frame, m")]
-    observed: Annotated[bool, Meta(description="whether any beam has touched the cell")]
+    observed: Annotated[bool, Meta(description="whether any beam has updated the cell")]
     log_odds: Annotated[float, Meta(description="log-odds of being occupied")]
     p_occ: Annotated[float, Meta(description="probability of being occupied")]
     state: Annotated[CellState, Meta(description="state by the thresholds of the map")]
@@ -346,7 +340,7 @@ class CellMessage(Struct, tag_field="type", tag="cell"):
 
 
 class WhyMessage(Struct, tag_field="type", tag="why"):
-    """Answer to `why`: the beams that touched a cell, from the map of `index` scans."""
+    """Answer to `why`: the beams that updated a cell in the map of `index` scans."""
 
     row: Annotated[int, Meta(description="row of the cell")]
     col: Annotated[int, Meta(description="column of the cell")]
@@ -357,14 +351,14 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
     log_odds_min: Annotated[float | None, Meta(description="lower clamping limit; null without clamping")]
     log_odds_max: Annotated[float | None, Meta(description="upper clamping limit; null without clamping")]
     per_scan: Annotated[bool, Meta(description="whether each scan counts once")]
-    total: Annotated[int, Meta(description="beams that touched the cell")]
+    total: Annotated[int, Meta(description="beams that updated the cell")]
     hits: Annotated[int, Meta(description="those that raised its log-odds")]
-    first_scan: Annotated[int | None, Meta(description="index of the first scan that touched it")]
+    first_scan: Annotated[int | None, Meta(description="index of the first scan that updated it")]
     curve: Annotated[
         list[tuple[int, float]],
         Meta(description="[n, log-odds] over all contributions, at most 600 points; extremes are kept"),
     ]
-    contributions: Annotated[list[Contribution], Meta(description="at most 300 contributions, up to the one asked for")]
+    contributions: Annotated[list[Contribution], Meta(description="at most 300 contributions, up to the requested one")]
     layer: Annotated[str, Meta(description="name of the layer of that map")]
 
 

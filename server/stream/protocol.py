@@ -5,10 +5,10 @@ A page opens one WebSocket for each session that it shows, `/api/sessions/{id}/s
 
 ## Layers
 
-What a session shows is a set of named layers: grids, points, paths and graphs. The message `layers` lists them, at the
-start and whenever the set changes. The command `subscribe` names those that the page wants; until then it is sent the
-first one. Names that are not in the list yet take effect when they are. A layer that is left out of a later `subscribe`
-is forgotten: wanted again, it is sent whole. The id of a layer is its own for the life of the session.
+A session has a set of named layers: grids, points, paths and graphs. The message `layers` lists them, at the start and
+whenever the set changes. The command `subscribe` selects layers by name; before it the first layer is sent. A name that
+is not in the list yet takes effect when a layer has it. A layer that is left out of a later `subscribe` is sent whole
+when it is selected again. The id of a layer is unique during the session.
 
 ## Binary frames
 
@@ -19,37 +19,37 @@ header  kind u8 (1 = tiles, 2 = table, 3 = graph), flags u8 (bit 0: the layer is
         layer u16 (id), epoch u32, seq u32, count u32
 tiles   tx i16, ty i16, revision u32, nbytes u32, nbytes of zstd data          (count times)
 table   columns u16, reserved u16, then for each column count f32
-graph   columns u16, reserved u16, edges u32, then for each column count f32 (the nodes), then for each edge the places
-        of its nodes in the table, from u32 and to u32, then for each edge a value f32
+graph   columns u16, reserved u16, edges u32, then for each column count f32 (the nodes), then for each edge the indices
+        of its nodes, from u32 and to u32, then for each edge a value f32
 ```
 
 Layers of the kind `grid` are sent as tiles, `points` and `path` as a table, `graph` as a graph. The names of the
 columns are in the message `layers`.
 
 A tile is 64 x 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A value
-q from -127 to +127 stands for `low + (q + 127) / 254 * (high - low)`, with the limits of the layer's message
+q from -127 to +127 represents `low + (q + 127) / 254 * (high - low)`, with the limits of the layer's message
 `geometry`; -128 is a cell without a value. In a layer of the style `belief` the values are log-odds, and -128 is a cell
 that was never observed; of the values that give the cell's own state (free, unknown, occupied), q is the nearest to the
-cell's log-odds. `epoch` changes with the geometry: tiles of an older epoch are void. Tiles that were never sent have no
-values.
+cell's log-odds. `epoch` changes with the geometry: tiles of an older epoch are ignored. Tiles that were never sent
+have no values.
 
 A table or a graph is the whole content of its layer; `epoch` is the number of that content. NaN is no value.
 
 ## Flow control
 
-Each binary frame has a number, `seq`. What is due is sent in batches: a `frame` message, and directly after it one
-binary frame for each layer that the browser wants and does not have as it is now. Where there is none, the batch has a
-frame of kind 1 with count 0 instead, of the first grid that is wanted (layer 0 where there is none). The browser
-answers with `ack`, which names the newest binary frame that it has shown. At most two batches are unacknowledged, one
-where acknowledgements take longer than 150 ms. Meanwhile the server keeps the set of changed tiles, the newest content
-of the other layers and the newest `frame` message, so no frame waits in a queue. The layers of a batch share its bytes;
-whichever has waited longest comes first.
+Each binary frame has a number, `seq`. Frames are sent in batches: a `frame` message, and directly after it one binary
+frame for each subscribed layer of which the browser does not have the newest content. If there is none, the batch has a
+frame of kind 1 with count 0 instead, of the first subscribed grid (layer 0 if there is none). The browser answers with
+`ack`, which names the newest binary frame that it has painted. At most two batches are unacknowledged, one if
+acknowledgements take longer than 150 ms. Meanwhile the server keeps the set of changed tiles, the newest content of the
+other layers and the newest `frame` message, so no frame waits in a queue. The layers of a batch share its bytes; the
+layer that has waited longest comes first.
 
 ## Text frames
 
-Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores fields that it does not
-know; on a `type` or a session kind that it does not know it asks the person to reload the page. A command has at most
-64 KiB; one that is malformed is answered with an `error` whose code is `command.` and the name of the field.
+Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores unknown
+fields; for an unknown `type` or session kind it shows a request to reload the page. A command has at most 64 KiB; a
+malformed one is answered with an `error` whose code is `command.` and the name of the field.
 """
 
 from __future__ import annotations
@@ -75,11 +75,11 @@ _TYPE_WORDS = {
     "object": "an object",
     "null": "null",
     "bool | float | str": "a number, a string, or true or false",
-}  #: msgspec's names of types in plain words
+}  #: descriptions of msgspec's names of types
 
 
 class ProtocolError(Exception):
-    """A frame that breaks the protocol; ``code`` is stable, the message is one sentence."""
+    """An invalid frame or command; ``code`` is stable, the message is one sentence."""
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
@@ -98,10 +98,10 @@ def _refuse_constant(name: str) -> float:
 
 
 def decode_command(text: str | bytes) -> dict[str, Any]:
-    """Return a command from the browser as an object, which :mod:`server.stream.commands` states.
+    """Return a command from the browser, checked against :mod:`server.stream.commands`, as a dictionary.
 
-    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, no ``type`` or an
-    unknown one, a field that is missing or of another type.
+    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
+    unknown ``type``, a field that is missing or of another type.
     """
     if isinstance(text, bytes):
         raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
@@ -116,17 +116,17 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
     try:
         msgspec.convert(command, Command)
     except msgspec.ValidationError as error:
-        # What is wrong with one of the values is said by the table of parameters, which names it.
+        # Errors in one of the values are left to the table of parameters, which names the parameter.
         if " - at `$.values[" not in str(error):
             raise _refused(command["type"], str(error)) from error
     except UnicodeEncodeError as error:
-        raise ProtocolError("command.json", "A command has a surrogate without its pair, which is no text.") from error
+        raise ProtocolError("command.json", "A command contains a surrogate without its pair.") from error
     return command
 
 
-def _refused(kind: str, told: str) -> ProtocolError:
-    """Return the error for a command of type ``kind`` of which msgspec has ``told`` what is wrong."""
-    what, _, path = told.partition(" - at `$.")
+def _refused(kind: str, error: str) -> ProtocolError:
+    """Return the error for a command of type ``kind`` from msgspec's message ``error``."""
+    what, _, path = error.partition(" - at `$.")
     if path == "type`":
         return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)

@@ -1,8 +1,8 @@
-"""What of the map changed: the int8 picture of a grid, its tiles' revisions, and each tile compressed once.
+"""The int8 picture of a grid, the revisions of its tiles, and each tile compressed once.
 
 The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread) and read by the
-event loop (:meth:`TilePicture.payload`). A tile that is compressed while it is written may mix two instants; it then
-gets a new revision when the update is published, so whoever received the mixture receives the tile again.
+event loop (:meth:`TilePicture.payload`). A tile that is compressed while it is written may contain parts of two
+updates; it then gets a new revision when the update is published, so clients that received it receive it again.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ ZSTD_LEVEL = 1
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
-_EPOCHS = itertools.count(1)  # of the process: a picture that was made anew never has the epoch of an earlier one
+_EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one
 
 
 def picture_range(config: MappingConfig) -> tuple[float, float]:
-    """Return the log-odds that −127 and 127 stand for: the clamp, or as far as it could be set where it is off."""
+    """Return the log-odds of −127 and 127: the clamping limits, or the widest possible ones if clamping is off."""
     if config.clamp:
         return (config.log_odds_min, config.log_odds_max)
     return (BY_NAME["log_odds_min"].low, BY_NAME["log_odds_max"].high)
@@ -36,8 +36,8 @@ def picture_range(config: MappingConfig) -> tuple[float, float]:
 class TilePicture:
     """The picture of one geometry: ``cells`` (rows, cols) int8, ``revision`` (tile rows, tile cols) uint32.
 
-    Revision 0 is a tile in which there never was a value. ``low`` … ``high`` are the values of −127 … 127. ``epoch``
-    is the picture's own number, greater than that of any earlier picture.
+    Revision 0: the tile has never had a value. ``low`` … ``high`` are the values of −127 … 127. ``epoch``
+    is greater than that of any earlier picture.
     """
 
     def __init__(self, geometry: GridGeometry, low: float, high: float, revision: int = 0) -> None:
@@ -53,11 +53,11 @@ class TilePicture:
         self._compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
-        """Whether the picture is of this geometry over this range of values: if not, a new epoch has to begin."""
+        """Whether the picture has this geometry and range of values: if not, a new epoch has to begin."""
         return self.geometry == geometry and self.low == low and self.high == high
 
     def update(self, grid: OccupancyGrid, box: CellBox) -> int:
-        """Bring a box of a belief's picture up to date (worker thread); return how many cells changed."""
+        """Update a box of the picture from an occupancy grid (worker thread); return the number of changed cells."""
         return int(
             quantise(
                 grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
@@ -66,7 +66,7 @@ class TilePicture:
         )  # fmt: skip
 
     def set(self, values: NDArray[np.float32] | NDArray[np.uint8], missing: NDArray[np.bool_] | None = None) -> None:
-        """Show ``values`` (rows, cols), but none where they are ``missing`` or NaN (worker thread)."""
+        """Set ``values`` (rows, cols); cells that are ``missing`` or NaN have no value (worker thread)."""
         scaled = (values.astype(np.float32) - self.low) * np.float32(254.0 / (self.high - self.low)) - np.float32(127.0)
         none = np.isnan(scaled) if missing is None else np.isnan(scaled) | missing
         cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
@@ -77,7 +77,7 @@ class TilePicture:
         self.cells[:] = cells
 
     def publish(self) -> int:
-        """Give what changed since the last call a new revision (event loop); return the number of tiles."""
+        """Give tiles that changed since the last call a new revision (event loop); return their number."""
         count = int(np.count_nonzero(self._changed))
         if count:
             self.newest += 1
@@ -86,7 +86,7 @@ class TilePicture:
         return count
 
     def payload(self, ty: int, tx: int) -> TilePayload:
-        """Return a tile at its present revision, compressed: once for all who watch."""
+        """Return a tile at its present revision; it is compressed once for all clients."""
         revision = int(self.revision[ty, tx])
         known = self._payloads.get((ty, tx))
         if known is not None and known.revision == revision:

@@ -31,5 +31,5 @@ async def new_log(registry: SessionRegistry, owner: str, log: ScanLog, *, link: 
 
 async def between_ticks(session: Any) -> None:
     """Return once the present tick of a session is over."""
-    async with session.still():
+    async with session.locked():
         pass

@@ -22,7 +22,7 @@ _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
 #: A planned ray, in lattice coordinates and metres: the sensor, the last point, the endpoint, the reading z, and by how
-#: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that says nothing, NaN.
+#: much on either side of z a centre counts as hit. For a beam without return z is +inf; for one that is ignored, NaN.
 U, V, END_U, END_V, HIT_U, HIT_V, Z, HALF = range(8)
 RAY_FIELDS = 8
 

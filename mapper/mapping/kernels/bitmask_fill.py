@@ -1,4 +1,4 @@
-"""A scan's field as a sheet of bits: noted where rows enter and leave it, then added to the grid many cells at a time.
+"""A scan's field as a bitmask: marked where rows enter and leave it, then added to the grid many cells at a time.
 
 What a scan frees is a star-shaped region, and a row of the grid enters and leaves it a few times. Each such place is a
 *toggle*, one bit in a plane of bits with 32 cells to a word. The running exclusive or along a row, five shifts for a
@@ -14,13 +14,13 @@ from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt32A
 from mapper.core.jit import jit
 from mapper.mapping.kernels.types import LogOddsUpdate
 
-#: A sheet is ``planes`` (3, rows, words + 1) int64, 32 cells to a word, and ``used`` (rows,) int64, which has a bit for
+#: A bitmask is ``planes`` (3, rows, words + 1) int64, 32 cells to a word, and ``used`` (rows,) int64, with a bit for
 #: each 1 << shift words in which some plane is not 0. FREE has the toggles of the region in which a scan's cells are
 #: free, OUTER those of the region that reaches to the far end of the hit windows, HITS a bit for each cell hit in any
-#: case. The word to spare holds toggles at the sheet's far side, where nothing follows that they could concern.
+#: case. The word to spare holds toggles at the bitmask's far side, where nothing follows that they could concern.
 PLANES = 3
 FREE, OUTER, HITS = range(PLANES)
-#: Where a sheet is: the row of the grid at which it begins, the word (of 32 columns) likewise, how many words of it
+#: Position of a bitmask: its first row in the grid, its first word (of 32 columns), how many words of it
 #: count, and the shift.
 Place = tuple[int, int, int, int]
 
@@ -44,7 +44,7 @@ def _note(
 ) -> None:  # fmt: skip
     """Flip the bits of the cells ``toggles`` (n,), or set them where a bit ``sticks``.
 
-    ``first_row`` is the row, as the toggles count them, at which the sheet begins. Rows before it or beyond the sheet
+    ``first_row`` is the row, as the toggles count them, of the bitmask's first row. Rows before it or beyond it
     are another's.
     """
     sticky = -1 if sticks else 0
@@ -61,7 +61,7 @@ def _note(
 
 @jit
 def _toggle(planes: Int64Array, used: Int64Array, place: Place, plane: int, row: int, column: int) -> None:
-    """Flip the bit of a column, whose row must be in the sheet; what is beyond its sides counts as at them.
+    """Flip the bit of a column, whose row must be in the bitmask; what is beyond its sides counts as at them.
 
     Without a branch, for numba counts references to arrays at each one, and with unsigned indices, of which it does not
     ask whether they count from the end: either costs more than all the rest.
@@ -74,7 +74,7 @@ def _toggle(planes: Int64Array, used: Int64Array, place: Place, plane: int, row:
 
 @jit
 def _mark(planes: Int64Array, used: Int64Array, place: Place, row: int, column: int) -> None:
-    """Mark a cell as hit, whose row must be in the sheet; what is beyond its sides is dropped."""
+    """Mark a cell as hit, whose row must be in the bitmask; what is beyond its sides is dropped."""
     c = column - WORD * place[1]
     if 0 <= c < WORD * place[2]:
         planes[HITS, row - place[0], c >> WORD_BITS] |= 1 << (c & (WORD - 1))
@@ -128,9 +128,9 @@ def _settle(
     cells: Float32Array, cols: int, seen: Int64Array, seen_place: Place, planes: Int64Array, used: Int64Array,
     place: Place, windows: bool, log_odds_update: LogOddsUpdate,
 ) -> int:  # fmt: skip
-    """Add what a sheet says to the grid and wipe it; return the number of updates.
+    """Add a bitmask to the grid and clear it; return the number of updates.
 
-    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the sheet is within it. In ``seen``
+    ``cells`` (rows · cols,) is the grid, row after row, at least 32 columns wide; the bitmask is within it. In ``seen``
     (rows, words) int64, which starts at ``seen_place``, the bits of the cells touched are set. With ``windows`` the
     plane OUTER counts.
     """

@@ -27,7 +27,7 @@ _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
 
 #: A planned line: start cell, last cell, the number of its first cells that are passed (``near``), the number of its
-#: first cells that are passed or hit (``far``; 0: none, the beam says nothing), the step at which it visits the
+#: first cells that are passed or hit (``far``; 0: none, the beam is ignored), the step at which it visits the
 #: endpoint's cell (−1: never), that cell (−1, −1: none is hit).
 ROW, COL, END_ROW, END_COL, NEAR, FAR, AT, HIT_ROW, HIT_COL = range(9)
 LINE_FIELDS = 9

@@ -71,7 +71,7 @@ def contributions_of_lines(planned: Int32Array, row: int, col: int, out: Int64Ar
         kind = -1
         if row == planned[lines.HIT_ROW, j] and col == planned[lines.HIT_COL, j]:
             kind = HIT
-        elif planned[lines.FAR, j] > 0:  # a beam that says nothing has no line at all
+        elif planned[lines.FAR, j] > 0:  # an ignored beam has no line
             start_row, start_col = int(planned[lines.ROW, j]), int(planned[lines.COL, j])
             end_row, end_col = int(planned[lines.END_ROW, j]), int(planned[lines.END_COL, j])
             i = _step_at(start_row, start_col, end_row, end_col, row, col)

@@ -33,7 +33,7 @@ STRIDE = 4  # rows traversed at once
 #: whether its right edge is the left edge of that one.
 Ring = tuple[Int64Array, BoolArray]
 #: A scan's sectors: edges (4, n) float64, right u, v and left u, v, along the lattice; sides (n,) float64
-#: (:func:`_side`); radii (n,) of the arcs, cells, 0 where a beam says nothing; corners (2, n) int64, the rows of their
+#: (:func:`_side`); radii (n,) of the arcs, cells, 0 for an ignored beam; corners (2, n) int64, the rows of their
 #: right and left ends.
 Sectors = tuple[Float64Array, Float64Array, Float64Array, Int64Array]
 #: Pieces of a border: rows (2, pieces) int64 [first, stop), and shapes (2, pieces) float64: of an edge the column at

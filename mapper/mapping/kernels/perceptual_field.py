@@ -2,7 +2,7 @@
 
 Numba twin of :func:`mapper.mapping.textbook.update_per_scan`, in two passes. :func:`plan_fields` finds for each scan
 where the border of its field crosses the rows of the grid (:mod:`mapper.mapping.kernels.field_boundary`) and in which
-cells its beams end; :func:`draw_fields` notes that on a sheet of bits (:mod:`mapper.mapping.kernels.bitmask_fill`) and
+cells its beams end; :func:`draw_fields` marks that in a bitmask (:mod:`mapper.mapping.kernels.bitmask_fill`) and
 adds it to a band of the grid's rows, scan after scan, so that threads that have a band each write to different cells.
 The work is proportional to the regions' borders and to a 32nd of their areas.
 """
@@ -213,7 +213,7 @@ def draw_fields(
     """Add what scans say to the rows [row_low, row_high) of the grid; return the number of updates.
 
     ``log_odds`` (rows, cols) is the grid; in ``seen`` (rows, words) int64, which starts at ``seen_place`` in it, the
-    bits of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a sheet, all 0 before and
+    bits of the cells touched are set. ``planes`` (3, rows, words + 1) and ``used`` (rows,), a bitmask, all 0 before and
     after, have as many rows and words as any view of ``plan`` has within these rows. The other arguments are those of
     :func:`plan_fields` and its results.
     """

@@ -4,7 +4,7 @@ Ends of rows are found by division and square root; where that falls close to a 
 :func:`mapper.mapping.textbook.inverse_range_sensor_model` decides. That is for the few scans in which rounding may
 decide; all others are done by :mod:`mapper.mapping.kernels.field_boundary`. An edge is a unit vector (u along
 columns, v along rows); a sector is to the left of its right edge, the edge included, and to the right of its left
-edge. (u, v) is the sensor in lattice coordinates. What is found is noted on a sheet: see
+edge. (u, v) is the sensor in lattice coordinates. What is found is marked in a bitmask: see
 :mod:`mapper.mapping.kernels.bitmask_fill`.
 """
 

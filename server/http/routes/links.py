@@ -69,7 +69,7 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewL
     if recording is None:
         raise MapperError("session.not_a_log", "Only the view of a log can be shared by a link, not a simulation.")
     record = library.get(visitor, recording.log_id)
-    seen = recording.seen()
+    seen = recording.view()
     look = None if wanted.look is None else wanted.look.model_dump()
     first = asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)

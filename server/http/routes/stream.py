@@ -110,7 +110,7 @@ async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -
         try:
             _take(session, client, _decode(message))
         except ProtocolError as error:
-            client.tell(error_message(error.code, error.message))
+            client.send(error_message(error.code, error.message))
             malformed += error.code.startswith("command.")
             if malformed > MAX_MALFORMED:
                 await _close(websocket, POLICY, "too many malformed frames")
@@ -138,6 +138,6 @@ def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None
         case "subscribe":
             client.subscribe(command["layers"])
         case "ping":
-            client.tell({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
+            client.send({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
         case _:
             session.enqueue(command, client)

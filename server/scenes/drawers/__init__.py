@@ -1,4 +1,4 @@
-"""One file for each type of drawing: how it is drawn with viser. A new one is added to :data:`DRAWERS`."""
+"""The drawers, one file for each type of drawing. A new drawer is added to :data:`DRAWERS`."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -1,4 +1,4 @@
-"""Handles by which a person moves and turns a frame."""
+"""Handles for moving and rotating a frame."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 import viser
 
 from server.scenes.drawer import Drawer, DrawerContext
-from server.scenes.panel import PATIENCE_S
+from server.scenes.panel import CONFIRM_TIMEOUT_S
 from server.sessions.drawings import Gizmo, Point, Quaternion
 
-NEAR_M = 1e-3  #: metres between the model's position and a person's up to which the model confirms the move
+NEAR_M = 1e-3  #: distance, metres, between the model's and the user's position up to which the move is confirmed
 NEAR_TURN = 1e-3
 
 
 class GizmoDrawer(Drawer[Gizmo, Gizmo]):
-    """Reports moves. Follows the model, except for :data:`PATIENCE_S` after a move that the model did not confirm."""
+    """Reports moves. Shows the model's pose, except for :data:`CONFIRM_TIMEOUT_S` after an unconfirmed move."""
 
     def __init__(self, context: DrawerContext, drawing: Gizmo) -> None:
         super().__init__(context, drawing)
@@ -26,7 +26,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
         self._node: viser.TransformControlsHandle | None = None
 
     def show(self, content: Gizmo) -> None:
-        """Show the handles, where the model has them."""
+        """Show the handles at the model's pose."""
         form = (content.scale, content.axes, content.moves, content.turns)
         if self._node is None or form != self._form:
             self._form = form
@@ -35,7 +35,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
         node, moved_at = self._node, self._moved_at
         if moved_at is not None:
             confirmed = _is_near(node, content)
-            if not confirmed and time.monotonic() < moved_at + PATIENCE_S:
+            if not confirmed and time.monotonic() < moved_at + CONFIRM_TIMEOUT_S:
                 return
             self._moved_at = None
             if confirmed:  # a correction of the last digits would move the gizmo during the drag

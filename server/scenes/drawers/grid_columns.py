@@ -19,7 +19,7 @@ FLOOR_Z = 0.01
 
 @dataclass(frozen=True, slots=True)
 class GridContent:
-    """What is drawn of a grid, and where."""
+    """The levels of a grid and their position."""
 
     geometry: GridGeometry
     levels: MapLevels

@@ -9,7 +9,7 @@ from server.sessions.drawings import Image
 
 
 class ImageDrawer(Drawer[Image, Image]):
-    """Sends the pixels as PNG, and only where they changed; an image that moves sends its pose."""
+    """Sends the pixels as PNG if they changed, otherwise only a changed pose."""
 
     _shown: Image | None = None
     _node: viser.ImageHandle | None = None

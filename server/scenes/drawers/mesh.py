@@ -9,7 +9,7 @@ from server.sessions.drawings import Mesh
 
 
 class MeshDrawer(Drawer[Mesh, Mesh]):
-    """Sends vertices and faces in one message, and only where the mesh changed; a mesh that moves sends its pose."""
+    """Sends vertices and faces in one message if they changed, otherwise only a changed pose."""
 
     _shown: Mesh | None = None
     _node: viser.MeshHandle | None = None
@@ -21,7 +21,7 @@ class MeshDrawer(Drawer[Mesh, Mesh]):
         if old is not None and _equal(old, content):
             return
         if len(content.faces):
-            # The node is made anew, since its vertices and faces have to arrive together.
+            # The node is created again, since its vertices and faces have to arrive together.
             self._node = self.scene.add_mesh_simple(
                 f"{self.path}/mesh",
                 content.vertices,

@@ -20,7 +20,7 @@ def path_segments(poses: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 class PathDrawer(Drawer[Path, Path]):
-    """Sends the whole path again where it is another."""
+    """Sends the whole path if it changed."""
 
     _shown: Path | None = None
 

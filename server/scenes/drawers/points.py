@@ -7,7 +7,7 @@ from server.sessions.drawings import Points
 
 
 class PointsDrawer(Drawer[Points, Points]):
-    """Sends points and colours in one message, and only where they changed; a cloud that moves sends its pose."""
+    """Sends points and colours in one message if they changed, otherwise only a changed pose."""
 
     _shown: Points | None = None
 

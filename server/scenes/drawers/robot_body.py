@@ -16,7 +16,7 @@ LASER_Z = 0.2
 
 
 class RobotBodyDrawer(Drawer[RobotBody, RobotBody]):
-    """Sends the pose where it changed, and the beams where they did."""
+    """Sends the pose and the beams if they changed."""
 
     def __init__(self, context: DrawerContext, drawing: RobotBody) -> None:
         super().__init__(context, drawing)
@@ -38,4 +38,4 @@ class RobotBodyDrawer(Drawer[RobotBody, RobotBody]):
         x, y, yaw = content.pose
         self.frame.position = (x, y, 0.0)
         self.frame.wxyz = yaw_wxyz(yaw)
-        self._beams.points = content.beams  # viser sends them only where they differ
+        self._beams.points = content.beams  # viser sends them only if they differ

@@ -7,7 +7,7 @@ from server.sessions.drawings import Segments
 
 
 class SegmentsDrawer(Drawer[Segments, Segments]):
-    """Sends ends and colours in one message, and only where they changed; lines that move send their pose."""
+    """Sends ends and colours in one message if they changed, otherwise only a changed pose."""
 
     _shown: Segments | None = None
 

@@ -10,12 +10,12 @@ from server.sessions.drawings import Walls
 
 SOLID = (150, 160, 178)
 GROUND = (228, 224, 212)
-WALL_HEIGHT = 0.16  #: metres: the columns of a map stand above the true walls
+WALL_HEIGHT = 0.16  #: metres; lower than the columns of a map, so that these stay visible
 GROUND_DEPTH = 0.1
 
 
 class WallsDrawer(Drawer[Walls, Walls]):
-    """Sends all walls again where the solids are others."""
+    """Sends all walls if the solids changed."""
 
     _shown: Walls | None = None
 

@@ -1,1 +1,1 @@
-"""What sessions compute: one file for each kind, its helpers beside it."""
+"""The models of sessions: one file for each kind, and their helpers."""

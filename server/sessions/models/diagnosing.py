@@ -16,12 +16,12 @@ from server.work.scheduler import Party, Scheduler
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
 
-AT_ONCE = 2  #: logs that are examined at the same time, in the whole service
-_NICENESS = 10  # more than the service has
+AT_ONCE = 2  #: logs that the whole service examines at the same time
+_NICENESS = 10  # added to that of the service
 
 
 def _lower_priority() -> None:
-    # Linux gives each thread a niceness of its own. Elsewhere the number would mean another process, or this whole one.
+    # On Linux each thread has its own niceness. Elsewhere the id would be that of another process or of this one.
     if sys.platform == "linux":
         thread = threading.get_native_id()
         os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + _NICENESS)
@@ -34,13 +34,13 @@ _EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initialize
 async def examination(
     log: ScanLog, trajectory: str, scheduler: Scheduler, party: Party, wanted: Callable[[], bool]
 ) -> list[Finding]:
-    """Return what the doctor finds in a log. Raises as :func:`mapper.diagnosis.examine`, which asks ``wanted``.
+    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.examine`, which checks ``wanted``.
 
-    Examinations wait for one of the threads in the order of the scheduler.
+    Examinations wait for a thread in the order of the scheduler.
     """
 
     def examined() -> list[Finding]:
-        from mapper.diagnosis import examine  # noqa: PLC0415 - SciPy, which most visitors do without
+        from mapper.diagnosis import examine  # noqa: PLC0415 - imports SciPy, which few sessions need
 
         return examine(log, trajectory, wanted=wanted)
 

@@ -1,4 +1,4 @@
-"""The model of a log: it plays, and its map fills in."""
+"""The model of a log session: it plays the log and maps its scans."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, integer, text
 
-FILL_S = 30.0  #: a log plays at first so fast that its map is full after about this many seconds
-MAX_GAP_S = 2.0  #: a longer pause between two scans is played as one of this length
-DEFAULT_GAP_S = 0.1  #: between two scans whose stamps do not tell
-PATH_MARGIN = 5.0  #: metres around the path that the first camera of the 3D view shows
+FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
+MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
+DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
+PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
 
 
 def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return when each scan is due (n,), in seconds of play from the first, never decreasing.
 
-    Stamps may be anything: a step back, none at all or a leap of years. A step back takes no time, a pause at most
-    :data:`MAX_GAP_S`; a log whose stamps tell nothing plays at :data:`DEFAULT_GAP_S` a scan.
+    Stamps may step back, be missing or jump by years. A step back takes no time, a pause at most :data:`MAX_GAP_S`; a
+    log whose stamps never increase plays at :data:`DEFAULT_GAP_S` for each scan.
     """
-    # Differences in floats: those of absurd stamps do not fit into 64 bits.
+    # Differences in floats: those of extreme stamps do not fit into 64 bits.
     gaps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
     gaps = np.clip(gaps, 0.0, MAX_GAP_S)
     if not gaps.any():
@@ -56,7 +56,7 @@ def bounds_of(poses: NDArray[np.float64]) -> Bounds:
 
 
 def _playback(times: NDArray[np.float64]) -> Playback:
-    """Return the clock of a log whose scans are due at ``times``: it fills its map in about :data:`FILL_S`."""
+    """Return the clock of a log whose scans are due at ``times``: it plays them in about :data:`FILL_S`."""
     duration = float(times[-1])
     speeds = (0.1, max(100.0, duration / 5.0))
     return Playback(speed=float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds=speeds)
@@ -77,12 +77,12 @@ class LogModel(SessionModel):
     ) -> None:
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
-        replay.wanted = host.goes_on
+        replay.wanted = host.may_continue
         self._host = host
         self._title = title or replay.log.name
         self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
-        self._target = 0  #: the index that commands ask for
+        self._target = 0  #: the index that commands requested
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
@@ -98,7 +98,7 @@ class LogModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[GridLayer]:
-        """The map, and the one with which it is compared."""
+        """The map, and the second map of a comparison."""
         return (self._map, *self.comparison.layers)
 
     @property
@@ -108,7 +108,7 @@ class LogModel(SessionModel):
 
     @property
     def frame_id(self) -> str | None:
-        """The frame of the poses, None where the log does not state it."""
+        """The frame of the poses, None if the log does not state it."""
         return self.recording.log.trajectory(self.recording.trajectory).frame_id
 
     @property
@@ -129,7 +129,7 @@ class LogModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """How much of the way through the log is done that is being computed."""
+        """The share of the present computation that is done."""
         return self.recording.replay.fraction
 
     @property
@@ -150,7 +150,7 @@ class LogModel(SessionModel):
         ]
 
     def controls(self) -> SceneControls:
-        """Return the parameters of the map, the place in the log, and the trajectories where there are several."""
+        """Return the parameters of the map, the index in the log, and the trajectories if there are several."""
         index, count = self.progress
         names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
         return SceneControls(
@@ -165,13 +165,13 @@ class LogModel(SessionModel):
         )
 
     def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
-        """Go to the scan nearest to that place."""
+        """Return the command to seek the scan nearest to (x, y)."""
         poses = self.recording.log.trajectory(self.recording.trajectory).poses
         gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
         return {"type": "seek", "index": int(gaps.argmin()) + 1}
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
-        """Return what stores the checkpoints that lie ahead."""
+        """Return the prefetcher of missing checkpoints."""
         return self.recording.replay.prefetcher()
 
     # -- messages -------------------------------------------------------------------------------------------------
@@ -209,7 +209,7 @@ class LogModel(SessionModel):
         return {"type": "trajectory", "name": recording.trajectory, "every": every, "poses": path, "stamps": stamps}
 
     def frame(self) -> dict[str, Any]:
-        """Return where the robot was at the newest scan."""
+        """Return the robot's pose at the newest scan."""
         return self.parameters.frame() | self._report.frame(self.recording.robot_state())
 
     def scan(self) -> dict[str, Any]:
@@ -222,45 +222,45 @@ class LogModel(SessionModel):
         self.comparison.remake(self.config, config, result)
 
     def settle(self, result: TickResult) -> None:
-        """Make the maps with other parameters, at the same scan."""
+        """Recompute the maps with other parameters, up to the same scan."""
         self.parameters.settle(result)
 
     def advance(self, dt: float, result: TickResult) -> None:
-        """Play on, or go to where a command wants to be."""
+        """Play, or seek the index that a command requested."""
         replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
         if dt > 0.0 and self._target < count:
             self._time += dt * playback.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
         if self._target != replay.index:
-            with self._host.giving_up():
+            with self._host.cancellable():
                 result.add(replay.advance_to(self._target))
         if playback.playing and self._target == count:
             playback.playing = False
             result.changed = True
-            result.notice("log.end", "The log has come to its end: all of its scans are in the map.")
+            result.notice("log.end", "The log has ended: all of its scans are in the map.")
 
     def draw(self, result: TickResult) -> None:
-        """Draw the map, and bring the one with which it is compared to the same scan."""
+        """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
 
     @property
     def has_deferred_work(self) -> bool:
-        """Whether the numbers of the comparison are older than the maps."""
+        """Whether the numbers of the comparison are out of date."""
         return self.comparison.is_outdated
 
     def run_deferred_work(self, result: TickResult) -> None:
-        """Compare the two maps as they are."""
-        self.comparison.count(result)
+        """Compare the two maps."""
+        self.comparison.update_numbers(result)
 
     def play(self) -> None:
-        """Play on, from the start where the end was reached."""
+        """Play; from the start if the end was reached."""
         if self._target == self.recording.log.n_scans:
             self._go_to(0)
         super().play()
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
-        """Carry out a command. Where to go is only noted: of several seeks in one tick the last one counts."""
+        """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
         count = self.recording.log.n_scans
@@ -282,14 +282,12 @@ class LogModel(SessionModel):
                 result.slot(self._trajectory_message())
             case "compare":
                 raise ProtocolError(
-                    "log.compare", "What a log is compared with is set with PUT /api/sessions/{id}/compare."
+                    "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
                 )
             case "teleport" | "drive" | "auto" | "world" | "sensor" as kind:
-                raise ProtocolError(
-                    "log.recorded", f"What a log recorded cannot be changed: {kind} is for live worlds."
-                )
+                raise ProtocolError("log.recorded", f"A log cannot be changed: the command {kind} is for simulations.")
             case other:
-                raise ProtocolError("command.unknown", f"A log session knows no command {other!r:.80}.")
+                raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
     def _go_to(self, index: int) -> None:

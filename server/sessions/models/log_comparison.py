@@ -1,4 +1,4 @@
-"""The comparison of a log's map, B, with another map, A, which is a layer of its own."""
+"""The comparison of a log's map, B, with another map, A, which has its own layer."""
 
 from __future__ import annotations
 
@@ -24,61 +24,61 @@ from server.work.scheduler import checkpoint
 
 
 class LogComparison:
-    """A second map beside that of a log, while it is compared. ``message`` returns the ``parameters`` message."""
+    """The second map of a log session, if there is one. ``message`` returns the ``parameters`` message."""
 
     def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
         self._host, self._recording, self._message = host, recording, message
         self._other: SecondMapView | None = None
         self._layer: GridLayer | None = None
-        self._request = 0  #: counts the requests to compare: only the newest one is fulfilled
+        self._request = 0  #: number of the newest request to compare: only that one is carried out
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
     async def compare(self, wanted: Wanted | None) -> None:
-        """Begin to compare with another map, or, None, end it; what was compared before ends.
+        """Compare with another map, which replaces the previous one; None ends the comparison.
 
-        Raises :class:`MapperError` where the other map cannot be made, or another one was requested meanwhile; what was
-        compared before goes on then.
+        Raises :class:`MapperError` if the other map cannot be made or another one was requested meanwhile; the
+        previous comparison continues then.
         """
         self._request += 1
         request = self._request
         other = None
         if wanted is not None:
-            # Made while the session goes on; what has changed meanwhile is made up for when it is taken over.
+            # Made while the session runs; _replace applies what has changed meanwhile.
             other = await self._host.on_thread(partial(self._second_view, wanted, request))
-        async with self._host.still():
+        async with self._host.locked():
             if request != self._request or self._host.closed:
                 raise _superseded()
-            result = await self._host.on_thread(partial(self._take_over, other))
+            result = await self._host.on_thread(partial(self._replace, other))
         self._host.deliver(result)
 
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
-        """Return what is compared with, and how, between two ticks. Raises :class:`MapperError` where it cannot be."""
-        async with self._host.still():
+        """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
+        async with self._host.locked():
             other = self._compared_with()
             found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
             return other.description(), found
 
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
-        """Return the maps A and B, to be read while the session is still. Raises as :meth:`compared`."""
+        """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
         other, grid = self._compared_with(), self._recording.replay.grid
         other.check_lattice(grid)
         return other.replay.grid, grid
 
     def description(self) -> dict[str, Any] | None:
-        """Return what A is, None where nothing is compared."""
+        """Return the description of A, None if there is no comparison."""
         return None if self._other is None else self._other.description()
 
     def _compared_with(self) -> SecondMapView:
         if self._other is None:
-            raise MapperError("compare.none", "This session compares its map with no other one now.")
+            raise MapperError("compare.none", "This session has no comparison now.")
         return self._other
 
     # -- for the model --------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> tuple[GridLayer, ...]:
-        """The layer of A, where there is one."""
+        """The layer of A, if there is one."""
         return () if self._layer is None else (self._layer,)
 
     @property
@@ -89,11 +89,11 @@ class LogComparison:
 
     @property
     def is_outdated(self) -> bool:
-        """Whether the numbers are older than the maps."""
+        """Whether the numbers are out of date."""
         return self._other is not None and self._other.is_new
 
     def explained(self) -> list[ExplainedMap]:
-        """Return A, for questions about its cells."""
+        """Return A for questions about its cells."""
         other, layer = self._other, self._layer
         if other is None or layer is None:
             return []
@@ -113,8 +113,8 @@ class LogComparison:
         except WorkCancelledError as error:
             raise _superseded() from error
 
-    def _take_over(self, other: SecondMapView | None) -> TickResult:
-        """Go on with another A, None for none; return what to send."""
+    def _replace(self, other: SecondMapView | None) -> TickResult:
+        """Set another A, None for none; return what to send."""
         result = TickResult(changed=True)
         replay = self._recording.replay
         if other is None:
@@ -122,8 +122,8 @@ class LogComparison:
             result.slot(comparison_message(replay.index))
             result.slot(self._message())
             return result
-        other.replay.wanted = self._host.goes_on
-        other.follow(replay.config)
+        other.replay.wanted = self._host.may_continue
+        other.reconfigure(replay.config)
         other.advance(replay.index)
         other.second.changed()
         layer = GridLayer("second_map", "Second map")
@@ -133,19 +133,19 @@ class LogComparison:
         return result
 
     def remake(self, before: MappingConfig, config: MappingConfig, result: TickResult) -> None:
-        """Make both maps anew with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
+        """Recompute both maps with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
         other = self._other
         if other is not None:
-            other.follow(config)
+            other.reconfigure(config)
         try:
             result.add(self._recording.replay.reconfigure(config))
         except MapperError:
             if other is not None:
-                other.follow(before)
+                other.reconfigure(before)
             raise
 
     def draw(self, result: TickResult) -> None:
-        """Bring A, and its layer, to where the session is."""
+        """Advance A to the session's scan, and update its layer."""
         other, layer = self._other, self._layer
         if other is None or layer is None:
             return
@@ -155,8 +155,8 @@ class LogComparison:
         result.changed |= whole or box is not None
         result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
 
-    def count(self, result: TickResult) -> None:
-        """Compare the two maps as they are, and send the numbers."""
+    def update_numbers(self, result: TickResult) -> None:
+        """Compare the two maps, and send the numbers."""
         other, replay = self._other, self._recording.replay
         if other is None:
             return

@@ -1,4 +1,4 @@
-"""How sessions of a log are asked for and made."""
+"""Request and plan of log sessions."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class NewLog(SessionRequest):
     """A session of a log."""
 
     kind: Literal["log"]
-    playing: bool = Field(True, description="Whether scans come in from the start.")
-    log: str = Field(max_length=200, description="Id of the log, as /api/logs gives it.")
-    topic: str | None = Field(None, max_length=400, description="Which of the log's sensors, where it has several.")
-    trajectory: str | None = Field(None, max_length=200, description="Which of the log's trajectories to map with.")
+    playing: bool = Field(True, description="Whether the log plays from the start.")
+    log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
+    trajectory: str | None = Field(None, max_length=200, description="Trajectory of the log to map with.")
 
 
 def log_plan(
@@ -32,7 +32,7 @@ def log_plan(
     shown = view or LogView()
 
     def make(host: ModelHost, making: Making) -> LogModel:
-        replay = first_replay(log, shown, host.limits(), making.goes_on)
+        replay = first_replay(log, shown, host.limits(), making.may_continue)
         return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
 
     return Plan(make, logs=(log,), playing=playing)

@@ -1,4 +1,4 @@
-"""The log that a session shows: the scans that are in its map, its trajectory, and what is asked about it."""
+"""The log of a session: its replay, its trajectory, and its diagnosis."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from server.sessions.why import Source
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
 
-COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try where a log's map is too large at the default one
+COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
 
 
 def first_config(log: ScanLog) -> MappingConfig:
-    """Return the parameters that a log is mapped with at first."""
+    """Return the initial parameters for a log."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
     return MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": range_max}))
 
 
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
-    """Return the replay that a session begins with: what ``view`` says, coarser where the map is too large.
+    """Return the initial replay of a session: as in ``view``, with larger cells if the map is too large.
 
-    Raises :class:`mapper.core.errors.WorkCancelledError` where ``wanted``, asked now and then, says False.
+    Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
     """
     config = first_config(log).with_values(view.values or {})
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
@@ -56,7 +56,7 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
 
 
 class LogRecording:
-    """A log, and the replay that makes its map. ``log_id`` and ``topic`` say where in the library it is from."""
+    """A log, and the replay that makes its map. ``log_id`` and ``topic`` identify it in the library."""
 
     def __init__(self, host: ModelHost, replay: Replay, log_id: str = "", topic: str | None = None) -> None:
         self.log_id = log_id
@@ -78,16 +78,16 @@ class LogRecording:
         return self.replay.trajectory
 
     def first_config(self) -> MappingConfig:
-        """Return the parameters that the log is mapped with at first."""
+        """Return the initial parameters for the log."""
         return first_config(self.log)
 
-    def seen(self) -> LogView:
-        """Return what is shown now."""
+    def view(self) -> LogView:
+        """Return the present view: sensor, trajectory, parameters, scans in the map."""
         replay = self.replay
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
 
     def choose(self, trajectory: str) -> None:
-        """Make the map with another trajectory (worker thread). Raises as :class:`Replay`; nothing has changed then."""
+        """Recompute the map with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
         old = self.replay
         replay = Replay(old.log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
@@ -96,7 +96,7 @@ class LogRecording:
         self.replay = replay
 
     def robot_state(self) -> RobotState:
-        """Return the scan that came last into the map; before the first, its place without readings."""
+        """Return the newest scan in the map; before the first scan, its pose without readings."""
         log, index = self.log, self.replay.index
         newest = max(index - 1, 0)
         scan = log.scan(newest)
@@ -107,20 +107,20 @@ class LogRecording:
         return RobotState(base, sensor, sensor, scan, float(self.recorded[newest]))
 
     def sources(self) -> list[Source]:
-        """Return the log, as far as it is in the map."""
+        """Return the scans that are in the map."""
         return [Source(self.log, self.trajectory, self.replay.index, self.recorded)]
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
-        """Return how the map that is shown is made, and the name of its trajectory, between two ticks."""
-        async with self._host.still():
+        """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
+        async with self._host.locked():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
     async def examined(self) -> list[Finding]:
-        """Return what the doctor finds in the log with the present trajectory.
+        """Return the diagnosis of the log with the present trajectory.
 
-        Requests during an examination wait for its result. One that failed is repeated at the next request, and one
-        that is under way ends with the session. Raises as :func:`mapper.diagnosis.examine`.
+        Requests during an examination wait for its result. A failed examination is repeated at the next request; a
+        running one ends with the session. Raises as :func:`mapper.diagnosis.examine`.
         """
         name = self.trajectory
         known = self._examinations.get(name)

@@ -1,4 +1,4 @@
-"""The other side of a comparison: a second map, of the session's log or of another one, and how the two differ."""
+"""The second map of a comparison, of the session's log or of another one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from server.sessions.why import Source
 
 
 class SecondMapView:
-    """A map beside a log session's own. Of the same log it holds as many scans; another log is in it as a whole."""
+    """The second map of a log session. It has the same number of scans of the same log, or all scans of another log."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class SecondMapView:
         self._recorded = recorded_seconds(log)
 
     def description(self) -> dict[str, Any]:
-        """What the page should know of it: the ``compare`` of a ``parameters`` message."""
+        """The description of the map: ``compare`` of a ``parameters`` message."""
         wanted = self._wanted
         return {
             "values": wanted.values,
@@ -52,15 +52,15 @@ class SecondMapView:
             "title": wanted.title,
         }
 
-    def follow(self, config: MappingConfig) -> None:
-        """Make the map anew where it follows the session's parameters. Raises as :meth:`Replay.reconfigure`."""
+    def reconfigure(self, config: MappingConfig) -> None:
+        """Recompute the map with the session's parameters, except its own. Raises as :meth:`Replay.reconfigure`."""
         beside = self.second.config_for(config)
         if beside != self.replay.config:
             self.replay.reconfigure(beside)
             self.second.begin(beside, self.replay.grid)
 
     def advance(self, index: int) -> None:
-        """Go to where the session is in its log."""
+        """Go to the session's index in its log."""
         if not self._follows or index == self.replay.index:
             return
         grid = self.replay.grid
@@ -71,25 +71,25 @@ class SecondMapView:
             self.second.begin(self.replay.config, self.replay.grid)
 
     def sources(self) -> list[Source]:
-        """The scans that the map is made of."""
+        """The scans that are in the map."""
         return [Source(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
 
     def compared(self, grid: OccupancyGrid) -> Comparison:
-        """Compare with the session's map. Raises :class:`MapperError` where the two have no lattice in common."""
+        """Compare with the session's map. Raises :class:`MapperError` if the two have no common lattice."""
         self.check_lattice(grid)
         return compare(self.replay.grid, grid)
 
     def check_lattice(self, grid: OccupancyGrid) -> None:
-        """Raise :class:`MapperError` where this map and the session's have no lattice in common."""
+        """Raise :class:`MapperError` if this map and the session's have no common lattice."""
         try:
             on_one_lattice(self.replay.grid, grid)
         except MapperError as error:
-            raise MapperError("compare.lattice", apart(self.replay.grid, grid, error)) from error
+            raise MapperError("compare.lattice", lattice_error(self.replay.grid, grid, error)) from error
 
 
-def apart(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
+def lattice_error(a: OccupancyGrid, b: OccupancyGrid, error: MapperError) -> str:
     """Return in one sentence why two maps cannot be compared cell by cell."""
     sizes = a.geometry.resolution, b.geometry.resolution
     if sizes[0] != sizes[1]:
-        return f"A has cells of {sizes[0]:g} m and B of {sizes[1]:g} m: they have none in common."
-    return f"The two maps cannot be laid onto one lattice: {error.message}"
+        return f"A has cells of {sizes[0]:g} m and B of {sizes[1]:g} m: the cells do not coincide."
+    return f"The two maps have no common lattice: {error.message}"

@@ -1,4 +1,4 @@
-"""The model of a simulation: a simulated robot walks in a world, and its map fills in."""
+"""The model of a simulation: a robot explores a simulated world and maps it."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, integer, text, values
 
 MAX_STEP_SCANS = 100
-SCANS_AT_ONCE = 10  #: of a step in one tick
+SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
 _ROWS = tuple(row for row in PARAMETERS if row.name not in LOG_ONLY)
 
 
 class SimulationModel(SessionModel):
-    """A simulated world, its robot and the map of what that has seen."""
+    """A simulated world, its robot, and the map of its scans."""
 
     kind: ClassVar[str] = "simulation"
     replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "restart"})
     resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
-        """``max_story_s`` is the computing time that replaying its story may take, seconds."""
+        """``max_story_s`` is the longest computing time for replaying its story, seconds."""
         super().__init__()
         self._mapper = mapper
-        mapper.limits, mapper.wanted = host.limits, host.goes_on
+        mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
         self.story = SimulationStory(host, mapper, self.playback, max_story_s)
         self._questions = CellQuestions(self._explained)
@@ -59,13 +59,13 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
-        self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: what was last sent of it
+        self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second one where there is one."""
+        """The map, and the second map if there is one."""
         return (self._map,) if self._second is None else (self._map, self._second)
 
     @property
@@ -105,16 +105,16 @@ class SimulationModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """How much of the map is done that is being made anew."""
+        """The share of the recomputation of the map that is done."""
         return self._mapper.fraction
 
     @property
     def progress(self) -> tuple[int, int]:
-        """Of the scans that were taken those that were not taken out again are in the map."""
+        """Scans in the map, scans taken; ``step`` back removes scans from the map."""
         return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
 
     def robot_state(self) -> RobotState:
-        """Return where the robot is now, and its newest scan."""
+        """Return the robot's present pose and its newest scan."""
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = mapper.newest
         if scan is None:
@@ -126,7 +126,7 @@ class SimulationModel(SessionModel):
         if mapper.believed_pose == mapper.newest_pose:
             return robot_state
         believed = mapper.believed_pose
-        # Since its newest scan the robot has moved as it truly has: the drift of a tenth of a second cannot be seen.
+        # The true motion since the newest scan is added: the drift in a tenth of a second is negligible.
         since = compose(inverse(np.array(mapper.newest_pose)), np.array(robot_state.pose))
         now = as_pose(compose(believed, since))
         return replace(robot_state, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
@@ -161,7 +161,7 @@ class SimulationModel(SessionModel):
         sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
         return SceneControls(
             playing=self.playback.playing,
-            hint="Click the floor to put the robot there.",
+            hint="Click the floor to place the robot there.",
             tables=(self.parameters.controls(), sensor),
             choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
             can_restart=True,
@@ -169,13 +169,13 @@ class SimulationModel(SessionModel):
         )
 
     def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
-        """Put the robot there."""
+        """Return the command that places the robot at (x, y)."""
         return {"type": "teleport", "x": x, "y": y}
 
     # -- messages -------------------------------------------------------------------------------------------------
 
     def particulars(self) -> dict[str, Any]:
-        """Return the parameters, the sensor and the world; first parameters are those of a lidar."""
+        """Return the parameters, the sensor and the world; initial parameters are those for a lidar."""
         return {
             "parameters": self.parameters.table(self._mapper.first_config(SensorConfig())),
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
@@ -188,7 +188,7 @@ class SimulationModel(SessionModel):
         return [self._parameters_message(), self._world_message()]
 
     def _parameters_message(self) -> dict[str, Any]:
-        """Return the parameters, the robot's faults and what the second map has otherwise."""
+        """Return the parameters, the robot's faults and the parameters in which the second map differs."""
         second = self._mapper.second
         return parameters_message(self.config, self.sensor) | {
             "faults": asdict(self._mapper.faults),
@@ -211,18 +211,18 @@ class SimulationModel(SessionModel):
         }
 
     def frame(self) -> dict[str, Any]:
-        """Return where the robot is, and whether it walks by itself."""
+        """Return the robot's pose, and whether it explores by itself."""
         robot = self._report.frame(self.robot_state())
         return self.parameters.frame() | robot | {"auto": self._mapper.simulation.auto}
 
     def scan(self) -> dict[str, Any]:
-        """Return what the robot sees."""
+        """Return the newest scan."""
         return self._report.scan(self.robot_state(), self.config)
 
     # -- computing ------------------------------------------------------------------------------------------------
 
     def resume(self, story: dict[str, Any]) -> None:
-        """Play, or not, at the speed of a story. Raises :class:`ConfigError` for no such speed."""
+        """Set playing and speed as in a story. Raises :class:`ConfigError` for a speed out of range."""
         low, high = self.playback.speeds
         speed = story.get("speed") or self.playback.speed
         if not low <= speed <= high:
@@ -234,18 +234,18 @@ class SimulationModel(SessionModel):
         result.new_grid = True
 
     def settle(self, result: TickResult) -> None:
-        """Make the map with other parameters."""
+        """Recompute the map with other parameters."""
         self.parameters.settle(result)
 
     def advance(self, dt: float, result: TickResult) -> None:
-        """Let the robot walk and see."""
+        """Advance the simulation, and map its scans."""
         if dt > 0.0:
             result.changed = True
             for change in self._mapper.advance(dt * self.playback.speed):
                 result.add(change)
 
     def draw(self, result: TickResult) -> None:
-        """Draw the maps, and tell how the two forget what was erased from the world."""
+        """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
@@ -286,16 +286,16 @@ class SimulationModel(SessionModel):
                 self._begin(self._mapper.plan, {"added": added, "erased": erased}, result)
                 self.playback.playing = True
             case "seek":
-                raise ProtocolError("world.seek", "A live world cannot go to another time; restart begins it anew.")
+                raise ProtocolError("world.seek", "A simulation cannot seek; use restart.")
             case other:
-                raise ProtocolError("command.unknown", f"A simulation knows no command {other!r:.80}.")
+                raise ProtocolError("command.unknown", f"A simulation has no command {other!r:.80}.")
         result.changed = True
 
     def _act(self, command: dict[str, Any], result: TickResult) -> None:
         mapper, second = self._mapper, self._mapper.second
         act(mapper, command, result)
         result.changed = True
-        self.parameters.follow(mapper.config)  # a sensor of another kind brings the model that suits it
+        self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
         if command["type"] == "drive":
             self.playback.playing = True
         if command["type"] == "edit":
@@ -306,7 +306,7 @@ class SimulationModel(SessionModel):
     def _step(self, command: dict[str, Any], result: TickResult) -> None:
         scans = integer(command, "scans", 1)
         if not 1 <= abs(scans) <= MAX_STEP_SCANS:
-            raise ProtocolError("command.scans", f"A live world steps by 1 to {MAX_STEP_SCANS} scans, on or back.")
+            raise ProtocolError("command.scans", f"A simulation steps forward or back by 1 to {MAX_STEP_SCANS} scans.")
         self.playback.playing = False
         if scans < 0:
             result.new_grid |= self._mapper.step_back(-scans)

@@ -1,4 +1,4 @@
-"""The commands that move the robot, its sensor or its world. Each is noted in the journal, to be replayed."""
+"""The commands that move the robot, its sensor or its world. Each is recorded in the journal for replay."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ACTIONS = ("teleport", "drive", "auto", "sensor", "edit")
 
 
 def flag(command: dict[str, Any], key: str) -> bool:
-    """Return a true or false of a command, false where it is left out. Raises :class:`ProtocolError`."""
+    """Return a flag of a command, False if it is left out. Raises :class:`ProtocolError`."""
     value = command.get(key, False)
     if not isinstance(value, bool):
         raise ProtocolError(f"command.{key}", f'"{key}" must be true or false, not {value!r:.80}.')
@@ -21,7 +21,7 @@ def flag(command: dict[str, Any], key: str) -> bool:
 
 
 def edits_of(command: dict[str, Any]) -> Edits:
-    """Return the edits that a command names, none where it names none. Raises :class:`ConfigError`."""
+    """Return the edits in a command, which may be none. Raises :class:`ConfigError`."""
     return Edits.of(command.get("added", []), command.get("erased", []))
 
 
@@ -44,7 +44,7 @@ def act(mapper: LiveMap, command: dict[str, Any], result: TickResult) -> None:
             result.new_grid |= mapper.set_sensor(simulation.sensor.with_values(values(command)))
         case "edit":
             if mapper.edit(edits_of(command), watch=flag(command, "watch")):
-                result.notice("edit.moved", "The robot stood where you drew: it made way.")
+                result.notice("edit.moved", "The robot was where you drew: it was moved aside.")
         case other:
-            raise ProtocolError("command.unknown", f"{other!r:.80} is nothing that a robot or its world can do.")
+            raise ProtocolError("command.unknown", f"A simulation has no command {other!r:.80}.")
     mapper.journal.append((steps, {key: value for key, value in command.items() if key != "watch"}))

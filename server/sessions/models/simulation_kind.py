@@ -1,4 +1,4 @@
-"""How sessions of a simulation are asked for and made."""
+"""Request and plan of simulation sessions."""
 
 from __future__ import annotations
 
@@ -25,32 +25,34 @@ class Story(BaseModel):
 
     model_config = ConfigDict(extra="ignore")
 
-    sensor: dict[str, Any] = Field({}, description="Values of the simulated sensor at the beginning.")
-    edits: dict[str, list[Any]] = Field({}, description="What was drawn and erased at the beginning: added, erased.")
+    sensor: dict[str, Any] = Field({}, description="Initial values of the simulated sensor.")
+    edits: dict[str, list[Any]] = Field({}, description="Initial edits of the world: added, erased.")
     steps: int = Field(0, ge=0, description="Physics steps of 0.02 s since the beginning.")
     journal: list[tuple[int, dict[str, Any]]] | None = Field(
-        None, description="Each action and the step before which it came; null where only the pose is known."
+        None, description="Each action with the step before which it was carried out; null if only the pose is known."
     )
-    pose: tuple[float, float, float] | None = Field(None, description="Where the robot is now, where journal is null.")
-    auto: bool = Field(True, description="Whether it walks by itself then.")
-    parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from a new world's.")
+    pose: tuple[float, float, float] | None = Field(None, description="Final pose of the robot, if journal is null.")
+    auto: bool = Field(True, description="Whether the robot explores by itself then.")
+    parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from the initial ones.")
     faults: dict[str, Any] = Field({}, description="The robot's faults.")
-    playing: bool = Field(True, description="Whether time goes on.")
-    speed: float | None = Field(None, description="Seconds of the world's time in a second.")
+    playing: bool = Field(True, description="Whether the session plays.")
+    speed: float | None = Field(None, description="Simulated seconds per second.")
 
 
 class NewSimulation(SessionRequest):
-    """A session of a live world."""
+    """A session of a simulation."""
 
     kind: Literal["simulation"]
-    playing: bool = Field(True, description="Whether time goes on from the start; false stands still, story or not.")
-    world: str | None = Field(
-        None, max_length=100, description="Name of the world; the first one where it is left out."
+    playing: bool = Field(
+        True, description="Whether the session plays from the start; false pauses it, also with a story."
     )
+    world: str | None = Field(None, max_length=100, description="Name of the world; by default the first one.")
     seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
-    story: Story | None = Field(None, description="What happened in a world before, as /api/sessions/{id}/story tells.")
+    story: Story | None = Field(None, description="Recorded history of a simulation, from /api/sessions/{id}/story.")
     name: str | None = Field(
-        None, max_length=100, description="A name under which /api/sessions/making/{name} tells how far the replay is."
+        None,
+        max_length=100,
+        description="A name under which /api/sessions/making/{name} returns the progress of the replay.",
     )
 
 
@@ -63,10 +65,10 @@ def simulation_plan(
     playing: bool = True,
     name: str | None = None,
 ) -> Plan:
-    """Return the plan of a simulated world, with ``story`` of one in which all of it has happened.
+    """Return the plan of a simulation; with ``story``, of one in which that history was replayed.
 
     Raises :class:`mapper.core.errors.LimitError` for a story that would take more than ``max_story_s`` to replay and
-    :class:`mapper.core.errors.ConfigError` for no world; making it raises as :func:`replayed`.
+    :class:`mapper.core.errors.ConfigError` for an unknown world; making it raises as :func:`replayed`.
     """
     story = story or {}
     cost_s = check_story(story, max_story_s)
@@ -74,7 +76,7 @@ def simulation_plan(
     begun["seed"] = secrets.randbelow(2**31) if seed is None else seed
 
     def make(host: ModelHost, making: Making) -> SimulationModel:
-        mapper = replayed(begun, limits=host.limits, wanted=making.goes_on, report=making.report)
+        mapper = replayed(begun, limits=host.limits, wanted=making.may_continue, report=making.report)
         model = SimulationModel(host, mapper, max_story_s)
         model.resume(story)
         return model

@@ -1,4 +1,4 @@
-"""The story of a simulation: all that is needed to make its world, its recording and its map again."""
+"""The story of a simulation: its recorded history, from which its world, recording and map can be reproduced."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
 
-MAX_JOURNAL = 1000  #: actions that a story holds
-MAX_STORY_S = 600.0  #: seconds of the world's time that are replayed
+MAX_JOURNAL = 1000  #: most actions in a story
+MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds
 
 
 class SimulationStory:
-    """The story of a session: that of its world, whether it plays, and how fast. ``most_s`` as in :func:`story_of`."""
+    """The story of a session: that of its simulation, playing, and speed. ``max_s`` as in :func:`story_of`."""
 
-    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, most_s: float) -> None:
-        self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, most_s
+    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, max_s: float) -> None:
+        self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, max_s
 
     async def current(self) -> dict[str, Any]:
-        """Return it as it is between two ticks."""
-        async with self._host.still():
+        """Return the story, between two ticks."""
+        async with self._host.locked():
             story = story_of(self._mapper, self._most_s)
             return story | {"speed": self._playback.speed, "playing": self._playback.playing}
 
 
-def story_of(mapper: LiveMap, most_s: float = math.inf) -> dict[str, Any]:
-    """Return the story of a simulation; :func:`replayed` makes it again.
+def story_of(mapper: LiveMap, max_s: float = math.inf) -> dict[str, Any]:
+    """Return the story of a simulation, the argument of :func:`replayed`.
 
-    ``journal`` is None where the story is too long, or would take more than ``most_s`` seconds to replay; the world
-    then only begins as it stands now.
+    ``journal`` is None if the story is too long or would take more than ``max_s`` seconds to replay; a replay then
+    only begins with the present world and pose.
     """
     short = len(mapper.journal) <= MAX_JOURNAL and mapper.simulation.steps * STEP <= MAX_STORY_S
     whole = {"sensor": asdict(mapper.first_sensor), "steps": mapper.simulation.steps, "journal": mapper.journal}
-    short = short and story_seconds(whole) <= most_s
+    short = short and story_seconds(whole) <= max_s
     first = mapper.first_edits if short else mapper.edits
     added, erased = first.as_lists()
     sensor = mapper.first_sensor if short else mapper.simulation.sensor
@@ -69,12 +69,12 @@ def replayed(
     wanted: Callable[[], bool] = lambda: True,
     report: Callable[[float], None] = lambda _: None,
 ) -> LiveMap:
-    """Return the map to which everything in a story has happened again.
+    """Replay a story, and return its map.
 
-    ``world`` and ``seed`` are there, the rest may be left out. ``wanted`` is asked about every hundredth of a second,
-    and ``report`` is called with the share of the world's time that has passed. Raises :class:`LimitError` for a story
-    that is too long, :class:`mapper.core.errors.WorkCancelledError` where it is not wanted any more, and as the
-    mapper does for one that cannot be replayed.
+    ``world`` and ``seed`` are required. ``wanted`` is called about every hundredth of a second, ``report`` with the
+    share of the simulated time that has passed. Raises :class:`LimitError` for a story that is too long,
+    :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False, and as the mapper does for a story that
+    cannot be replayed.
     """
     journal, steps = story.get("journal"), story.get("steps", 0)
     if len(journal or ()) > MAX_JOURNAL or not 0 <= steps * STEP <= MAX_STORY_S:
@@ -87,21 +87,21 @@ def replayed(
         sensor=sensor,
         edits=edits,
         limits=limits,
-        mapping=False,  # one map at the end costs less than one after each scan
+        mapping=False,  # mapping once at the end costs less than after each scan
         wanted=wanted,
     )
 
     def advance_to(step: int) -> None:
         while mapper.simulation.steps < step:
             if not wanted():
-                raise WorkCancelledError("story.unwanted", "The story is not wanted any more.")
+                raise WorkCancelledError("story.unwanted", "The replay was cancelled.")
             mapper.advance(STEP)
             report(mapper.simulation.steps / max(1, steps))
 
     for at, command in journal or ():
         advance_to(min(at, steps))
         if not wanted():
-            raise WorkCancelledError("story.unwanted", "The story is not wanted any more.")
+            raise WorkCancelledError("story.unwanted", "The replay was cancelled.")
         _replay(mapper, command)
     advance_to(steps)
     if journal is None and story.get("pose") is not None:
@@ -116,7 +116,7 @@ def replayed(
 
 def _replay(mapper: LiveMap, command: dict[str, Any]) -> None:
     if command.get("type") not in ACTIONS:
-        raise ConfigError("story.action", f"A story holds no {command.get('type')!r:.80}.")
+        raise ConfigError("story.action", f"A story cannot contain the action {command.get('type')!r:.80}.")
     try:
         act(mapper, command, TickResult())
     except ProtocolError as error:
@@ -124,5 +124,5 @@ def _replay(mapper: LiveMap, command: dict[str, Any]) -> None:
 
 
 def _changed(config: MappingConfig | SensorConfig | Faults, first: object) -> dict[str, Any]:
-    """Return the fields in which two of a kind differ."""
+    """Return the fields in which two tables of one type differ."""
     return {name: getattr(config, name) for name in config.__slots__ if getattr(config, name) != getattr(first, name)}

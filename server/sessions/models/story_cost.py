@@ -1,4 +1,4 @@
-"""The computing time that replaying a story takes, estimated before it begins."""
+"""Estimate of the computing time for replaying a story."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STEP_S = 1.2e-4  #: one step of the simulation
 SCAN_S = 6e-4  #: one scan, whatever its readings
 BEAM_S = 1.1e-6  #: one beam of a lidar
 RAY_S = 2.6e-6  #: one ray of a sonar's cone, with its part of the map
-ACTION_S = 8e-3  #: one action after which the robot plans its way anew
+ACTION_S = 8e-3  #: one action after which the robot plans its path again
 SOLID_S = 1e-4  #: one wall or box of an edit
 _PLANNED_ANEW = ("teleport", "edit", "auto")
 
@@ -22,7 +22,7 @@ _PLANNED_ANEW = ("teleport", "edit", "auto")
 def story_seconds(story: dict[str, Any]) -> float:
     """Return the estimated processor time, in seconds, of :func:`server.sessions.models.story.replayed`.
 
-    Values that make no sense count as nothing: they are refused when the story is replayed.
+    Invalid values are ignored: they are refused when the story is replayed.
     """
     steps = max(0, story.get("steps") or 0)
     sensor = _with_values(SensorConfig(), story.get("sensor"))
@@ -41,13 +41,13 @@ def story_seconds(story: dict[str, Any]) -> float:
     return total + _scans_s(sensor, steps - at)
 
 
-def check_story(story: dict[str, Any], most_s: float) -> float:
-    """Return :func:`story_seconds`. Raises :class:`LimitError` where that is more than ``most_s``."""
+def check_story(story: dict[str, Any], max_s: float) -> float:
+    """Return :func:`story_seconds`. Raises :class:`LimitError` if that is more than ``max_s``."""
     seconds = story_seconds(story)
-    if seconds > most_s:
+    if seconds > max_s:
         raise LimitError(
             "story.costly",
-            f"To replay this world would take about {seconds:.0f} s of computing, more than the {most_s:g} s that this "
+            f"Replaying this world would take about {seconds:.0f} s of computing, more than the {max_s:g} s that this "
             "service allows (setting GRIDBLOOM_MAX_STORY_S).",
         )
     return seconds

@@ -60,7 +60,7 @@ function columnsOf(buffer: ArrayBuffer, first: number, columns: number, count: n
 function checkSize(view: DataView, first: number, rest?: number): void {
   const size = view.byteLength;
   if (size < first + (rest ?? 0)) {
-    throw new ProtocolError("frame.cut", `The frame promises ${first + (rest ?? 0)} bytes; ${size} are there.`);
+    throw new ProtocolError("frame.cut", `The frame states ${first + (rest ?? 0)} bytes and has ${size}.`);
   }
   if (rest !== undefined && size > first + rest) {
     throw new ProtocolError("frame.rest", `${size - first - rest} bytes follow the content.`);

@@ -23,7 +23,7 @@ export function decodeTiles(view: DataView<ArrayBuffer>, at: number, count: numb
   const tiles: TilePayload[] = [];
   for (let i = 0; i < count; i++) {
     if (at + TILE_HEADER_BYTES > size) {
-      throw new ProtocolError("frame.cut", `The frame promises ${count} tiles and ends after ${i}.`);
+      throw new ProtocolError("frame.cut", `The frame states ${count} tiles and ends after ${i}.`);
     }
     const tx = view.getInt16(at, true);
     const ty = view.getInt16(at + 2, true);
@@ -31,7 +31,7 @@ export function decodeTiles(view: DataView<ArrayBuffer>, at: number, count: numb
     const nbytes = view.getUint32(at + 8, true);
     at += TILE_HEADER_BYTES;
     if (at + nbytes > size) {
-      throw new ProtocolError("frame.cut", `Tile (${tx}, ${ty}) promises ${nbytes} bytes; ${size - at} are left.`);
+      throw new ProtocolError("frame.cut", `Tile (${tx}, ${ty}) states ${nbytes} bytes; ${size - at} are left.`);
     }
     tiles.push({ tx, ty, revision, data: new Uint8Array(view.buffer, at, nbytes) });
     at += nbytes;

@@ -33,7 +33,7 @@ export interface Parameter {
   readonly group: string;
   /** which of the other fields apply */
   readonly kind: "choice" | "flag" | "number";
-  /** value with which such a session begins */
+  /** initial value */
   readonly initial: Value;
   /** explanation, one sentence */
   readonly sentence: string;
@@ -66,7 +66,7 @@ export interface Table {
 export interface TrajectoryInfo {
   /** name, as the command `trajectory` takes it */
   readonly name: string;
-  /** where the poses come from */
+  /** source of the poses */
   readonly description: string;
 }
 
@@ -74,7 +74,7 @@ export interface TrajectoryInfo {
 export interface LogInfo {
   /** id in the library */
   readonly id: string;
-  /** trajectory with which the map is made */
+  /** trajectory of the map */
   readonly trajectory: string;
   /** all trajectories of the log */
   readonly trajectories: readonly TrajectoryInfo[];
@@ -90,7 +90,7 @@ export interface LogInfo {
   readonly notes: readonly string[];
 }
 
-/** what a layer is made of */
+/** kind of content of a layer */
 export type LayerKind = "graph" | "grid" | "path" | "points";
 
 /** One of the layers of a session. */
@@ -99,9 +99,9 @@ export interface LayerInfo {
   readonly id: number;
   /** name, as the commands take it */
   readonly name: string;
-  /** what it is made of */
+  /** kind of its content */
   readonly kind: LayerKind;
-  /** name for the person */
+  /** title on the page */
   readonly title: string;
   /** how the page paints it: a palette of grids, or an overlay */
   readonly style: string;
@@ -115,13 +115,13 @@ export type Pose = readonly [x: number, y: number, yaw: number];
 /** [x, y] in m */
 export type Point = readonly [x: number, y: number];
 
-/** How the second map of a session differs from the first in what it is made with. */
+/** The parameters of the second map of a session that differ from those of the first. */
 export interface Compared {
   /** parameters in which it differs */
   readonly values: Values;
-  /** whether the robot's faults enter it */
+  /** whether the robot's faults affect it */
   readonly with_faults: boolean;
-  /** log sessions: trajectory with which the second map is made */
+  /** log sessions: trajectory of the second map */
   readonly trajectory?: string;
   /** log sessions: id of its log; null for the session's own log */
   readonly log?: string | null;
@@ -157,14 +157,14 @@ export interface Numbers {
   readonly mean_difference: number;
   /** greatest absolute difference of the probabilities */
   readonly max_difference: number;
-  /** centre of that cell; null where the maps do not differ */
+  /** centre of that cell; null if the maps do not differ */
   readonly max_at: Point | null;
 }
 
 /** wall from corner to corner, or axis-aligned box between two corners; cm in the map frame */
 export type DrawnSolid = readonly [kind: "box" | "wall", x0: number, y0: number, x1: number, y1: number];
 
-/** Changes to a world as it was built. */
+/** Edits of a world. */
 export interface Edits {
   /** solids that were drawn */
   readonly added: readonly DrawnSolid[];
@@ -178,7 +178,7 @@ export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
-/** What one beam added to a cell. */
+/** The contribution of one beam to a cell. */
 export interface Contribution {
   /** number of the contribution, from 1 */
   readonly n: number;
@@ -202,7 +202,7 @@ export interface Contribution {
   readonly log_odds: number;
 }
 
-/** First message of a connection: what the session is. */
+/** First message of a connection: description of the session. */
 export interface Hello {
   readonly type: "hello";
   /** name of the protocol, `gridbloom.v2` */
@@ -213,15 +213,15 @@ export interface Hello {
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
-  /** changes when the server restarts or the session is made anew */
+  /** changes when the server restarts or the session is created again */
   readonly epoch_id: string;
   /** least and greatest playback speed */
   readonly speeds: readonly [least: number, greatest: number];
   /** mapping parameters */
   readonly parameters: Table;
-  /** parameters of the simulated sensor; null where there is none */
+  /** parameters of the simulated sensor; null if there is none */
   readonly sensor: Table | null;
-  /** the log; null where there is none */
+  /** the log; null if there is none */
   readonly log: LogInfo | null;
   /** simulations: name of the world */
   readonly world?: string;
@@ -229,16 +229,16 @@ export interface Hello {
   readonly seed?: number;
 }
 
-/** What the session shows. Sent at the start and after a change. */
+/** The layers of the session. Sent at the start and after a change. */
 export interface LayersMessage {
   readonly type: "layers";
-  /** the layers; the first is sent to who subscribes to none */
+  /** the layers; without a subscription the first is sent */
   readonly layers: readonly LayerInfo[];
 }
 
 /**
- * The grid to which the tiles of an epoch belong. Tiles of another epoch are void. Sent before the first tiles of an
- * epoch, of each grid that the page has subscribed to.
+ * The grid to which the tiles of an epoch belong. Tiles of another epoch are ignored. Sent before the first tiles of
+ * an epoch, of each grid that the page has subscribed to.
  */
 export interface Geometry {
   readonly type: "geometry";
@@ -254,9 +254,9 @@ export interface Geometry {
   readonly cols: number;
   /** pose of the outer corner of cell (0, 0) in the map frame */
   readonly origin: Pose;
-  /** what the tile value -127 stands for */
+  /** value of -127 in a tile */
   readonly low: number;
-  /** what the tile value +127 stands for */
+  /** value of +127 in a tile */
   readonly high: number;
   /** cells along the side of a tile */
   readonly tile: 64;
@@ -265,35 +265,35 @@ export interface Geometry {
 /**
  * Newest state of the session, sent directly before the tiles of the same instant. The fields of the scan
  * (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`, `beam_width`,
- * `range_max`) are sent only with a new scan: where `ranges` is missing, all of them are unchanged.
+ * `range_max`) are sent only with a new scan: if `ranges` is missing, all of them are unchanged.
  */
 export interface FrameMessage {
   readonly type: "frame";
   /** monotonic clock of the server, s; for measuring the age of the frame */
   readonly t: number;
-  /** whether time passes */
+  /** whether the session plays */
   readonly playing: boolean;
   /** playback speed; 1 is real time */
   readonly speed: number;
   /** scans in the map */
   readonly index: number;
-  /** scans that there are */
+  /** scans in total */
   readonly count: number;
-  /** time of the state in the world or the recording, s */
+  /** simulated or recorded time of the state, s */
   readonly stamp: number;
   /** T_map_base now */
   readonly pose: Pose;
-  /** T_map_laser now, without the mount correction that the parameters hold */
+  /** T_map_laser now, without the mount correction of the parameters */
   readonly sensor_pose: Pose;
   /** whether the robot explores by itself */
   readonly auto: boolean;
-  /** `pose` as the map has it; only while the odometry drifts */
+  /** estimate of `pose` that the map uses; only while the odometry drifts */
   readonly believed_pose?: Pose;
   /** time in which the map was last recomputed with other parameters, ms */
   readonly remade_ms?: number;
   /** T_map_laser at the newest scan, without the mount correction */
   readonly scan_pose?: Pose;
-  /** `scan_pose` as the map has it; only while the odometry drifts */
+  /** estimate of `scan_pose` that the map uses; only while the odometry drifts */
   readonly believed_scan_pose?: Pose;
   /** readings of the newest scan, m; null for no return or no valid reading */
   readonly ranges?: readonly (number | null)[];
@@ -301,11 +301,11 @@ export interface FrameMessage {
   readonly angle_min?: number;
   /** angle between two beams, rad */
   readonly angle_increment?: number;
-  /** bearing of each beam where they are uneven (sonars), rad */
+  /** bearing of each beam if they are uneven (sonars), rad */
   readonly bearings?: readonly number[];
   /** full angle of a sonar's cone, rad */
   readonly beam_width?: number;
-  /** greatest range that is used, m */
+  /** largest range that is used, m */
   readonly range_max?: number;
 }
 
@@ -318,29 +318,29 @@ export interface Trajectory {
   readonly every: number;
   /** position of the base at those scans */
   readonly poses: readonly Point[];
-  /** recorded time passed at those scans, s */
+  /** recorded time at those scans, from the first scan, s */
   readonly stamps: readonly number[];
 }
 
-/** Present parameters: after a change by anyone, and as an answer to a refused change. */
+/** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
   /** mapping parameters */
   readonly values: Values;
-  /** simulated sensor; null where there is none */
+  /** simulated sensor; null if there is none */
   readonly sensor: Values | null;
-  /** simulations: faults that enter the map */
+  /** simulations: faults that affect the map */
   readonly faults?: Values;
-  /** the second map; null where there is none */
+  /** the second map; null if there is none */
   readonly compare?: Compared | null;
 }
 
-/** Log sessions: how the map, B, differs from the second one, A. Both fields null: nothing is compared. */
+/** Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison. */
 export interface ComparisonMessage {
   readonly type: "comparison";
   /** scans in the map */
   readonly index: number;
-  /** why the maps cannot be compared, one sentence */
+  /** reason why the maps cannot be compared, one sentence */
   readonly refused: string | null;
   /** the comparison */
   readonly numbers: Numbers | null;
@@ -361,16 +361,16 @@ export interface WorldMessage {
   readonly polygons: readonly (readonly Point[])[];
   /** of each polygon: index of the built solid, or -1 - its index in `added` */
   readonly ids: readonly number[];
-  /** changes to the world as it was built */
+  /** edits of the world */
   readonly edits: Edits;
-  /** faces that return nothing while the fault `specular` is on */
+  /** faces that give no return while the fault `specular` is on */
   readonly polished: readonly Segment[];
 }
 
 /** Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
 export interface Forgetting {
   readonly type: "forgetting";
-  /** cells that held what was erased; 0: nothing is watched */
+  /** occupied cells of what was erased; 0: nothing is watched */
   readonly cells: number;
   /** scans since then */
   readonly scans: number;
@@ -384,16 +384,16 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
-/** A computation takes more than 0.3 s. Repeated four times a second until it has ended. */
+/** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
 export interface WorkingMessage {
   readonly type: "working";
   /** time since its start, s; null: it has ended */
   readonly elapsed_s: number | null;
-  /** share that is done, 0 to 1; null where not known */
+  /** share that is done, 0 to 1; null if not known */
   readonly fraction: number | null;
 }
 
-/** Something that the person should know, such as the end of the log. */
+/** A notice to the user, such as the end of the log. */
 export interface NoticeMessage {
   readonly type: "notice";
   /** stable name of the notice */
@@ -426,7 +426,7 @@ export interface CellMessage {
   readonly x: number;
   /** y of the cell's centre in the map frame, m */
   readonly y: number;
-  /** whether any beam has touched the cell */
+  /** whether any beam has updated the cell */
   readonly observed: boolean;
   /** log-odds of being occupied */
   readonly log_odds: number;
@@ -438,7 +438,7 @@ export interface CellMessage {
   readonly layer: string;
 }
 
-/** Answer to `why`: the beams that touched a cell, from the map of `index` scans. */
+/** Answer to `why`: the beams that updated a cell in the map of `index` scans. */
 export interface WhyMessage {
   readonly type: "why";
   /** row of the cell */
@@ -459,15 +459,15 @@ export interface WhyMessage {
   readonly log_odds_max: number | null;
   /** whether each scan counts once */
   readonly per_scan: boolean;
-  /** beams that touched the cell */
+  /** beams that updated the cell */
   readonly total: number;
   /** those that raised its log-odds */
   readonly hits: number;
-  /** index of the first scan that touched it */
+  /** index of the first scan that updated it */
   readonly first_scan: number | null;
   /** [n, log-odds] over all contributions, at most 600 points; extremes are kept */
   readonly curve: readonly (readonly [number, number])[];
-  /** at most 300 contributions, up to the one asked for */
+  /** at most 300 contributions, up to the requested one */
   readonly contributions: readonly Contribution[];
   /** name of the layer of that map */
   readonly layer: string;
@@ -482,14 +482,14 @@ export interface Pong {
   readonly t: number;
 }
 
-/** The binary frames up to `seq` were painted. */
+/** Acknowledge that the binary frames up to `seq` were painted. */
 export interface AckCommand {
   readonly type: "ack";
   /** number of the newest such frame */
   readonly seq: number;
 }
 
-/** After a reconnect, before `subscribe`: which tiles of a grid are still there. Only newer ones are then sent. */
+/** After a reconnect, before `subscribe`: the tiles of a grid that the page still has. Only newer ones are sent. */
 export interface ResumeCommand {
   readonly type: "resume";
   /** of the `hello` of the earlier connection */
@@ -502,29 +502,29 @@ export interface ResumeCommand {
   readonly revision: number;
 }
 
-/** Which layers to send from now on. Without it, the first. */
+/** Set the layers to send from now on. Without it the first layer is sent. */
 export interface SubscribeCommand {
   readonly type: "subscribe";
   /** names of all layers that are wanted */
   readonly layers: readonly string[];
 }
 
-/** Let time pass. */
+/** Start playing. */
 export interface PlayCommand {
   readonly type: "play";
 }
 
-/** Stop time. */
+/** Pause. */
 export interface PauseCommand {
   readonly type: "pause";
 }
 
-/** Begin again with an empty map. */
+/** Restart with an empty map. */
 export interface RestartCommand {
   readonly type: "restart";
 }
 
-/** Pause, and go forward or back by some scans. */
+/** Pause, and step forward or back by some scans. */
 export interface StepCommand {
   readonly type: "step";
   /** number of scans; negative: back */
@@ -538,10 +538,10 @@ export interface SpeedCommand {
   readonly value: number;
 }
 
-/** Log sessions: go to the map after some scans. */
+/** Log sessions: seek the map after a number of scans. */
 export interface SeekCommand {
   readonly type: "seek";
-  /** scans in the map, 0 to their number */
+  /** number of scans in the map, 0 to that of the log */
   readonly index: number;
 }
 
@@ -559,28 +559,28 @@ export interface SensorCommand {
   readonly values: Values;
 }
 
-/** Simulations: which faults of the robot enter the map. The whole map is recomputed. */
+/** Simulations: set which faults of the robot affect the map. The whole map is recomputed. */
 export interface FaultsCommand {
   readonly type: "faults";
   /** `drift`, `specular`: true or false */
   readonly values: Values;
 }
 
-/** Simulations: make a second map of the same recording. Logs: `PUT /api/sessions/{id}/compare`. */
+/** Simulations: make a second map of the same recording. For logs use `PUT /api/sessions/{id}/compare`. */
 export interface CompareCommand {
   readonly type: "compare";
   /** parameters in which it differs; null: no second map */
   readonly values?: Values | null;
 }
 
-/** Simulations: put the robot somewhere; it moves to the nearest free place. */
+/** Simulations: place the robot; a position inside a wall is replaced by the nearest free one. */
 export interface TeleportCommand {
   readonly type: "teleport";
   /** x in the map frame, m */
   readonly x: number;
   /** y in the map frame, m */
   readonly y: number;
-  /** heading, rad; null: as it is */
+  /** heading, rad; null: unchanged */
   readonly yaw?: number | null;
 }
 
@@ -593,14 +593,14 @@ export interface DriveCommand {
   readonly angular: number;
 }
 
-/** Simulations: let the robot explore by itself, or not. */
+/** Simulations: switch the robot's own exploration on or off. */
 export interface AutoCommand {
   readonly type: "auto";
   /** whether it explores */
   readonly value?: boolean;
 }
 
-/** Simulations: all changes to the world as it was built; they replace the earlier ones. */
+/** Simulations: set all edits of the world; they replace the earlier ones. */
 export interface EditCommand {
   readonly type: "edit";
   /** walls and boxes to draw */
@@ -611,7 +611,7 @@ export interface EditCommand {
   readonly watch?: boolean;
 }
 
-/** Simulations: begin in another world. */
+/** Simulations: restart in another world. */
 export interface WorldCommand {
   readonly type: "world";
   /** one of `names` of the message `world` */
@@ -622,14 +622,14 @@ export interface WorldCommand {
   readonly erased?: readonly number[];
 }
 
-/** Log sessions: make the map with another trajectory. */
+/** Log sessions: recompute the map with another trajectory. */
 export interface TrajectoryCommand {
   readonly type: "trajectory";
   /** one of the `trajectories` of `hello` */
   readonly name: string;
 }
 
-/** Ask for one cell; answered with `cell`. */
+/** Request the state of one cell; answered with `cell`. */
 export interface InspectCommand {
   readonly type: "inspect";
   /** row of the cell */
@@ -642,7 +642,7 @@ export interface InspectCommand {
   readonly layer?: string;
 }
 
-/** Ask what each beam added to a cell; answered with `why`. Of several that wait only the newest is answered. */
+/** Request the contributions to a cell; answered with `why`. Of several in a tick only the newest is answered. */
 export interface WhyCommand {
   readonly type: "why";
   /** row of the cell */
@@ -657,7 +657,7 @@ export interface WhyCommand {
   readonly layer?: string;
 }
 
-/** Ask for a `pong`. */
+/** Request a `pong`. */
 export interface PingCommand {
   readonly type: "ping";
   /** returned in the answer */
@@ -925,7 +925,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
 };
 
-/** What a person reads when the server closes the connection with one of these codes. */
+/** The sentence that the page shows when the server closes the connection with one of these codes. */
 export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
   1008: "The server closed the connection because this page sent something that is not allowed or too much of it.",
   1009: "The server closed the connection because this page sent a message that is too long.",

@@ -64,7 +64,7 @@ async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypat
         ]
 
     monkeypatch.setattr(session.model, "drawings", guarded_drawings)
-    async with session.still():
+    async with session.locked():
         guard.computing = True
         scene.enter()  # which asks for a drawing with the map
         waiting = cast("Any", session)._lock
@@ -89,7 +89,7 @@ async def test_a_later_tick_does_not_change_what_was_read(service: Service) -> N
     grid, robot = contents(state, GridColumns), contents(state, RobotBody)
     assert isinstance(grid, GridContent)
     before = grid.levels.floor.copy(), robot.beams.copy()
-    async with session.still():
+    async with session.locked():
         session.model.grid.log_odds += 1.0
         session.model.grid.observed[:] = True
         view_of(session).ranges[:] = 0.5

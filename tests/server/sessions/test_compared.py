@@ -91,7 +91,7 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
-    with pytest.raises(MapperError, match="no other one"):
+    with pytest.raises(MapperError, match="no comparison"):
         await session.model.comparison.compared()
     await session.model.comparison.compare(Wanted({"window": 0.2}))
     for wanted in (Wanted({"window": 9.0}), Wanted({}, "no such poses"), Wanted({"no such": 1})):
@@ -108,7 +108,7 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
     with pytest.raises(MapperError):
         await new_log(registry, "me", replace(office_log, name="x"), view=LogView(trajectory="no such"))
     await session.model.comparison.compare(None)
-    with pytest.raises(MapperError, match="no other one"):
+    with pytest.raises(MapperError, match="no comparison"):
         await session.model.comparison.compared()
 
 

@@ -230,8 +230,8 @@ async def test_a_newer_command_does_not_end_an_examination(
     session = await new_log(registry, "me", office_log)
     # As while a map is computed that a newer slider move replaces.
     monkeypatch.setattr(session, "_is_outdated", lambda: True)
-    with session.giving_up():
-        assert not session.goes_on()
+    with session.cancellable():
+        assert not session.may_continue()
         assert await session.model.recording.examined() == []
 
 

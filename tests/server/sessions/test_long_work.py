@@ -94,7 +94,7 @@ async def test_a_map_is_given_up_for_newer_parameters(
 async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(host_module, "GIVE_UP_S", 0.0)  # they have come for long
+    monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # they have come for long
     session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)

@@ -126,7 +126,7 @@ async def test_one_visitor_has_half_of_the_cells_and_of_the_memory_for_logs(
     theirs = await new_log(registry, "you", office_log)
     for _ in range(3):
         (await new_log(registry, "me", office_log)).join()
-    with pytest.raises(SessionBudgetError, match="all the cells that there are, or that one visitor may have"):
+    with pytest.raises(SessionBudgetError, match="all cells of the service, or all that one visitor may have"):
         await new_log(registry, "me", office_log)
     assert not theirs.closed, "nobody watches it, but to end it would make no room"
     assert (await new_log(registry, "you", office_log)).model.config.resolution == 0.05

@@ -137,8 +137,8 @@ def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> 
     for i in range(20):
         mapper.journal.append((i, {"type": "edit", "added": [BOX], "erased": []}))
     cost = story_seconds(story_of(mapper))
-    assert story_of(mapper, most_s=1.01 * cost)["journal"] is not None
-    short = story_of(mapper, most_s=0.99 * cost)
+    assert story_of(mapper, max_s=1.01 * cost)["journal"] is not None
+    short = story_of(mapper, max_s=0.99 * cost)
     assert short["journal"] is None
     check_story(short, 0.99 * cost)
 

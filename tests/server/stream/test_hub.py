@@ -364,7 +364,7 @@ def test_answers_do_not_pile_up() -> None:
     client = source.hub.join()
     client.take()
     for i in range(10 * MAX_ANSWERS):
-        client.tell({"type": "pong", "id": i})
+        client.send({"type": "pong", "id": i})
         source.hub.set_slot({"type": "parameters", "values": {"i": i}})
     out = client.take()
     assert len(out) == MAX_ANSWERS + 1
