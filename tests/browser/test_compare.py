@@ -222,15 +222,15 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     assert store(viewer, "why")["layer"] == "second_map"
     assert all(t["increment"] == pytest.approx(kept) for t in store(viewer, "why")["contributions"] if not t["hit"])
     viewer.locator(".why .choice-option", has_text="In B").click()
-    until("the other answer", lambda: (why := store(viewer, "why")) and "map" not in why)
+    until("the other answer", lambda: (why := store(viewer, "why")) and why["layer"] == "map")
     viewer.keyboard.press("Escape")
 
     # The address opens all of it again, here and, when this session has ended, in another one.
     until("the address", lambda: "#compare=" in address(viewer) and "blink" in address(viewer))
     link, told_before = address(viewer), numbers(viewer)
     session = evaluate(viewer, "() => new URLSearchParams(location.search).get('session')")
+    viewer.goto("about:blank")  # the end of a session ends the examination that a page may still wait for
     assert viewer.request.delete(f"{server}/api/sessions/{session}").status == 204
-    viewer.goto("about:blank")
     viewer.goto(link.replace(f"&session={session}", ""))
     until("the same numbers", lambda: store_is_there(viewer) and numbers(viewer) == told_before)
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")
