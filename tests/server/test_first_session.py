@@ -29,19 +29,19 @@ class Watch:
 sys.meta_path.insert(0, Watch())
 with running(settings_for(Path(sys.argv[1]))) as service:
     seen.append("ready")
-    session = service.begin(kind=sys.argv[2], **{sys.argv[2]: sys.argv[3]})
+    session = service.begin(kind=sys.argv[2], **{sys.argv[3]: sys.argv[4]})
     assert service.http.get(f"/api/sessions/{session}/map.pgm").status_code == 200
     sessions = service.state.sessions
     sessions.loop.call_soon_threadsafe(sessions.get(session).enqueue, {"type": "step", "scans": 5})
-    until(lambda: sessions.get(session).grid.observed.any())
+    until(lambda: sessions.get(session).model.grid.observed.any())
 print(seen)
 """
 
 
-@pytest.mark.parametrize(("kind", "name"), [("world", "office"), ("log", "sample-office")])
-def test_a_worker_thread_imports_numba(kind: str, name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("kind", "key", "name"), [("simulation", "world", "office"), ("log", "log", "sample-office")])
+def test_a_worker_thread_imports_numba(kind: str, key: str, name: str, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(tmp_path), kind, name],
+        [sys.executable, "-c", PROGRAM, str(tmp_path), kind, key, name],
         cwd=ROOT,
         capture_output=True,
         text=True,
