@@ -16,7 +16,7 @@ from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import compare as comparing
 from server.http.routes import docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream
-from server.http.routes import downloads as taking
+from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
 from server.library import Library
@@ -88,7 +88,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         doctor.router,
         comparing.router,
         maps.router,
-        taking.router,
+        download_files.router,
         stream.router,
         logs.router,
         links.router,

@@ -15,7 +15,7 @@ import numpy as np
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
-from mapper.mapping.kernels import amanatides_woo as crossings
+from mapper.mapping.kernels import amanatides_woo
 from mapper.mapping.kernels import bresenham as lines
 from mapper.mapping.kernels.amanatides_woo import _crosses
 from mapper.mapping.kernels.bresenham import _step_at
@@ -89,11 +89,11 @@ def contributions_of_rays(planned: Float64Array, resolution: float, row: int, co
     count = 0
     for j in range(planned.shape[0]):
         ray = planned[j]
-        u, v, z, half = ray[crossings.U], ray[crossings.V], ray[crossings.Z], ray[crossings.HALF]
-        end_u, end_v = ray[crossings.END_U], ray[crossings.END_V]
+        u, v, z, half = ray[amanatides_woo.U], ray[amanatides_woo.V], ray[amanatides_woo.Z], ray[amanatides_woo.HALF]
+        end_u, end_v = ray[amanatides_woo.END_U], ray[amanatides_woo.END_V]
         if isnan(z):
             continue
-        hit_row, hit_col = int(_cell_of(ray[crossings.HIT_V])), int(_cell_of(ray[crossings.HIT_U]))
+        hit_row, hit_col = int(_cell_of(ray[amanatides_woo.HIT_V])), int(_cell_of(ray[amanatides_woo.HIT_U]))
         kind = -1
         if z < inf and row == hit_row and col == hit_col:
             kind = HIT
