@@ -80,8 +80,9 @@ def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserC
     yield context
     for page in context.pages:
         page.close()
-    for session in context.request.get(f"{server}/api/sessions").json()["sessions"]:
-        context.request.delete(f"{server}/api/sessions/{session['id']}")
+    # The service closes connections that were idle for 5 s, perhaps just now: such a request is sent again.
+    for session in context.request.get(f"{server}/api/sessions", max_retries=2).json()["sessions"]:
+        context.request.delete(f"{server}/api/sessions/{session['id']}", max_retries=2)
     context.close()
 
 

@@ -90,8 +90,7 @@ def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_a
         expect(page.locator(".lab-status")).to_have_text("live")
         confirmed = "() => { const s = gridbloom.connection.store;"
         confirmed += " return Object.keys({ ...s.mapping.pending(), ...s.robot.pending() }).length === 0; }"
-        until("the server to have it", lambda: page.evaluate(confirmed))
-        assert page.evaluate(set_here) == before
+        until("the server to have it", lambda: page.evaluate(confirmed) and page.evaluate(set_here) == before)
         expect(page.get_by_role("switch", name="Odometry drift")).to_have_attribute("aria-checked", "true")
 
 
