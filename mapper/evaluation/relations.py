@@ -17,7 +17,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.evaluation.pose_error import magnitudes
 from mapper.evaluation.record_order import poses_at_records, records_at, records_of_relations
 from mapper.evaluation.statistics import ErrorSeries
-from mapper.sensors.scan import check_poses
+from mapper.sensors.timed_poses import check_poses
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 Float64Array = NDArray[np.float64]

@@ -54,12 +54,7 @@ def cut_to(log: ScanLog, poses: TimedPoses) -> tuple[ScanLog, list[str]]:
         scans = "1 scan lies" if outside == 1 else f"{outside} scans lie"
         left = "is left out" if outside == 1 else "are left out"
         notes.append(f"{scans} before the first or after the last pose of the trajectory, and {left}.")
-        log = replace(
-            log,
-            ranges=log.ranges[inside],
-            stamps_ns=log.stamps_ns[inside],
-            trajectories={name: replace(one, poses=one.poses[inside]) for name, one in log.trajectories.items()},
-        )
+        log = log.take(inside)
     far = int(np.count_nonzero(_to_nearest_ns(log.stamps_ns, poses.stamps_ns) > FAR_S * 1e9))
     if far:
         scans = "1 scan is" if far == 1 else f"{far} scans are"
