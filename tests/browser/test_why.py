@@ -221,7 +221,7 @@ _COVERED = """() => {
 }"""
 
 
-@pytest.mark.parametrize("context", ["desktop", "laptop", "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["desktop", pytest.param("laptop", marks=pytest.mark.long), "phone"], indirect=True)
 def test_the_panel_covers_no_control_of_the_log(viewer: Page) -> None:
     ask(viewer)
     expect(viewer.locator(".why .why-chart")).to_be_visible()
