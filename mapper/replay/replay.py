@@ -8,8 +8,8 @@ import numpy as np
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, grid_for
+from mapper.grid import CellBox, OccupancyGrid
+from mapper.mapping.integrate import Change, grid_for
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.replay.bounds import BoundsCache

@@ -1,8 +1,21 @@
-"""The tables of the records, as the newest migration leaves them; a test compares the two."""
+"""The tables of the records, as the newest revision leaves them; a test compares the two."""
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Boolean, Column, Double, ForeignKey, Index, Integer, MetaData, String, Table, Text
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    PrimaryKeyConstraint,
+    String,
+    Table,
+    Text,
+)
 
 metadata = MetaData()
 
@@ -59,3 +72,11 @@ trajectories = Table(
 
 #: One row: what tells the store of logs that the records belong to from every other.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
+
+#: One row: the newest revision that was run. alembic makes this table as well and uses it.
+alembic_version = Table(
+    "alembic_version",
+    MetaData(),
+    Column("version_num", String(32), nullable=False),
+    PrimaryKeyConstraint("version_num", name="alembic_version_pkc"),
+)
