@@ -14,9 +14,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log
+    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log, open_robot_log
 
-__all__ = ["is_log", "log_files", "odometry_records", "open_log"]
+__all__ = ["is_log", "log_files", "odometry_records", "open_log", "open_robot_log"]
 
 
 def __getattr__(name: str) -> object:
