@@ -27,7 +27,8 @@ from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.mapping.update import update_grid
 from mapper.mapping.update_plan import UpdatePlan, plan_update
-from mapper.sensors.scan import RangeScan, ScanLog, check_poses
+from mapper.sensors.scan import RangeScan, ScanLog
+from mapper.sensors.timed_poses import check_poses
 
 Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
 BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from sqlalchemy import (
     BigInteger,
+    Boolean,
     Column,
     Double,
     ForeignKey,
@@ -49,6 +50,24 @@ links = Table(
     Column("created_s", Double, nullable=False),
     Column("view", Text, nullable=False),  # JSON
     Index("links_by_log_id", "log_id"),
+)
+
+#: One row for each trajectory that a visitor has added to a log. It goes with its log.
+trajectories = Table(
+    "trajectories",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("name", Text, nullable=False),
+    Column("description", Text, nullable=False),
+    Column("source", String(16), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("poses", Integer, nullable=False),
+    Column("length_m", Double, nullable=False),
+    Column("has_graph", Boolean, nullable=False),
+    Index("trajectories_by_log_id", "log_id"),
 )
 
 #: One row: what tells the store of logs that the records belong to from every other.

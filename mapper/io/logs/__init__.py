@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 from mapper.core.lazy_imports import attributes_from
 
 if TYPE_CHECKING:
-    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log
+    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log, open_robot_log
 
-__all__ = ["is_log", "log_files", "odometry_records", "open_log"]
+__all__ = ["is_log", "log_files", "odometry_records", "open_log", "open_robot_log"]
 
 # The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the service
 # does, has no need of them.
