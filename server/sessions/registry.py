@@ -24,7 +24,7 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.stream.traffic import Traffic
-from server.work.scheduler import Party, Scheduler
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from server.sessions.host import SessionHost
@@ -138,7 +138,7 @@ class SessionRegistry:
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
         host = (await asyncio.to_thread(_host_class))(
-            party=Party(owner, address),
+            job_owner=JobOwner(owner, address),
             pool=self.pool,
             limits=self.limits,
             scheduler=self._scheduler,
@@ -151,7 +151,7 @@ class SessionRegistry:
                 await self.free_bytes(log, owner, guest=link is not None)
             with self.under_way.making(owner, plan.name) as making:
                 job = partial(plan.make, host, making)
-                model = await self._scheduler.run(self.pool, host.party, job, waited_for=plan.waited_for)
+                model = await self._scheduler.run(self.pool, host.job_owner, job, interactive=plan.interactive)
             model.playback.playing = model.playback.playing and plan.playing
             host.start(model)
             self._sessions[host.id] = host
