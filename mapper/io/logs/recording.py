@@ -111,20 +111,32 @@ class Recording:
         channel = self._channels.get(key)
         return channel is not None and channel.take is not None
 
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._channels
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count messages of a stream of which nothing is made, and which were not read."""
+        if key in self._channels:
+            self._channels[key].count += count
+
     def take(self, key: int, stamp_ns: int, data: bytes) -> None:
         """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
 
         Raises :class:`LimitError`.
         """
-        self._messages += 1
-        if self._messages > self.limits.max_messages:
-            raise LimitError("log.too_many_messages", f"The log has more than {self.limits.max_messages} messages.")
         channel = self._channels.get(key)
         if channel is None:
             return
         channel.count += 1
         if channel.take is None:
             return
+        self._messages += 1
+        if self._messages > self.limits.max_messages:
+            raise LimitError(
+                "log.too_many_messages",
+                f"The log has more than the limit of {self.limits.max_messages} messages of scans and poses.",
+            )
         try:
             if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
@@ -154,8 +166,8 @@ class Recording:
         if self._scans > self.limits.max_scans or self._readings > self.limits.max_readings:
             raise LimitError(
                 "log.too_many_scans",
-                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans and "
-                f"{self.limits.max_readings} readings.",
+                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans "
+                f"(max_scans) and {self.limits.max_readings} readings (max_readings).",
             )
         name = channel.topic
         sensor = self._sensors.get(name)
