@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.marks import also_long
 
 # The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
 # takes the robot), and a look at it from so near that a click cannot miss it.
@@ -221,7 +222,7 @@ _COVERED = """() => {
 }"""
 
 
-@pytest.mark.parametrize("context", ["desktop", pytest.param("laptop", marks=pytest.mark.long), "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
 def test_the_panel_covers_no_control_of_the_log(viewer: Page) -> None:
     ask(viewer)
     expect(viewer.locator(".why .why-chart")).to_be_visible()
