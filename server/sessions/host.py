@@ -24,8 +24,9 @@ from server.sessions.computation import compute_tick
 from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.hub import Client, Hub, Traffic
+from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
+from server.stream.traffic import Traffic
 from server.work.scheduler import Party, Scheduler, checkpoint
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -15,8 +15,11 @@ from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
 from server.http.routes.maps import asker_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.sessions import SessionHost, SessionRegistry
-from server.sessions.parts import Recording
+from server.sessions import SessionRegistry
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 

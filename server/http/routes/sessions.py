@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Body, Request
 from fastapi.responses import JSONResponse, Response
@@ -17,8 +17,11 @@ from mapper.mapping.parameters import PARAMETERS
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
-from server.sessions import Kind, SessionHost
+from server.sessions import Kind
 from server.sessions.kind import SessionRequest
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 

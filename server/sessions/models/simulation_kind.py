@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 import secrets
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.sessions.hosting import ModelHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
-from server.sessions.model import SessionModel
 from server.work.scheduler import URGENT_S
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 DEFAULT_WORLD = "office"
 
