@@ -202,8 +202,9 @@ class ScanLog:
     ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
     A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
     and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
-    ``frame_id`` is the sensor's frame. ``time_increment`` is the time from one beam to the next and ``scan_time`` from
-    one scan to the next, seconds, 0 where the file does not state them; where scans state different ones, the median.
+    ``topic`` is the sensor's name in its file, empty for formats of one stream, and ``frame_id`` its frame.
+    ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
+    where the file does not state them; where scans state different ones, the median.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     """
 
@@ -220,6 +221,7 @@ class ScanLog:
     beam_width: float = 0.0
     name: str = ""
     format: str = ""
+    topic: str = ""
     topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
     frame_id: str = "laser"
     time_increment: float = 0.0

@@ -83,6 +83,8 @@ class _OutOfTime(BaseException):
 
 
 def _out_of_time(number: int, _: object) -> None:
+    for other in (signal.SIGALRM, signal.SIGPROF):  # the other one may be due as well, while this one is handled
+        signal.signal(other, signal.SIG_IGN)
     raise _OutOfTime(number)
 
 
@@ -128,9 +130,11 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T]) -> T:
 
 
 def _read(job: Job) -> LogSummary:
-    from mapper.io.logs import open_log  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
-    log = open_log(Path(job.source), topic=job.topic, progress=note_progress)
+    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic)
+    log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:
         try:
@@ -138,7 +142,7 @@ def _read(job: Job) -> LogSummary:
         except OSError as error:
             message = "What was read of the log could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
-    return summarise(log)
+    return summarise(log.first)
 
 
 def time_error(timeout_s: float) -> LimitError:

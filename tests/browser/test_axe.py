@@ -93,7 +93,7 @@ def test_axe_finds_nothing_serious(page: Page, server: str, path: str) -> None:
 @pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
 def test_the_lab_in_every_state(page: Page, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
-    open_lab()
+    open_lab(scans=15)
     page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
     page.get_by_role("switch", name="Odometry drift").click()
     page.get_by_role("switch", name="Polished walls").click()

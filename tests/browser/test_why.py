@@ -205,7 +205,7 @@ def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
     expect(page.locator(".why")).to_have_count(0)
 
 
-@pytest.mark.parametrize("context", ["desktop", "laptop", "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["desktop", pytest.param("laptop", marks=pytest.mark.long), "phone"], indirect=True)
 def test_in_a_log_the_answer_takes_the_place_of_the_open_group(viewer: Page) -> None:
     open_group(viewer, "Download")
     picture = viewer.locator(".picture").first

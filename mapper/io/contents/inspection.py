@@ -82,7 +82,7 @@ class Inspector(Recording):
         """Return whether this stream's messages are to be read: all are, for their sizes count."""
         return key in self._counted_by_key
 
-    def take(self, key: int, stamp_ns: int, data: bytes) -> None:
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""
         self._n_messages += 1
         if self._n_messages > self.limits.max_messages:
@@ -91,7 +91,7 @@ class Inspector(Recording):
         if topic is None:
             return
         topic.messages += 1
-        topic.bytes += len(data)
+        topic.bytes += len(data) if size is None else size
         if 0 < stamp_ns < LAST_NS:
             topic.first_ns = min(topic.first_ns or stamp_ns, stamp_ns)
             topic.last_ns = max(topic.last_ns, stamp_ns)

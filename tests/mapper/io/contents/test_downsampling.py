@@ -18,7 +18,7 @@ def by_loop(stamps: list[int], column: list[float], buckets: int) -> list[tuple[
     for at, stamp in enumerate(stamps):
         place = min(int((stamp - first) / span * buckets), buckets - 1) if span else 0
         held.setdefault(place, []).append(at)
-    rows = []
+    rows: list[tuple[int, float]] = []
     for indices in held.values():
         known = [at for at in indices if not math.isnan(column[at])]
         low = min(known, key=lambda at: column[at], default=None)
