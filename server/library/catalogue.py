@@ -92,7 +92,8 @@ class Catalogue:
     def _remove_unreferenced_packs(self) -> None:
         """Remove half packs, and those that belong to no record."""
         for path in self._packs.iterdir():
-            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self.folder_logs):
+            log_id = path.name.partition(".")[0]
+            if path.suffix != ".npz" or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
 
     # -- looking ------------------------------------------------------------------------------------------------
@@ -126,6 +127,10 @@ class Catalogue:
     def pack(self, log_id: str) -> Path:
         """Return the path of the pack of a log."""
         return self._packs / f"{log_id}.npz"
+
+    def contents(self, log_id: str) -> Path:
+        """Return where the contents of a log's recording are, or will be."""
+        return self._packs / f"{log_id}.contents.npz"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
@@ -170,6 +175,7 @@ class Catalogue:
             self._records.pop(log_id, None)
             self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
             self.pack(log_id).unlink(missing_ok=True)
+            self.contents(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
                 await self._delete_unused_blob(record.sha256)
         if self._forgotten is not None:

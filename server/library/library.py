@@ -14,10 +14,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.io.contents.model import Contents
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
+from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
@@ -122,6 +124,12 @@ class Library:
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
+        self._inspections = Inspections(
+            self._catalogue,
+            timeout_s=self._limits.read_timeout_s,
+            cpu_s=self._limits.read_cpu_s,
+            memory_bytes=memory,
+        )
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -148,6 +156,7 @@ class Library:
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
+        await self._inspections.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -352,6 +361,15 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
+        """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
+
+        Each call keeps it going, and counts as ``visitor``'s. The sample is no recording and holds nothing. Raises
+        :class:`LogNotFoundError`, and what the reader raised.
+        """
+        record = self.get(owner, log_id)
+        return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
 
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""

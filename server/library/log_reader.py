@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import math
-from concurrent.futures import BrokenExecutor
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
+from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.summary import LogSummary
@@ -14,6 +15,8 @@ from server.library import workers
 from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
 from server.work.fair_lock import FairLock
+
+T = TypeVar("T")
 
 
 class Reader:
@@ -49,23 +52,31 @@ class Reader:
         """
         target = None if pack is None else str(pack)
         job = Job(str(source), target, topic, self._timeout_s, self._cpu_s, self._memory_bytes)
-        try:
-            # Its process has as long to notice that its time is over; then the worker is not asked any more.
-            deadline = self._timeout_s + 1.5 * workers.GRACE_S
-            return await asyncio.wait_for(asyncio.wrap_future(self._worker.submit(job)), deadline)
-        except TimeoutError:
-            self._worker.end()
-            raise time_error(self._timeout_s) from None
-        except BrokenExecutor:
-            self._worker.end()
-            raise ReadError(
-                "log.reader_died",
-                "The process that read this log was ended, most likely because the log needs too much memory or time.",
-            ) from None
-        except asyncio.CancelledError:
-            self._worker.end()
-            raise
+        return await outcome_of(self._worker, self._worker.submit(job), self._timeout_s)
 
     async def close(self) -> None:
         """Cancel the running job and wait until it has ended."""
         await asyncio.to_thread(self._worker.close)
+
+
+async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:
+    """Return the result of a job that ``worker`` has begun, and which has ``timeout_s`` seconds.
+
+    The worker ends it when this is cancelled. Raises what the job raises, :class:`LimitError` where it takes too long,
+    and :class:`ReadError` where its process was ended.
+    """
+    try:
+        # Its process has as long to notice that its time is over; then the worker is not asked any more.
+        return await asyncio.wait_for(asyncio.wrap_future(submitted), timeout_s + 1.5 * workers.GRACE_S)
+    except TimeoutError:
+        worker.end()
+        raise time_error(timeout_s) from None
+    except BrokenExecutor:
+        worker.end()
+        raise ReadError(
+            "log.reader_died",
+            "The process that read this log was ended, most likely because the log needs too much memory or time.",
+        ) from None
+    except asyncio.CancelledError:
+        worker.end()
+        raise

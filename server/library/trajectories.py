@@ -265,6 +265,6 @@ def _read(path: Path, log: ScanLog, description: str) -> tuple[int, Trajectory, 
     """Return the number of poses in a TUM file, the trajectory at the scans of ``log``, and notes."""
     from mapper.io.trajectories import poses_at_all_scans, read_tum  # noqa: PLC0415 - imports the readers
 
-    poses = read_tum(path, replace(DEFAULT_LIMITS, max_log_bytes=MAX_BYTES))
+    poses = read_tum(path, replace(DEFAULT_LIMITS, max_unpacked_bytes=MAX_BYTES, max_expansion=1))
     at_scans, notes = poses_at_all_scans(log, poses)
     return len(poses), Trajectory(at_scans, description), [*poses.notes, *notes]

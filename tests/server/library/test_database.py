@@ -73,7 +73,7 @@ def test_an_empty_database_gets_the_tables_that_the_revisions_make(
             found.append((_schema(connection), versions))
             assert compare_metadata(MigrationContext.configure(connection), metadata) == []
         engine.dispose()
-    assert list(found[0][0]) == ["alembic_version", "links", "logs", "store"]
+    assert list(found[0][0]) == sorted(["alembic_version", *metadata.tables])
     assert found[0] == found[1]
     assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD] == found[0][1]
 
