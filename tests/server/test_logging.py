@@ -53,7 +53,7 @@ def visit(
 
 
 @pytest.mark.parametrize("form", ["console", "json"])
-def test_no_line_holds_a_secret(
+def test_no_log_line_contains_a_secret(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, form: str
 ) -> None:
     failed = []

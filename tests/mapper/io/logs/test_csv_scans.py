@@ -66,7 +66,7 @@ def test_the_time_from_beam_to_beam(tmp_path):
         (HEAD + COLUMNS + "0,0,0,0" + ",1" * 20_001 + "\n", "log.too_many_beams", "Line 6 has 20001 ranges"),
     ],
 )
-def test_what_is_wrong_is_named(tmp_path, text, code, words):
+def test_errors_name_the_line_and_the_reason(tmp_path, text, code, words):
     path = tmp_path / "a.csv"
     path.write_text(text)
     with pytest.raises(MapperError, match=words) as caught:

@@ -88,7 +88,7 @@ def test_a_sonar_log_calls_for_cones(tmp_path: Path) -> None:
         (READINGS.replace("600", "nan"), POSES, "not finite"),
     ],
 )
-def test_bad_files_are_refused_in_one_sentence(tmp_path: Path, readings: str, poses: str | None, words: str) -> None:
+def test_bad_files_are_refused_with_one_sentence(tmp_path: Path, readings: str, poses: str | None, words: str) -> None:
     path = folder(tmp_path, readings, poses) / "measurement.txt"
     with pytest.raises(MapperError) as refused:
         open_log(path)
