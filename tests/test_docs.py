@@ -1,4 +1,4 @@
-"""The README says what the code does: its tables are written from the code. ``python tests/test_docs.py --write``."""
+"""The README agrees with the code: its tables are written from it. ``python tests/test_docs.py --write``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The lock of Python packages: all that pyproject.toml asks for, each with hashes, for every Python, and no address."""
+"""The lock of Python packages: all of pyproject.toml's, each with hashes, for every Python, without addresses."""
 
 from __future__ import annotations
 

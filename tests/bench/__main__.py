@@ -1,4 +1,4 @@
-"""``python -m tests.bench``: the mapping core's times beside those of the peers, in one run, as ratios."""
+"""``python -m tests.bench``: times of the mapping core and of the peers, measured in one run, as ratios."""
 
 from __future__ import annotations
 

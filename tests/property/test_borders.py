@@ -1,4 +1,4 @@
-"""What happens at the border of the grid: rays are clipped and never wrap, growth moves nothing."""
+"""The border of the grid: rays are clipped and never wrap, growth moves no cell."""
 
 import numpy as np
 import pytest

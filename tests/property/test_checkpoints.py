@@ -1,4 +1,4 @@
-"""Going back and far ahead by way of checkpoints gives the map made in one go, to the last bit."""
+"""Seeks by checkpoints give the same map as mapping from the start, to the last bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cells that lie exactly where a beam's evidence changes: on which side of each border they count, in closed form.
+"""Cells exactly at the limits of a beam's evidence: on which side of each limit they count, in closed form.
 
 A centre on a border is a rare chance among random numbers, so each is put there: cells of 1 m, a sensor that stands on
 a cell's centre, and numbers that doubles hold exactly.

@@ -1,4 +1,4 @@
-"""The two ways from a scan to its field: along the border, and by the exact test where rounding may decide."""
+"""The two ways to compute a perceptual field: along its boundary, and by the exact test near it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Partial maps, merged, against the map made in one go."""
+"""Merged partial maps against the map of all scans."""
 
 import numpy as np
 import pytest

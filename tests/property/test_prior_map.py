@@ -1,4 +1,4 @@
-"""Mapping that goes on from a map: nothing of it moves or is lost, and the prior is counted once."""
+"""Mapping that continues from a map: no cell moves or is lost, and the prior is counted once."""
 
 from __future__ import annotations
 

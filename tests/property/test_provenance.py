@@ -1,4 +1,4 @@
-"""What is told of a cell adds up to what the map holds, with every kind of update."""
+"""The provenance of a cell adds up to its value, with every kind of update."""
 
 import itertools
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A replay is the map of the first k scans, however one got there."""
+"""A replay has the map of the first k scans, after any sequence of seeks."""
 
 import numpy as np
 import pytest

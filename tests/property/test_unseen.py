@@ -1,4 +1,4 @@
-"""Cells are noted as observed without a write for each update: that must hold for every prior and every evidence."""
+"""The marking of observed cells without a separate write holds for every prior and every evidence."""
 
 import numpy as np
 import pytest

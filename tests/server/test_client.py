@@ -1,4 +1,4 @@
-"""The client for programs against a running service: what it returns is what the mapper makes of the same file."""
+"""The client for programs against a running service: its results equal the mapper's for the same file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Log lines hold no secret: neither the service's token, nor the id of a session, nor the token of a link."""
+"""Log lines contain no secret: no service token, session id or link token."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Starting: settings from the environment, the printed address, a port that is taken, an import without effects."""
+"""Start-up: settings from the environment, the printed address, a port in use, deferred imports."""
 
 from __future__ import annotations
 

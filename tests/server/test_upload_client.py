@@ -1,4 +1,4 @@
-"""``gridbloom upload`` against a running service, over a line that is cut again and again."""
+"""``gridbloom upload`` against a running service, over a connection that is cut repeatedly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""More threads give the same map, bit for bit; the split of the rows is whole and fair."""
+"""Results are equal to the last bit with any number of threads; rows are divided completely and evenly."""
 
 import os
 from functools import partial

@@ -1,4 +1,4 @@
-"""The log doctor: silent on clean logs; each fault, put into a clean one, is found where it is."""
+"""The log doctor: no findings on clean logs, and each injected fault is found at its scans."""
 
 from __future__ import annotations
 

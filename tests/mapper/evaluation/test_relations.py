@@ -1,4 +1,4 @@
-"""Relations: closed forms, and the figures that another program gave on Intel's."""
+"""Relations: closed forms, and the figures of another program for the Intel log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two maps compared: counts by hand, and signs."""
+"""Comparison of two maps: counts by hand, and signs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Golden pictures of tiny maps, and walls that survive being drawn small."""
+"""Expected pictures of tiny maps, and thin walls at reduced size."""
 
 from __future__ import annotations
 

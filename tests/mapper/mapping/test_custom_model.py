@@ -1,4 +1,4 @@
-"""Sensor models of one's own: the same map as a built-in model of the same profile, and clear errors."""
+"""Custom sensor models: the same map as a built-in model with the same profile, and clear errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot that turns while its lidar sweeps: each beam is placed where the sensor was when it was measured."""
+"""Deskewing: each beam is placed at the sensor's pose at the time of the beam."""
 
 from __future__ import annotations
 

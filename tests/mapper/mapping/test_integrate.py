@@ -1,4 +1,4 @@
-"""Putting scans into a grid: what counts as a reading, mounts, errors."""
+"""Integration of scans: valid readings, mounts, errors."""
 
 from dataclasses import replace
 

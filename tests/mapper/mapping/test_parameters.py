@@ -1,4 +1,4 @@
-"""The parameter table and the config that holds one value for each row."""
+"""The parameter table, and the config with one value for each row."""
 
 from dataclasses import fields
 

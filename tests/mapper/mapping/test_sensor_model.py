@@ -1,4 +1,4 @@
-"""The profile along a beam, against the books' tables and against the map that a reading makes."""
+"""The profile along a beam, against the books' tables and against the map of one reading."""
 
 from math import lgamma
 

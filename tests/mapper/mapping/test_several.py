@@ -1,4 +1,4 @@
-"""Two lidars on one robot make one map, in the order of time."""
+"""Two lidars of one robot make one map, in the order of time."""
 
 from __future__ import annotations
 

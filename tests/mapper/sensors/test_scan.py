@@ -1,4 +1,4 @@
-"""Scans and logs: what they refuse, where their beams point."""
+"""Scans and logs: validation, and the directions of beams."""
 
 from dataclasses import replace
 

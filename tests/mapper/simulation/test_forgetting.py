@@ -1,4 +1,4 @@
-"""How many scans a map needs to forget: held against the arithmetic of one cell."""
+"""The number of scans that a map needs to forget, against the arithmetic of one cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The recording holds what was appended, grows without copies handed out changing, and forgets no place."""
+"""The recording has what was appended, does not change arrays that it returned, and is thinned evenly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The live world: walking, driving, teleporting; the same again for the same seed."""
+"""The simulation: exploring, driving, teleporting; reproducible with the same seed."""
 
 from __future__ import annotations
 

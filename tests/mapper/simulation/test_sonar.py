@@ -1,4 +1,4 @@
-"""The ring of sonars in worlds whose distances are known, and the map that it makes."""
+"""The ring of sonars in worlds with known distances, and its map."""
 
 from __future__ import annotations
 

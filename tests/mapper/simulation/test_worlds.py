@@ -1,4 +1,4 @@
-"""The floor plans hold together: closed, reachable, furnished with sensible sizes."""
+"""The floor plans: closed, reachable, with furniture of plausible sizes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with an option or a log is said in one sentence, with exit status 2."""
+"""Errors of options and logs are one sentence, with exit status 2."""
 
 from __future__ import annotations
 

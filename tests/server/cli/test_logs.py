@@ -1,4 +1,4 @@
-"""``info`` and ``doctor``: what they say of a log."""
+"""``info`` and ``doctor``: their output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``merge``: map files of one place as one."""
+"""``merge``: map files of one place combined."""
 
 from __future__ import annotations
 

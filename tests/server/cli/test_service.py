@@ -1,4 +1,4 @@
-"""``serve``, and what the command imports to say what it can do."""
+"""``serve``, and what the command imports for ``--help``."""
 
 from __future__ import annotations
 

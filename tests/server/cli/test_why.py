@@ -1,4 +1,4 @@
-"""``why``: what made a cell what it is."""
+"""``why``: the contributions to a cell."""
 
 from __future__ import annotations
 

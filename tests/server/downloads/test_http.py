@@ -1,4 +1,4 @@
-"""Map files over HTTP: a pair is of one instant however the map grows, and ends with its client."""
+"""Map files over HTTP: yaml and pgm are of one map, and a download ends with its client."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps of named instants: one for each name, kept in bounded memory, gone with their session."""
+"""Named map snapshots: one for each name, in bounded memory, dropped with their session."""
 
 from __future__ import annotations
 

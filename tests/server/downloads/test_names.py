@@ -1,4 +1,4 @@
-"""Names of downloaded files: safe everywhere, and the one in the header is the one in the yaml."""
+"""Names of downloaded files: valid on all systems, and equal in header and yaml."""
 
 from __future__ import annotations
 

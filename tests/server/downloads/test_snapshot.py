@@ -1,4 +1,4 @@
-"""Pixels that are kept: they come back as they were, much of them from a file; and work that nobody waits for ends."""
+"""Compressed images: read back unchanged, partly from a file; cancelled work ends."""
 
 from __future__ import annotations
 

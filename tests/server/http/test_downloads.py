@@ -1,4 +1,4 @@
-"""A log taken away over HTTP: the files are those of the log and the map that the session shows."""
+"""Downloads of a log over HTTP: the files are those of the log and the map that the session shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links that open a view of a log, read-only, until they are revoked: on an open service and on one with a token."""
+"""Read-only links to a view of a log, on an open service and on one with a token."""
 
 from __future__ import annotations
 

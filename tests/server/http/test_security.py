@@ -1,4 +1,4 @@
-"""Host, Origin, token, visitor, headers, sizes: who may ask what."""
+"""Host, Origin, token, visitor, headers, sizes: which requests are accepted."""
 
 from __future__ import annotations
 

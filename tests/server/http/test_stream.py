@@ -1,4 +1,4 @@
-"""The stream over a real socket: what a browser gets, and what it can do wrong."""
+"""The stream over a real socket: what a browser receives, and the errors that it can cause."""
 
 from __future__ import annotations
 

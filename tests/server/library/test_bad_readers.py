@@ -1,4 +1,4 @@
-"""A reader that crashes, loops or eats memory ends its own job and nothing else; a job can be stopped and run again."""
+"""A reader that crashes, loops or uses too much memory ends only its own job, which can be run again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A store of blobs keeps each file once, whole or not at all: in a folder, and in a store that is none."""
+"""A store of blobs keeps each file completely or not at all: in a folder, and in a remote store."""
 
 from __future__ import annotations
 

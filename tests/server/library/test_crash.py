@@ -1,4 +1,4 @@
-"""A disk that is full at the n-th write, a process that is killed there, for each n: an upload is there whole or
+"""A disk that is full at the n-th write, a process that is killed there, for each n: an upload is stored whole or
 not at all.
 """
 

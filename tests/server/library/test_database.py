@@ -1,4 +1,4 @@
-"""The records in their database: up to date, whole, and with one sentence for each thing that is wrong with it."""
+"""The records in their database: migrated, consistent, and with one sentence for each error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder that the operator shares, and the sample: found out by themselves, and open to everybody."""
+"""The shared folder of the operator, and the sample: read without a request, and open to all visitors."""
 
 from __future__ import annotations
 

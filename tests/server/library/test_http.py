@@ -1,4 +1,4 @@
-"""``/api/logs`` as browsers meet it, hostile ones among them."""
+"""``/api/logs`` with requests of browsers, hostile ones among them."""
 
 from __future__ import annotations
 

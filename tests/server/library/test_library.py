@@ -1,4 +1,4 @@
-"""Uploads from the first byte to the loaded log, who sees what, and what a restart finds."""
+"""Uploads from the first byte to the loaded log, access of visitors, and restarts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A pack gives back the log that went in, whatever is in it, and refuses everything else."""
+"""A pack is read back unchanged, and every other file is refused."""
 
 from __future__ import annotations
 

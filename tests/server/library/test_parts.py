@@ -1,4 +1,4 @@
-"""Uploads that come in parts, and that are cut: at each tenth, by a hand-written client that just goes away."""
+"""Uploads in parts that are cut at each tenth, sent by a client that disconnects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Uploads that stop, stall, trickle, or are too much; and names that are only shown."""
+"""Uploads that stop, stall, are very slow or too large; and names that are only shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two stores of logs never share the records of one: the second is refused, and the first one's records stay."""
+"""Two stores of logs never share the records of one: the second is refused, and the records stay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trajectories that visitors add to logs: kept beside the log, seen by their owner, gone with the log."""
+"""Trajectories that visitors add to logs: stored with the log, shown to their owner, deleted with the log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""UploadSlots of uploads: slow ones make room for those that wait, and one address leaves the others theirs."""
+"""Upload slots: slow uploads are cancelled for waiting ones, and one address does not use all slots."""
 
 from __future__ import annotations
 

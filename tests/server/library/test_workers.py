@@ -1,4 +1,4 @@
-"""Logs read on an executor that is not ours: the same promises, kept by a process for each log."""
+"""Logs read on an external executor: the same guarantees, with one process for each log."""
 
 from __future__ import annotations
 

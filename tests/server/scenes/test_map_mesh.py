@@ -1,4 +1,4 @@
-"""What is drawn of a map lies where the map is, and is as sure as the map is."""
+"""The 3D map has the map's place, and its values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A real viser server behind the real proxy: what a browser is sent, and what it can bring about."""
+"""A real viser server behind the proxy: what a browser receives, and what it can do."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beams lie where the numbers say."""
+"""Positions of beams in the 3D view."""
 
 from __future__ import annotations
 

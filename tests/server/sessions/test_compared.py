@@ -1,4 +1,4 @@
-"""A log's map beside another one: what A is, what follows the hand, and the numbers against plain NumPy."""
+"""A log's map compared with another one: which parameters follow, and the numbers against plain NumPy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A log session: its clock, and its map against the mapper's own."""
+"""A log session: its clock, and its map against the mapper's."""
 
 from __future__ import annotations
 

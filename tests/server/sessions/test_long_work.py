@@ -1,4 +1,4 @@
-"""What takes long shows how far it is, hands its turn on, and is given up when it is of no use any more."""
+"""Long computations report their progress, yield their turn, and are cancelled when they are outdated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is computed while nobody waits: seeks ahead are prepared, and whoever commands has the machine at once."""
+"""Prefetching of checkpoints in idle time, which a command interrupts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Budgets: how many sessions, for whom, how large, how long unwatched."""
+"""Budgets: number of sessions, per visitor, size, idle time."""
 
 from __future__ import annotations
 

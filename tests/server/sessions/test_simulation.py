@@ -1,4 +1,4 @@
-"""The live world: what its map is made of, and what commands do to it."""
+"""The simulation session: what its map is made of, and the effects of commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world whose robot has faults, a second map beside the first, edits under watch, and a story told again."""
+"""A simulation with faults, a second map beside the first, watched edits, and replayed stories."""
 
 from __future__ import annotations
 

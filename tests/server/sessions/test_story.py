@@ -1,4 +1,4 @@
-"""Stories are replayed in slices, at a cost that is estimated before, and only as long as somebody waits."""
+"""Stories are replayed in slices, at an estimated cost, and only while their client is connected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of a cell: against the textbook's own recount, the map, and the cap on what one message holds."""
+"""The explanation of a cell: against the textbook, the map, and the limit on the size of a message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Binary frames come back as they went out, and what is no frame is refused in one sentence."""
+"""Binary frames are decoded unchanged, and invalid ones are refused with one sentence."""
 
 from __future__ import annotations
 

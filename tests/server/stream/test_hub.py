@@ -1,4 +1,4 @@
-"""What a client has in the end is what the server shows, whatever happened on the way; and it is never stale."""
+"""A client ends with the state of the server after any sequence of events, and never gets outdated state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several layers over one socket: who is sent what, who comes first, and that none disturbs another."""
+"""Several layers over one socket: what each client gets, in which order, and that none disturbs another."""
 
 from __future__ import annotations
 

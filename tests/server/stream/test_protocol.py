@@ -1,4 +1,4 @@
-"""What is no command is refused in one sentence."""
+"""Invalid commands are refused with one sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The vectors by which the pages' side of the wire is held to this one: written here, read by the pages' own tests.
+"""Vectors that compare the pages' side of the protocol with the server: written here, read by the pages' tests.
 
 ``python tests/server/stream/test_protocol_vectors.py --write`` writes them anew after a change of the protocol.
 """

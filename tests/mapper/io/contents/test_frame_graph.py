@@ -1,4 +1,4 @@
-"""What is wrong with a graph of transforms."""
+"""Faults of a graph of transforms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is taken away, read back with other people's readers (rosbags', mcap's, mcap-ros2-support's) and our own."""
+"""Exported files, read with independent readers (rosbags, mcap, mcap-ros2-support) and with ours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CARMEN lines written here by hand, and what the reader makes of each."""
+"""CARMEN lines written by hand, and the result of reading each."""
 
 from __future__ import annotations
 

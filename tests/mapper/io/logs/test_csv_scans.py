@@ -1,4 +1,4 @@
-"""Comma-separated scans: what the documentation says is what is read, and what is wrong is named with its line."""
+"""Comma-separated scans: the documented format is read, and errors are stated with their line."""
 
 from __future__ import annotations
 

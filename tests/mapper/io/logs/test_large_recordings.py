@@ -1,4 +1,4 @@
-"""Recordings with a camera in them: the map's topics are read, and the images are passed over."""
+"""Recordings with camera images: the topics of the map are read, and the images are skipped."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reader on logs that nobody here wrote, against figures taken from them by other means."""
+"""Real logs against figures computed from them independently."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bags that nobody here wrote, against rosbags' own reader."""
+"""Real bags against rosbags' own reader."""
 
 from __future__ import annotations
 

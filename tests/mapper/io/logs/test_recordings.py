@@ -1,4 +1,4 @@
-"""ROS recordings in each container, written by other tools' writers: scans, frames, poses and topics come out right."""
+"""ROS recordings in each container, written by independent writers: scans, frames, poses and topics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Our decoder of a few messages against rosbags' serialiser of any, in both serialisations."""
+"""The decoder of ROS messages against rosbags' serialiser, in both serialisations."""
 
 from __future__ import annotations
 

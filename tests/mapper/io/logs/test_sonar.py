@@ -1,4 +1,4 @@
-"""The sonar ring: its two files, by other means, and what is wrong with bad ones."""
+"""The sonar ring: its two files read independently, and the errors of bad files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files as other programs pack and mark them: in several members, in zstd, with a byte order mark."""
+"""Compressed and marked files: several gzip members, zstd, a byte order mark."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Images made band by band hold the pixels that Pillow makes of the whole map, in memory that the map does not set."""
+"""Images made in bands have the pixels that Pillow gives for the whole map, in bounded memory."""
 
 from __future__ import annotations
 

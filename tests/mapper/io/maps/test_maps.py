@@ -1,4 +1,4 @@
-"""What is written is what is read, and both are what map_server's formulas say."""
+"""Map files are read back unchanged, and agree with the formulas of map_server."""
 
 from __future__ import annotations
 
