@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -29,12 +29,23 @@ INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading w
 
 
 class Catalogue:
-    """The records of one library, kept in ``store``; ``root`` is the folder of its packs."""
+    """The records of one library, kept in ``store``; ``root`` is the folder of its packs.
 
-    def __init__(self, store: Records, blobs: Blobs, cache: LogCache, root: Path) -> None:
+    ``forgotten`` is called with the id of each log whose record was removed.
+    """
+
+    def __init__(
+        self,
+        store: Records,
+        blobs: Blobs,
+        cache: LogCache,
+        root: Path,
+        forgotten: Callable[[str], Awaitable[None]] | None = None,
+    ) -> None:
         self._store = store
         self._blobs = blobs
         self._cache = cache
+        self._forgotten = forgotten
         self._root = root
         self._packs = root / "packs"
         self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
@@ -161,6 +172,8 @@ class Catalogue:
             self.pack(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
                 await self._drop_blob(record.sha256)
+        if self._forgotten is not None:
+            await self._forgotten(log_id)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
         """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""

@@ -11,6 +11,7 @@ import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.sensors.scan import ScanLog
@@ -30,6 +31,10 @@ from server.library.upload_receiver import Part, Received, UploadReceiver, too_l
 from server.library.upload_slots import UploadSlots
 from server.library.workers import worker_at
 from server.settings import Settings
+
+if TYPE_CHECKING:
+    from server.library.added import Added
+    from server.library.trajectories import NewTrajectory
 
 DAY_S = 86_400.0
 
@@ -88,6 +93,7 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits()
         self._max_upload_bytes = settings.max_upload_bytes
@@ -111,8 +117,9 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
+        self.trajectories = Trajectories(self._database, blobs, scratch)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
-        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
@@ -128,6 +135,7 @@ class Library:
         is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
         await self._catalogue.start(is_ours=is_ours)
         await self.links.start()
+        await self.trajectories.start()
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
@@ -149,7 +157,7 @@ class Library:
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return self._limits.max_total_bytes - self._catalogue.bytes
+        return self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
@@ -256,7 +264,7 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.forget(record.id)
+        await self._catalogue.forget(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
             self._catalogue.pack(record.id).unlink(missing_ok=True)
 
@@ -291,12 +299,13 @@ class Library:
         uploads = sorted(
             (r for r in self._catalogue.uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True
         )
-        return [*map(self._with_progress, [*uploads, *self._folder.records()]), self._sample.record]
+        found = [*uploads, *self._folder.records(), self._sample.record]
+        return [self._as_seen_by(owner, record) for record in found]
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
-            return self._sample.record
+            return self._as_seen_by(owner, self._sample.record)
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
             record = self._folder.record(self._catalogue.folder_logs[log_id])
@@ -304,19 +313,25 @@ class Library:
             record = None
         if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
-        return self._with_progress(record)
+        return self._as_seen_by(owner, record)
 
-    def _with_progress(self, record: Record) -> Record:
-        return replace(record, progress=self._reader.progress) if record.state == "reading" else record
+    def _as_seen_by(self, owner: str, record: Record) -> Record:
+        """Return a record with the present progress, and with what ``owner`` has added to the log."""
+        progress = self._reader.progress if record.state == "reading" else record.progress
+        added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
+        return replace(record, progress=progress, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
     async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
-        """Return a log, from memory, from its pack, or after it has been read; waits for a job that is under way.
+        """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
-        ``topic`` names the sensor where the log has several. Raises :class:`LogNotFoundError`, and what the reader
-        raised (:class:`ReadError`, :class:`LimitError`).
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several.
+        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
         """
+        return await self.trajectories.joined(owner, log_id, await self._load(owner, log_id, topic))
+
+    async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
             record = self._catalogue.used(record)
@@ -336,6 +351,34 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    async def add_trajectory(
+        self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
+    ) -> tuple[Added, Sequence[str]]:
+        """Add the TUM file that ``chunks`` are to a log, as one more trajectory of it; return its record, and notes.
+
+        It replaces the owner's trajectory of the same name. Raises :class:`LimitError` for a file over the cap and for
+        one trajectory too many, and as :meth:`load` and :meth:`server.library.trajectories.Trajectories.put`.
+        """
+        from server.library.trajectories import MAX_BYTES, NewTrajectory  # noqa: PLC0415
+
+        log = await self.load(owner, log_id)
+        text = bytearray()
+        async with self._slots.take(owner, address) as slot:
+            async for piece in slot.read(chunks):
+                text += piece
+                if len(text) > MAX_BYTES:
+                    message = f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here."
+                    raise LimitError("trajectory.too_large", message)
+        return await self.put_trajectory(owner, log_id, log, NewTrajectory(name, bytes(text)))
+
+    async def put_trajectory(
+        self, owner: str, log_id: str, log: ScanLog, new: NewTrajectory
+    ) -> tuple[Added, Sequence[str]]:
+        """Add a trajectory to ``log``, the log of this id. Raises :class:`LimitError` where there is no room for it."""
+        if self._room() < len(new.text) + len(new.graph or b""):
+            raise full()
+        return await self.trajectories.put(owner, self.get(owner, log_id), log, new)
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""

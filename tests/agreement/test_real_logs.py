@@ -15,7 +15,11 @@ from mapper.mapping.provenance import provenance
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
 
-LOGS = ["intel-corrected.log.gz", "aces-corrected.log.gz", "fhw-corrected.log.gz"]
+LOGS = [
+    "intel-corrected.log.gz",
+    pytest.param("aces-corrected.log.gz", marks=pytest.mark.long),
+    pytest.param("fhw-corrected.log.gz", marks=pytest.mark.long),
+]
 
 
 @pytest.fixture(scope="module", params=LOGS)

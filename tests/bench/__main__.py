@@ -30,6 +30,7 @@ from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
+from tests.bench.size import size
 
 RANGE_MAX = 30.0
 ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
@@ -202,6 +203,9 @@ if __name__ == "__main__":
         sys.exit()
     if sys.argv[1:] == ["inspecting"]:
         inspecting(hall(20_000, 360))
+        sys.exit()
+    if sys.argv[1:] == ["size"]:
+        size()
         sys.exit()
     if sys.argv[1:] == ["sharing"]:
         sharing(hall(800, 360))

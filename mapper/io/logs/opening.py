@@ -278,7 +278,7 @@ def _head(file: Source) -> tuple[bytes, str | None]:
     """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
     head = b""
     with opened(file) as stream:
-        unpacked = Unpacked(stream, lambda: "at the beginning")
+        unpacked = Unpacked(stream, lambda: "at the beginning", DEFAULT_LIMITS)
         for piece in unpacked:
             head += piece
             if len(head) >= HEAD:

@@ -107,21 +107,33 @@ class Recording:
         stream, take = self._channels[key]
         return take is not None and not self._is_passed_over(stream)
 
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._channels
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count messages of a stream of which nothing is made, and which were not read."""
+        if key in self._channels:
+            self._channels[key][0].count += count
+
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
 
         Of a stream that is not wanted, ``data`` may be left out and ``size`` say how many bytes there are. Raises
         :class:`LimitError`.
         """
-        self._messages += 1
-        if self._messages > self.limits.max_messages:
-            raise LimitError("log.too_many_messages", f"The log has more than {self.limits.max_messages} messages.")
         if key not in self._channels:
             return
         stream, take = self._channels[key]
         stream.note(_stamp(stamp_ns, 0), len(data) if size is None else size)
         if take is None or self._is_passed_over(stream):
             return
+        self._messages += 1
+        if self._messages > self.limits.max_messages:
+            raise LimitError(
+                "log.too_many_messages",
+                f"The log has more than the limit of {self.limits.max_messages} messages of scans and poses.",
+            )
         try:
             if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
@@ -154,8 +166,8 @@ class Recording:
         if self._scans > self.limits.max_scans or self._readings > self.limits.max_readings:
             raise LimitError(
                 "log.too_many_scans",
-                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans and "
-                f"{self.limits.max_readings} readings.",
+                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans "
+                f"(max_scans) and {self.limits.max_readings} readings (max_readings).",
             )
         sensor = self._sensor_of(stream, printable(beams.frame), beams.beam_width)
         at = _stamp(beams.stamp_ns, stamp_ns)

@@ -11,7 +11,7 @@ from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
-from mapper.io.export import tum_lines, write_mcap
+from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
 from server.http.routes.maps import asker_of, stem_of
 from server.http.services import FileDownloads, Sessions
@@ -44,6 +44,8 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
                 growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
+                    from mapper.io.export import write_mcap  # noqa: PLC0415 - the library of MCAP, for exports only
+
                     with single_threaded():  # the map is made again: on one core, the other ones are the sessions'
                         write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 

@@ -11,6 +11,7 @@ import pytest
 import zstandard
 
 from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.logs import is_log, open_log
 from mapper.io.logs.unpacking import PIECE, Unpacked
 from tests.hostile.corpus import TEXTS, recording
@@ -20,7 +21,7 @@ def pieces(path: Path, data: bytes) -> tuple[list[bytes], str | None]:
     """What comes out of a file with ``data``, and what is found to be wrong with it."""
     path.write_bytes(data)
     with path.open("rb") as file:
-        stream = Unpacked(file, lambda: "here")
+        stream = Unpacked(file, lambda: "here", DEFAULT_LIMITS)
         return list(stream), stream.broken
 
 

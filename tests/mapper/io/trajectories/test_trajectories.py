@@ -106,8 +106,9 @@ def test_files_without_poses_and_large_ones_are_refused(tmp_path: Path) -> None:
         read_tum(tmp_path / "b.tum")
     with pytest.raises(LimitError, match="more lines than the limit of 2"):
         read_tum(written(tmp_path, f"{LINE}\n" * 3), Limits(max_lines=2))
-    with pytest.raises(LimitError, match="larger than the limit of 30 bytes"):
-        read_tum(written(tmp_path, f"{LINE}\n" * 3), Limits(max_log_bytes=30))
+    (tmp_path / "a.gz").write_bytes(gzip.compress(f"{LINE}\n".encode() * 3))
+    with pytest.raises(LimitError, match="expands to more than the limit of 30 bytes"):
+        read_tum(tmp_path / "a.gz", Limits(max_unpacked_bytes=30, max_expansion=0))
 
 
 def test_every_prefix_is_read_or_refused(tmp_path: Path) -> None:
