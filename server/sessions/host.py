@@ -24,9 +24,10 @@ from server.sessions.computation import compute_tick
 from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.hub import Client, Hub, Traffic
+from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
-from server.work.scheduler import Party, Scheduler, checkpoint
+from server.stream.traffic import Traffic
+from server.work.scheduler import JobOwner, Scheduler, checkpoint
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -56,7 +57,7 @@ class SessionHost:
     def __init__(
         self,
         *,
-        party: Party,
+        job_owner: JobOwner,
         pool: Executor,
         limits: Callable[[SessionHost], Limits],
         scheduler: Scheduler,
@@ -67,8 +68,8 @@ class SessionHost:
     ) -> None:
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
-        self.party = party
-        self.owner = party.visitor
+        self.job_owner = job_owner
+        self.owner = job_owner.visitor
         self.link = link  #: the link that the owner followed, for a guest; else None
         self.scheduler = scheduler
         self.closed = False
@@ -260,7 +261,7 @@ class SessionHost:
             async with self._lock:
                 self._requests_begun = self._requests
                 job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
-                result = await self.on_thread(job, waited_for=self.watched)
+                result = await self.on_thread(job, interactive=self.watched)
             if self._requests == self._requests_begun:
                 self._requested_since = None
             elif not result.cancelled:
@@ -293,18 +294,18 @@ class SessionHost:
         result = TickResult()
         try:
             async with self._lock:
-                await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
+                await self.on_thread(partial(self.model.run_deferred_work, result), interactive=False)
             self.deliver(result)
         except Exception:  # noqa: BLE001 - a defect in deferred work must not stop the session
             _log.exception("deferred work failed")
         now = self._clock()
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
-    async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
+    async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
         showing = asyncio.ensure_future(self._show_work())
         try:
-            return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
+            return await self.scheduler.run(self._pool, self.job_owner, job, interactive=interactive)
         finally:
             showing.cancel()
 

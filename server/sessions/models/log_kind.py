@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
 from mapper.sensors.scan import ScanLog
-from server.sessions.hosting import ModelHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
-from server.sessions.model import SessionModel
 from server.sessions.view import LogView
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 
 class NewLog(SessionRequest):

@@ -158,4 +158,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.party, host.is_open)
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.is_open)

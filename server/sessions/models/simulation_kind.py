@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 import secrets
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.sessions.hosting import ModelHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
-from server.sessions.model import SessionModel
 from server.work.scheduler import URGENT_S
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 DEFAULT_WORLD = "office"
 
@@ -85,7 +87,7 @@ def simulation_plan(
         model.resume(story)
         return model
 
-    return Plan(make, name=name, waited_for=cost_s <= URGENT_S, playing=playing)
+    return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)
 
 
 async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:

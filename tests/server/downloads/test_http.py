@@ -147,7 +147,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
         monkeypatch.setattr(slots, "_wait_s", 60.0)
         threads.append(threading.Thread(target=take))
         threads[-1].start()
-        until(lambda: len(slots._line) == 1)
+        until(lambda: len(slots._waiting) == 1)
     finally:
         release.set()
         for thread in threads:

@@ -30,8 +30,8 @@ async def put(blobs: Blobs, data: bytes, piece: int = 100_000) -> str:
     for start in range(0, len(data), piece):
         await incoming.write(data[start : start + piece])
     assert incoming.size == len(data)
-    await incoming.place()
-    await incoming.drop()  # too late to change anything
+    await incoming.commit()
+    await incoming.discard()  # too late to change anything
     return incoming.sha256
 
 
@@ -63,10 +63,10 @@ async def test_in_a_folder_a_blob_is_read_where_it_lies(tmp_path: Path) -> None:
 async def test_what_is_given_up_leaves_nothing(blobs: Blobs, tmp_path: Path, size: int) -> None:
     incoming = blobs.incoming()
     await incoming.write(bytes(size))
-    await incoming.drop()
+    await incoming.discard()
     await incoming.write(b"late")
-    await incoming.drop()
-    await blobs.sweep([])
+    await incoming.discard()
+    await blobs.remove_unreferenced([])
     assert await blobs.names() == set()
     assert left(tmp_path) == []
 
@@ -77,14 +77,14 @@ async def test_a_sweep_keeps_what_it_is_told_to(blobs: Blobs, tmp_path: Path) ->
     half = blobs.incoming()
     await half.write(DATA)
     (tmp_path / "incoming" / "half#1").write_bytes(b"of a killed process")
-    await blobs.sweep({NAME, "not there"})
+    await blobs.remove_unreferenced({NAME, "not there"})
     assert await blobs.names() == {NAME}
     assert not left(tmp_path / "incoming")
 
 
 async def test_a_file_of_this_machine_moves_in(blobs: Blobs, tmp_path: Path) -> None:
     (tmp_path / "old").write_bytes(DATA)
-    await blobs.take(tmp_path / "old", NAME)
+    await blobs.move_in(tmp_path / "old", NAME)
     assert not (tmp_path / "old").exists()
     async with blobs.file(NAME) as path:
         assert path.read_bytes() == DATA
@@ -98,11 +98,11 @@ async def test_a_bucket_that_is_away_is_one_sentence(tmp_path: Path, monkeypatch
     blobs = Blobs.at("s3://a-bucket/logs", tmp_path)
     incoming = blobs.incoming()
     await incoming.write(b"a log")
-    for refused in (incoming.place(), blobs.names()):
+    for refused in (incoming.commit(), blobs.names()):
         with pytest.raises(StorageError) as caught:
             await refused
         assert (caught.value.code, caught.value.message[-1]) == ("log.store", ".")
-    await incoming.drop()
+    await incoming.discard()
 
 
 async def test_what_a_store_refuses_is_one_sentence(tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ async def test_what_a_store_refuses_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "blobs").rmdir()
     (tmp_path / "blobs").write_bytes(b"a file where the folder was")
     with pytest.raises(StorageError) as caught:
-        await incoming.place()
+        await incoming.commit()
     assert caught.value.code == "log.storage"
     assert str(tmp_path) not in caught.value.message
     assert left(tmp_path / "incoming") == []
