@@ -18,7 +18,7 @@ from tests.mapper.io.logs.recorded import store
     [
         ("b0-tiny.bag", "horizontal_laser_2d", True),
         ("b0-2014-07-21-12-42-53-short.bag", "vertical_laser_2d", True),
-        ("b0-2014-07-21-12-42-53-short.bag", "horizontal_laser_2d", False),
+        pytest.param("b0-2014-07-21-12-42-53-short.bag", "horizontal_laser_2d", False, marks=pytest.mark.long),
         ("scans_demo.bag", "/front_scan", True),
         ("scans_demo.bag", "/rear_scan", False),
     ],

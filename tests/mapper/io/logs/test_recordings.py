@@ -19,11 +19,11 @@ from rosbags.rosbag2 import StoragePlugin
 from mapper.core.errors import ReadError
 from mapper.core.se2 import compose, wrap_angle
 from mapper.grid import OccupancyGrid
-from mapper.io.logs import is_log, open_log
+from mapper.io.logs import is_log, open_log, open_robot_log
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.recorded import KINDS, SECOND, estimate, odometry, scan, sonar, transform, written
+from tests.mapper.io.logs.recorded import KINDS, SECOND, estimate, odometry, scan, serialised, sonar, transform, written
 
 T0 = 1_700_000_000 * SECOND
 MOUNT = (0.3, -0.1, 0.5)
@@ -305,15 +305,6 @@ def test_an_archive_of_a_recording_gives_advice(tmp_path, packing):
     assert caught.value.code == "log.archive"
 
 
-def test_topics_that_can_be_converted_to_scans_are_named(tmp_path):
-    cloud = {
-        "header": recorded.header(T0, "lidar"), "height": 1, "width": 0, "fields": [], "is_bigendian": False,
-        "point_step": 12, "row_step": 0, "data": np.zeros(0, np.uint8), "is_dense": True,
-    }  # fmt: skip
-    with pytest.raises(ReadError, match=r"it has sensor_msgs/PointCloud2\. A point cloud .* pointcloud_to_laserscan"):
-        open_log(written(tmp_path, [recorded.Said("/velodyne", "sensor_msgs/msg/PointCloud2", T0, cloud)], "mcap"))
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_recording_without_scans_names_its_message_types(tmp_path, kind):
     with pytest.raises(ReadError, match=r"holds no scans .* it has nav_msgs/Odometry\.") as caught:
@@ -344,6 +335,57 @@ def test_interpolated_poses_are_those_of_the_textbook(knots):
     # Half a turn in one step may go either way round.
     if not (np.abs(np.abs(wrap_angle(np.diff(yaws))) - np.pi) < 1e-6).any():
         np.testing.assert_allclose(wrap_angle(np.broadcast_to(poses[:, 2], turned.shape) - turned), 0.0, atol=1e-6)
+
+
+def test_topics_of_one_name_and_two_types_are_two_sensors(tmp_path):
+    messages = [m for i in range(4) for m in (scan(T0 + i, [1.0, 2.0], topic="/range"), sonar(T0 + i, 1.5, "/range"))]
+    path = tmp_path / "run.mcap"
+    path.write_bytes(recorded.mcap_bytes(messages))
+    sensors = open_robot_log(path).sensors
+    assert {name: (one.n_beams, one.n_scans) for name, one in sensors.items()} == {
+        "/range": (2, 4),
+        "/range#sonar": (1, 4),
+    }
+    assert all("could not be read" not in note for one in sensors.values() for note in one.notes)
+
+
+def test_topics_say_when_they_were_recorded_and_how_large_they_are(tmp_path):
+    messages = run()
+    for kind in KINDS:
+        folder = tmp_path / kind
+        folder.mkdir()
+        topics = {one.name: one for one in open_log(written(folder, messages, kind)).topics}
+        for name in ("/scan", "/odom"):
+            own = [one for one in messages if one.topic == name]
+            stamps = [one.stamp_ns for one in own]
+            size = sum(len(serialised(one, 1 if kind == "bag" else 2)) for one in own)
+            found = topics[name]
+            assert (found.count, found.first_stamp_ns, found.last_stamp_ns) == (len(own), min(stamps), max(stamps))
+            assert found.bytes == size
+
+
+def test_a_trajectory_has_the_stamps_of_its_source_and_the_frames_are_listed(tmp_path):
+    messages = [transform(T0, "base_link", "laser", 0.2, topic="/tf_static"), scan(T0 + 5, [1.0]), scan(T0 + 25, [1.0])]
+    messages += [transform(T0 + i, "odom", "base_link", 0.1 * i) for i in range(0, 40, 4)]
+    messages += [odometry(T0 + i, 0.1 * i, 0.0, 0.0) for i in range(0, 40, 10)]
+    path = tmp_path / "run.mcap"
+    path.write_bytes(recorded.mcap_bytes(messages))
+    robot = open_robot_log(path)
+    tf, odom = (robot.first.trajectory(name).timed for name in ("tf/odom", "odom"))
+    records = robot.first.odometry
+    assert tf is not None
+    assert odom is not None
+    assert records is not None
+    assert records.at_scans is not None
+    assert (tf.stamps_ns - T0).tolist() == list(range(0, 40, 4))
+    assert (odom.stamps_ns - T0).tolist() == [0, 10, 20, 30]
+    np.testing.assert_allclose(tf.poses[:, 0], 0.1 * np.arange(0, 40, 4))
+    assert robot.trajectories["tf/odom"] is tf
+    assert (records.before_scan.tolist(), records.at_scans[:, 0].round(6).tolist()) == ([0, 2], [0.5, 2.5])
+    assert [(one.parent, one.child, one.is_static, one.moves, one.count) for one in robot.transforms] == [
+        ("odom", "base_link", False, True, 10),
+        ("base_link", "laser", True, False, 1),
+    ]
 
 
 def test_which_of_several_sensors_is_mapped_is_said(tmp_path):

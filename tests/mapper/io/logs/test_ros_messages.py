@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, plain_type
+from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, plain_type
 from tests.hostile.lengths import lies
 from tests.mapper.io.logs import recorded
 
