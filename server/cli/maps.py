@@ -61,8 +61,8 @@ def map_log(
 ) -> None:
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.several import bounds_of_logs, integrate_logs  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.several import integrate_logs  # noqa: PLC0415 - start-up
 
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
