@@ -125,13 +125,9 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
 
 def cut(seen: Examined, start: int, stop: int) -> Examined:
     """Return scans ``start`` up to ``stop`` alone."""
-    log = replace(
-        seen.log,
-        ranges=seen.log.ranges[start:stop],
-        stamps_ns=seen.log.stamps_ns[start:stop],
-        trajectories={seen.trajectory: Trajectory(seen.log.trajectory(seen.trajectory).poses[start:stop])},
-    )
-    return replace(seen, log=log, scans=seen.scans[start:stop])
+    way = Trajectory(seen.log.trajectory(seen.trajectory).poses)
+    log = replace(seen.log, trajectories={seen.trajectory: way}, odometry=None)
+    return replace(seen, log=log.take(slice(start, stop)), scans=seen.scans[start:stop])
 
 
 def _far_apart(i: int, j: int) -> bool:
