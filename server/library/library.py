@@ -53,10 +53,18 @@ class LibraryLimits:
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0
-    read_cpu_s: float = 100.0  #: seconds of processor time
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
+        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
+        return replace(
+            self,
+            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
+            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
+        )
 
 
 def check_stores(settings: Settings) -> None:
@@ -89,7 +97,7 @@ class Library:
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
 
-        self._limits = limits or LibraryLimits()
+        self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s

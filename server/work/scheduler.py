@@ -126,10 +126,24 @@ class Scheduler:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""
         with self._lock:
             self._take_back(turn)
-            self._count += 1
-            turn.granted, turn.number = _promise(), self._count
-            self._waiting.append(turn)
+            self._wait_again(turn)
+
+    def give_back(self, turn: Turn) -> None:
+        """Yield a held turn without requesting another one."""
+        with self._lock:
+            self._take_back(turn)
             self._give()
+
+    def ask_again(self, turn: Turn) -> None:
+        """Request another turn after :meth:`give_back`; it may be granted at once."""
+        with self._lock:
+            self._wait_again(turn)
+
+    def _wait_again(self, turn: Turn) -> None:
+        self._count += 1
+        turn.granted, turn.number = _promise(), self._count
+        self._waiting.append(turn)
+        self._give()
 
     def _all_but(self, turn: Turn) -> list[Turn]:
         return [other for other in (*self._running, *self._waiting) if other is not turn]
@@ -184,6 +198,18 @@ class Scheduler:
 
 
 _here = threading.local()
+
+
+def stand_aside(until: threading.Event, timeout_s: float) -> None:
+    """Give this thread's turn back, wait for ``until``, at most so long, and return when the job has another turn."""
+    scheduler: Scheduler | None = getattr(_here, "scheduler", None)
+    turn: Turn | None = getattr(_here, "turn", None)
+    if scheduler is not None and turn is not None:
+        scheduler.give_back(turn)
+    until.wait(timeout_s)
+    if scheduler is not None and turn is not None:
+        scheduler.ask_again(turn)
+        turn.granted.result()
 
 
 def checkpoint() -> None:

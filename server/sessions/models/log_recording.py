@@ -87,11 +87,10 @@ class LogRecording:
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
 
     def choose(self, trajectory: str) -> None:
-        """Recompute the map with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
         old = self.replay
         replay = Replay(old.log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        replay.advance_to(old.index)
         self._sensor_poses = old.log.sensor_poses(trajectory)
         self.replay = replay
 
@@ -112,7 +111,7 @@ class LogRecording:
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
-        async with self._host.locked():
+        async with self._host.settled():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
@@ -134,4 +133,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.party, host.is_open)
+        return await examination(self.log, trajectory, host.scheduler, host.party, host.in_background())
