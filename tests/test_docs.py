@@ -168,8 +168,9 @@ def test_what_is_left_to_the_long_tests_is_listed() -> None:
     root = README.parent
     marked = {
         str(path.relative_to(root))
-        for path in (root / "tests").rglob("test_*.py")
-        if re.search(r"pytest\.mark\.(long|sampled)\b", path.read_text())
+        for path in (root / "tests").rglob("*.py")
+        if path.name.startswith(("test_", "conftest"))
+        and re.search(r"pytest\.mark\.(long|sampled)\b|\balso_long\(", path.read_text())
     }
     assert set(re.findall(r"^\| `(tests/[^`]+)`", TESTING.read_text(), flags=re.MULTILINE)) == marked
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
@@ -27,32 +27,14 @@ from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.mapping.update import update_grid
 from mapper.mapping.update_plan import UpdatePlan, plan_update
-from mapper.sensors.scan import RangeScan, ScanLog, check_poses
+from mapper.sensors.scan import RangeScan, ScanLog
+from mapper.sensors.timed_poses import check_poses
 
 Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
 BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]
 
 _CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
 PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
-
-
-@dataclass(frozen=True, slots=True)
-class CellBox:
-    """The cells [row0, row1) × [col0, col1)."""
-
-    row0: int
-    row1: int
-    col0: int
-    col1: int
-
-    def __or__(self, other: CellBox) -> CellBox:
-        """Return the smallest box that holds both."""
-        return CellBox(
-            min(self.row0, other.row0),
-            max(self.row1, other.row1),
-            min(self.col0, other.col0),
-            max(self.col1, other.col1),
-        )
 
 
 @dataclass(frozen=True, slots=True)

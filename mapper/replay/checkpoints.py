@@ -15,9 +15,8 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.core.zstd import compressed
-from mapper.grid import TILE, OccupancyGrid
+from mapper.grid import TILE, CellBox, OccupancyGrid
 from mapper.mapping import cell_statistics
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 
 BUDGET_BYTES = 8 << 20  #: of all moments of one map

@@ -9,8 +9,8 @@ import numpy as np
 
 from mapper.core.errors import WorkCancelledError
 from mapper.core.parallel import single_threaded
-from mapper.grid import TILE, OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, integrate_scans, scans_at_once
+from mapper.grid import TILE, CellBox, OccupancyGrid
+from mapper.mapping.integrate import Change, integrate_scans, scans_at_once
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay.checkpoints import Checkpoints
 from mapper.sensors.scan import ScanLog

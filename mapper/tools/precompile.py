@@ -20,11 +20,19 @@ from numpy.typing import NDArray
 import mapper
 from mapper.grid import TILE
 from mapper.grid.compare import compare
+from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.matching.fields import gaussian_stamps
+from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
+from mapper.matching.kernels.point_to_line import accumulate_pairs, refine_pose
+from mapper.matching.kernels.score_field import add_scan, write_pyramid
+from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule
+from mapper.matching.prepare import prepare_scans
 from mapper.replay import Replay
+from mapper.sensors.scan import ScanLog
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
 
@@ -67,10 +75,34 @@ def precompile() -> None:
     quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
     compare(grid, grid)
     map_metrics(grid)
+    _match(replay.log)
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
         integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
+
+
+def _match(log: ScanLog) -> None:
+    """Match the first scan of a log with itself, by each kernel."""
+    scans, pose, one = prepare_scans(log, 0, 1), np.zeros(3), np.zeros(1, dtype=np.int64)
+    rule, iterations = PairRule(0.5, 12, CAUCHY, 0.03, 1), Iterations(1, 0.3, 0.1, 0.6, 1e-4, 1e-4)
+    refine_pose(
+        scans, 0, scans, one, pose[np.newaxis], pose, np.zeros(3), rule, iterations, pose.copy(), np.zeros((3, 3))
+    )
+    hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
+    accumulate_pairs(scans, one, one, pose[np.newaxis], 0.3, rule, hessians, gradients, np.zeros((1, 4)))
+    frame, scores, levels = (
+        Frame(-5.0, -5.0, 1.0, 0.0, 0.1),
+        np.zeros((100, 100), np.uint8),
+        np.zeros((3, 100, 100), np.uint8),
+    )
+    add_scan(scores, frame, gaussian_stamps(0.1, 0.1), scans, 0, pose, 1)
+    write_pyramid(scores, levels)
+    window, best = Window(2, 1, 0.1), np.zeros(4, dtype=np.int64)
+    volume = np.zeros((3, 5, 5), dtype=np.int32)
+    score_window(scores, frame, scans, 0, pose, window, 1, volume)
+    best_in_window(volume, best)
+    branch_and_bound(levels, frame, scans, 0, pose, window, 1, 1, best)
 
 
 def kernels() -> dict[str, bool]:

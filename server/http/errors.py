@@ -15,7 +15,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.downloads import MapSnapshotGoneError
-from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
+from server.library import (
+    LinkGoneError,
+    LogNotFoundError,
+    LogReadOnlyError,
+    StorageError,
+    TrajectoryNotFoundError,
+)
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
 
@@ -27,6 +33,7 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (LinkGoneError, 404),
     (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
+    (TrajectoryNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
     (StorageError, 503),
@@ -50,6 +57,7 @@ _STATUS_OF_CODE = {
     "log.gone": 410,
     "log.stalled": 408,
     "log.storage": 507,
+    "trajectory.too_many": 409,
 }
 
 

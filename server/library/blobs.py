@@ -100,12 +100,16 @@ class Incoming:
 
 
 class Blobs:
-    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies."""
+    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies.
 
-    def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path) -> None:
+    ``kind`` is the folder of the store in which the blobs are.
+    """
+
+    def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path, kind: str = BLOBS) -> None:
         self._store = store
         self._folder = folder
         self._scratch = scratch
+        self._kind = kind
 
     @classmethod
     def at(cls, place: str | None, root: Path) -> Blobs:
@@ -119,6 +123,13 @@ class Blobs:
             for name in (BLOBS, INCOMING):
                 private_folder(folder / name)
             return cls(LocalStore(prefix=folder), folder, scratch)
+
+    def beside(self, kind: str) -> Blobs:
+        """Return the files of another ``kind`` in the same store, whose names their users choose."""
+        if self._folder is not None:
+            with _told(away=False):
+                private_folder(self._folder / kind)
+        return Blobs(self._store, self._folder, self._scratch, kind)
 
     def identity(self) -> str:
         """Return the id of this store, which is created on the first call.
@@ -141,14 +152,14 @@ class Blobs:
         """Return the digests of all blobs. Raises :class:`StorageError`."""
         found: set[str] = set()
         with _told(away=not isinstance(self._store, LocalStore)):
-            async for entries in obstore.list(self._store, BLOBS):
+            async for entries in obstore.list(self._store, self._kind):
                 found |= {entry["path"].rsplit("/", 1)[-1] for entry in entries}
         return found
 
     async def delete(self, name: str) -> None:
         """Remove a blob; one that is not there is no error, and one that stays is removed at the next start."""
         try:
-            await obstore.delete_async(self._store, f"{BLOBS}/{name}")
+            await obstore.delete_async(self._store, f"{self._kind}/{name}")
         except FileNotFoundError:
             pass
         except (OSError, BaseError) as error:
@@ -158,7 +169,7 @@ class Blobs:
     async def file(self, name: str) -> AsyncIterator[Path]:
         """Yield a path at which a blob can be read: its own in a folder, that of a copy otherwise."""
         if self._folder is not None:
-            yield self._folder / BLOBS / name
+            yield self._folder / self._kind / name
             return
         copy = self._scratch / f"{uuid.uuid4().hex}.copy"
         try:
@@ -170,7 +181,7 @@ class Blobs:
 
     async def _copy(self, name: str, path: Path) -> None:
         try:
-            answer = await obstore.get_async(self._store, f"{BLOBS}/{name}")
+            answer = await obstore.get_async(self._store, f"{self._kind}/{name}")
         except FileNotFoundError:
             raise StorageError("log.gone", "The bytes of this log are no longer in the server's store.") from None
         with path.open("xb") as file:
@@ -181,9 +192,9 @@ class Blobs:
         """Move a file of this machine into the store. Raises :class:`StorageError`."""
         with _told(away=not isinstance(self._store, LocalStore)):
             if self._folder is not None:
-                await asyncio.to_thread(path.replace, self._folder / BLOBS / name)
+                await asyncio.to_thread(path.replace, self._folder / self._kind / name)
                 return
-            await obstore.put_async(self._store, f"{BLOBS}/{name}", path)
+            await obstore.put_async(self._store, f"{self._kind}/{name}", path)
             await asyncio.to_thread(path.unlink)
 
     async def sweep(self, keep: Collection[str]) -> None:

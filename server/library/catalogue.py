@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -29,12 +29,23 @@ INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading w
 
 
 class Catalogue:
-    """The records of one library, kept in ``store``; ``root`` is the folder of its packs."""
+    """The records of one library, kept in ``store``; ``root`` is the folder of its packs.
 
-    def __init__(self, store: Records, blobs: Blobs, cache: LogCache, root: Path) -> None:
+    ``forgotten`` is called with the id of each log whose record was removed.
+    """
+
+    def __init__(
+        self,
+        store: Records,
+        blobs: Blobs,
+        cache: LogCache,
+        root: Path,
+        forgotten: Callable[[str], Awaitable[None]] | None = None,
+    ) -> None:
         self._store = store
         self._blobs = blobs
         self._cache = cache
+        self._forgotten = forgotten
         self._root = root
         self._packs = root / "packs"
         self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
@@ -81,7 +92,8 @@ class Catalogue:
     def _sweep_packs(self) -> None:
         """Remove half packs, and those that belong to no record."""
         for path in self._packs.iterdir():
-            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self.folder_logs):
+            log_id = path.name.partition(".")[0]
+            if path.suffix != ".npz" or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
 
     # -- looking ------------------------------------------------------------------------------------------------
@@ -115,6 +127,10 @@ class Catalogue:
     def pack(self, log_id: str) -> Path:
         """Return where the pack of a log is, or will be."""
         return self._packs / f"{log_id}.npz"
+
+    def contents(self, log_id: str) -> Path:
+        """Return where the contents of a log's recording are, or will be."""
+        return self._packs / f"{log_id}.contents.npz"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
@@ -159,8 +175,11 @@ class Catalogue:
             self._records.pop(log_id, None)
             self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
             self.pack(log_id).unlink(missing_ok=True)
+            self.contents(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
                 await self._drop_blob(record.sha256)
+        if self._forgotten is not None:
+            await self._forgotten(log_id)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
         """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from concurrent.futures import BrokenExecutor
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
+from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.summary import LogSummary
@@ -18,6 +19,8 @@ from server.work.fair_lock import FairLock
 
 LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, so many bytes for each second
 LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+
+T = TypeVar("T")
 
 
 class Reader:
@@ -61,22 +64,7 @@ class Reader:
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
         job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes)
         self._began = time.monotonic()
-        try:
-            # Its process has as long to notice that its time is over; then the worker is not asked any more.
-            deadline = timeout_s + 1.5 * workers.GRACE_S
-            return await asyncio.wait_for(asyncio.wrap_future(self._worker.submit(job)), deadline)
-        except TimeoutError:
-            self._worker.end()
-            raise time_error(timeout_s) from None
-        except BrokenExecutor:
-            self._worker.end()
-            raise ReadError(
-                "log.reader_died",
-                "The process that read this log was ended, most likely because the log needs too much memory or time.",
-            ) from None
-        except asyncio.CancelledError:
-            self._worker.end()
-            raise
+        return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
 
     @property
     def elapsed_s(self) -> float:
@@ -95,3 +83,26 @@ def _size_of(source: Path) -> int:
         return sum(file.stat().st_size for file in files)
     except OSError:
         return 0
+
+
+async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:
+    """Return the result of a job that ``worker`` has begun, and which has ``timeout_s`` seconds.
+
+    The worker ends it when this is cancelled. Raises what the job raises, :class:`LimitError` where it takes too long,
+    and :class:`ReadError` where its process was ended.
+    """
+    try:
+        # Its process has as long to notice that its time is over; then the worker is not asked any more.
+        return await asyncio.wait_for(asyncio.wrap_future(submitted), timeout_s + 1.5 * workers.GRACE_S)
+    except TimeoutError:
+        worker.end()
+        raise time_error(timeout_s) from None
+    except BrokenExecutor:
+        worker.end()
+        raise ReadError(
+            "log.reader_died",
+            "The process that read this log was ended, most likely because the log needs too much memory or time.",
+        ) from None
+    except asyncio.CancelledError:
+        worker.end()
+        raise

@@ -43,6 +43,7 @@ class Record:
     error: Failure | None = None
     attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
+    added: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
 
     @property
     def packed_bytes(self) -> int:
@@ -67,7 +68,10 @@ class Record:
             "time": asdict(summary.time) if summary and summary.time else None,
             "mount": list(summary.mount) if summary else None,
             "upside_down": summary.upside_down if summary else False,
-            "trajectories": [asdict(trajectory) for trajectory in summary.trajectories] if summary else [],
+            "trajectories": [
+                *(asdict(one) | {"source": "log"} for one in (summary.trajectories if summary else ())),
+                *self.added,
+            ],
             "topics": [asdict(topic) for topic in summary.topics] if summary else [],
             "notes": list(summary.notes) if summary else [],
         }

@@ -16,19 +16,22 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from functools import partial
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import structlog
 
 from mapper.core.limits import Limits
-from mapper.replay.incremental import CheckpointPrefetcher
 from server.sessions.computation import compute_tick
 from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.hub import Client, Hub, Traffic
+from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
+from server.stream.traffic import Traffic
 from server.work.scheduler import URGENT_S, Party, Scheduler, checkpoint, stand_aside
+
+if TYPE_CHECKING:
+    from mapper.replay.incremental import CheckpointPrefetcher
 
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.sensors.scan import ScanLog
 from server.library import Library
-from server.sessions.hosting import ModelHost
 from server.sessions.making import Making
-from server.sessions.model import SessionModel
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 
 class SessionRequest(BaseModel):

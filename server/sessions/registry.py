@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import structlog
 
@@ -20,17 +20,25 @@ from mapper.core.errors import MapperError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.sensors.scan import ScanLog
 from server.library import Library
-from server.sessions.host import SessionHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
-from server.stream.hub import Traffic
+from server.stream.traffic import Traffic
 from server.work.scheduler import Party, Scheduler
+
+if TYPE_CHECKING:
+    from server.sessions.host import SessionHost
 
 REAP_EVERY_S = 5.0
 THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
 _log = structlog.get_logger(__name__)
+
+
+def _host_class() -> type[SessionHost]:
+    from server.sessions.host import SessionHost  # noqa: PLC0415 - the streams: imported with the first session
+
+    return SessionHost
 
 
 class SessionBudgetError(MapperError):
@@ -129,7 +137,7 @@ class SessionRegistry:
         ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
-        host = SessionHost(
+        host = (await asyncio.to_thread(_host_class))(
             party=Party(owner, address),
             pool=self.pool,
             limits=self.limits,

@@ -14,9 +14,8 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.core.zstd import compressed
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, GridGeometry, OccupancyGrid, log_odds
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import TilePayload
 

@@ -50,6 +50,21 @@ from tests.agreement.inputs import (
     sweeping_cases,
     two_maps,
 )
+from tests.agreement.matching import (
+    equations_of_pairs_by_kernel,
+    equations_of_pairs_by_textbook,
+    fields_by_kernel,
+    fields_by_textbook,
+    match_cases,
+    prepared_by_kernel,
+    prepared_by_textbook,
+    refined_by_kernel,
+    refined_by_textbook,
+    searched_by_kernel,
+    searched_by_textbook,
+    step_by_kernel,
+    step_by_textbook,
+)
 
 
 @dataclass(frozen=True)
@@ -333,4 +348,10 @@ TABLE = (
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
+    Row("points and normals of scans", prepared_by_kernel, prepared_by_textbook, match_cases(), 1e-5),
+    Row("point-to-line", equations_of_pairs_by_kernel, equations_of_pairs_by_textbook, match_cases(), 1e-6),
+    Row("Gauss-Newton step", step_by_kernel, step_by_textbook, match_cases(), 1e-9),
+    Row("refined pose", refined_by_kernel, refined_by_textbook, match_cases(), 1e-6),
+    Row("score field", fields_by_kernel, fields_by_textbook, match_cases()),
+    Row("correlative search", searched_by_kernel, searched_by_textbook, match_cases()),
 )

@@ -14,8 +14,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
+from tests.marks import also_long
 
-LOGS = ["intel-corrected.log.gz", "aces-corrected.log.gz", "fhw-corrected.log.gz"]
+LOGS = ["intel-corrected.log.gz", *also_long("aces-corrected.log.gz", "fhw-corrected.log.gz")]
 
 
 @pytest.fixture(scope="module", params=LOGS)

@@ -18,9 +18,8 @@ import viser
 from viser._scene_api import _encode_image_binary  # what ViserServer sends of a picture, to count its bytes
 from websockets.sync.client import connect
 
-from mapper.grid import TILE, GridGeometry, OccupancyGrid
+from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.io.export.recording import write_mcap
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.stream.codecs import TILES, decode_frame, encode_frame

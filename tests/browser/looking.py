@@ -129,6 +129,12 @@ def end_session(page: Page) -> None:
     assert page.request.delete(f"{origin}/api/sessions/{session}").status == 204
 
 
+def open_group(page: Page, title: str) -> Locator:
+    """Open a group of the log page's dock; return its panel."""
+    page.get_by_role("tab", name=title).click()
+    return page.get_by_role("tabpanel", name=title)
+
+
 def await_map(page: Page) -> None:
     """Wait until the page holds a map with something in it."""
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")

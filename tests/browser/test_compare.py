@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import drag, frame, settled_digest, until
+from tests.browser.looking import drag, frame, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_serious, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
@@ -98,15 +98,18 @@ def open_cells(page: Page, geometry: dict[str, Any], found: NDArray[np.bool_], n
 
 
 def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server: str) -> None:
+    open_group(viewer, "Compare")
     viewer.get_by_role("button", name="Save as A").click()
     until("the numbers", lambda: numbers(viewer).get("max_difference") == 0.0)
     kept = store(viewer, "mapping.values")["log_odds_miss"]
     before = settled_digest(viewer)
-    slider = viewer.locator(".viewer-side").get_by_role("slider", name="Miss increment", exact=True)
+    sliders = open_group(viewer, "Settings").get_by_role("slider", name="Miss increment", exact=True)
+    slider = viewer.locator("input").and_(sliders)
     drag(viewer, slider, 60, 0)
     until("other numbers", lambda: numbers(viewer).get("max_difference", 0.0) > 0.3)
     assert settled_digest(viewer) != before
     assert store(viewer, "mapping.values")["log_odds_miss"] != kept
+    open_group(viewer, "Compare")
     told = viewer.locator(".compare-differing")
     expect(told).to_contain_text("Miss increment")
 
@@ -235,6 +238,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     until("the same numbers", lambda: store_is_there(viewer) and numbers(viewer) == told_before)
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")
     assert store(viewer, "compared")["values"]["log_odds_miss"] == kept
+    open_group(viewer, "Compare")
     viewer.get_by_role("button", name="End comparison").click()
     expect(viewer.locator(".compare-name")).to_have_count(0)
     until("a clean address", lambda: "#" not in address(viewer))

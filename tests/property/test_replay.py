@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import Limits
-from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import CellBox, geometry_for, integrate_log, integrate_scan
+from mapper.grid import CellBox, OccupancyGrid
+from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory

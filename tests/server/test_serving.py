@@ -211,16 +211,32 @@ def started(program: str, folder: Path, **more: str) -> tuple[subprocess.Popen[s
     return process, found[0]
 
 
-def test_it_is_ready_without_having_compiled_a_kernel(tmp_path: Path) -> None:
+#: Imported with the first session, download, log or export, or never: the service answers sooner without them.
+NOT_AT_THE_START = (
+    "PIL", "alembic", "dask", "mapper.io.logs.opening", "mapper.mapping.integrate", "mapper.replay",
+    "mapper.simulation", "mcap", "numba", "pydantic.v1", "rich", "scipy", "server.scenes.proxy", "server.sessions.host",
+    "server.sessions.models.log", "server.sessions.models.simulation", "server.stream.hub", "viser", "yaml",
+)  # fmt: skip
+
+
+def test_it_is_ready_without_kernels_and_without_the_modules_that_few_requests_need(tmp_path: Path) -> None:
     cache = tmp_path / "kernels"
-    process, address = started(RUN, tmp_path / "data", NUMBA_CACHE_DIR=str(cache))
+    program = f"""
+import atexit, sys
+atexit.register(lambda: print([name for name in {NOT_AT_THE_START} if name in sys.modules]))
+sys.argv = ["gridbloom", "serve"]
+from server.cli import main
+main()
+"""
+    process, address = started(program, tmp_path / "data", NUMBA_CACHE_DIR=str(cache))
     try:
         assert httpx.get(f"{address}readyz", timeout=PATIENCE_S).json() == {"status": "ready"}
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=PATIENCE_S)
+        out, _ = process.communicate(timeout=PATIENCE_S)
     finally:
         process.kill()
     assert process.returncode == 0
+    assert out == "[]\n"
     assert [path for path in cache.rglob("*") if path.suffix in (".nbi", ".nbc")] == []
 
 
@@ -228,13 +244,13 @@ def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: P
     """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
     program = f"""
 import time
-import server.sessions.models.simulation_kind
+import server.sessions.models.story
 
 def never_ends(*_, **__):
     print("computing", flush=True)
     time.sleep(10_000)
 
-server.sessions.models.simulation_kind.replayed = never_ends
+server.sessions.models.story.replayed = never_ends
 {RUN}
 """
     process, address = started(program, tmp_path)

@@ -21,7 +21,8 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.carmen import NO_RETURN, front_laser_beams
+from mapper.io.logs.carmen import NO_RETURN
+from mapper.io.logs.carmen_beams import front_laser_beams
 from mapper.io.logs.interpolation import poses_at_scans
 from mapper.io.logs.lines import TextLines, take_lines
 from mapper.io.logs.packing import ScanStack

@@ -10,7 +10,7 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.carmen import front_laser_beams
+from mapper.io.logs.carmen_beams import front_laser_beams
 from mapper.io.logs.lines import TextLines, take_lines
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress

@@ -186,7 +186,7 @@ class _Mcap:
             return head + data
         if source.skip(rest) < rest:
             raise _CutError
-        self.recording.take(key, time, b"")
+        self.recording.take(key, time, b"", size=rest)
         return None
 
     # -- chunks -------------------------------------------------------------------------------------------------
@@ -353,8 +353,8 @@ class _Mcap:
             if end - start < _MESSAGE.size:
                 raise _DamagedError
             key, _, time, _ = _MESSAGE.unpack_from(data, start)
-            wanted = self.recording.wants(key)
-            self.recording.take(key, time, data[start + _MESSAGE.size : end] if wanted else b"")
+            at = start + _MESSAGE.size
+            self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
             schema = _decoded(Schema.read, data[start:end])

@@ -180,7 +180,7 @@ class _Bag:
         if fields[b"op"] == MESSAGE and n >= WORTH_A_JUMP and not (key is not None and self.recording.wants(key)):
             if source.skip(n) < n:
                 raise _CutError
-            self._content(fields, b"")
+            self._content(fields, b"", n)
         else:
             self._content(fields, self._exactly(source, n))
 
@@ -280,15 +280,15 @@ class _Bag:
         if self.records > self.most_records:
             raise LimitError("log.too_many_messages", f"The bag has more than {self.most_records} records.")
 
-    def _content(self, fields: dict[bytes, bytes], content: bytes) -> None:
-        """Take a connection or a message."""
+    def _content(self, fields: dict[bytes, bytes], content: bytes, size: int | None = None) -> None:
+        """Take a connection or a message; ``size`` bytes where ``content`` was left out."""
         key = _key_of(fields)
         if key is None:
             return
         if fields.get(b"op") == MESSAGE:
             time = fields.get(b"time", b"")
             seconds, nanoseconds = _TIME.unpack(time) if len(time) == 8 else (0, 0)
-            self.recording.take(key, seconds * 1_000_000_000 + nanoseconds, content)
+            self.recording.take(key, seconds * 1_000_000_000 + nanoseconds, content, size)
         elif fields.get(b"op") == CONNECTION:
             stated = _fields(content)
             topic, kind = (

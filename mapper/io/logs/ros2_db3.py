@@ -194,11 +194,11 @@ def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limi
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
     cursor = connection.execute(
-        "SELECT rowid, topic_id, timestamp, "  # noqa: S608 - the ids are whole numbers, and as such here
+        "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
         f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
     )
-    for index, (row, key, stamp, data) in enumerate(cursor):
+    for index, (row, key, stamp, size, data) in enumerate(cursor):
         if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
-            recording.take(key, stamp, data)
+            recording.take(key, stamp, data, size)
         if progress is not None and index % 256 == 0:
             progress(min(1.0, max(0.0, row / last)))

@@ -57,7 +57,7 @@ class StampedPose:
     pose: Pose7
 
 
-class _Fields:
+class MessageFields:
     """The fields of one message, in their order."""
 
     def __init__(self, data: bytes, *, cdr: bool) -> None:
@@ -90,12 +90,14 @@ class _Fields:
         return n
 
     def string(self) -> str:
+        """Return a string."""
         n = self.count(1)
         text = self.data[self.pos : self.pos + n]
         self.pos += n
         return text.rstrip(b"\0").decode("utf-8", "replace")
 
     def floats(self) -> NDArray[np.float32]:
+        """Return a sequence of float32."""
         n = self.count(4)
         values = np.frombuffer(self.data, self.order + "f4", n, self.pos)
         self.pos += 4 * n
@@ -114,6 +116,7 @@ class _Fields:
         return self.string().lstrip("/")
 
     def pose(self) -> Pose7:
+        """Return a geometry_msgs/Pose or Transform."""
         x, y, z, qx, qy, qz, qw = self.unpack("7d", 8)
         return (x, y, z, qx, qy, qz, qw)
 
@@ -125,7 +128,7 @@ class _Fields:
 
 def laser_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/LaserScan."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     ranges = fields.floats()
@@ -146,7 +149,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
 
 def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     return Beams(
@@ -162,7 +165,7 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     )
 
 
-def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
+def _first_echoes(fields: MessageFields) -> NDArray[np.float32]:
     n = fields.count(4)
     rest = (len(fields.data) - fields.pos) // 4
     if rest >= MOST_ECHOES:
@@ -185,7 +188,7 @@ def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
 
 def range_reading(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/Range: one beam straight ahead, as wide as its field of view."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("B", 1)  # ultrasound or infrared
     width, range_min, range_max, reading = fields.unpack("4f", 4)
@@ -195,7 +198,7 @@ def range_reading(data: bytes, *, cdr: bool) -> Beams:
 
 def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Odometry."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     child = fields.frame()
     pose = fields.pose()
@@ -206,7 +209,7 @@ def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a geometry_msgs/PoseWithCovarianceStamped."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     pose = fields.pose()
     fields.unpack("36d", 8)
@@ -216,7 +219,7 @@ def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     found = []
     n = fields.count(72)
     if n > MOST_TRANSFORMS:

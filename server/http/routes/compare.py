@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -15,10 +15,12 @@ from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import asker_of, snapshot, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
-from server.sessions import SessionHost, SessionRegistry
-from server.sessions.comparison_numbers import numbers
-from server.sessions.parts import Comparable
+from server.sessions import SessionRegistry
 from server.sessions.view import Wanted
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import Comparable
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -77,6 +79,8 @@ async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
 
 
 async def _comparison(comparison: Comparable) -> dict[str, Any]:
+    from server.sessions.comparison_numbers import numbers  # noqa: PLC0415 - imported with the comparison
+
     other, found = await comparison.compared()
     return {"a": other, "refused": None} | numbers(found)
 

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
-from mapper.io.export import tum_lines, write_mcap
+from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
 from server.http.routes.maps import asker_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.sessions import SessionHost, SessionRegistry
-from server.sessions.parts import Recording
+from server.sessions import SessionRegistry
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -44,6 +47,8 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
                 growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
+                    from mapper.io.export import write_mcap  # noqa: PLC0415 - the library of MCAP, for exports only
+
                     with single_threaded():  # the map is made again: on one core, the other ones are the sessions'
                         write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
@@ -27,7 +27,9 @@ from server.downloads import (
 from server.downloads.download_slots import Asker, asker
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
-from server.sessions import SessionHost
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 

@@ -7,19 +7,21 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Body, Request
 from fastapi.responses import JSONResponse, Response
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
-from mapper.simulation import SENSOR_PARAMETERS, WORLDS
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
-from server.sessions import Kind, SessionHost
+from server.sessions import Kind
 from server.sessions.kind import SessionRequest
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -97,14 +99,18 @@ async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
 
 
 @router.get("/worlds")
-async def worlds() -> dict[str, Any]:
+def worlds() -> dict[str, Any]:
     """List the simulated worlds."""
+    from mapper.simulation import WORLDS  # noqa: PLC0415 - imported with the first use, on a worker thread
+
     return {
         "worlds": [{"name": w.name, "title": w.title, "bounds": [float(v) for v in w.bounds]} for w in WORLDS.values()]
     }
 
 
 @router.get("/parameters")
-async def parameters() -> dict[str, Any]:
+def parameters() -> dict[str, Any]:
     """Return the tables of mapping parameters and of the simulated sensor's parameters."""
+    from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
+
     return {"parameters": [asdict(row) for row in PARAMETERS], "sensor": [asdict(row) for row in SENSOR_PARAMETERS]}

@@ -14,6 +14,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -198,7 +199,7 @@ class LogModel(SessionModel):
             "log": {
                 "id": recording.log_id,
                 "trajectory": recording.trajectory,
-                "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
+                "trajectories": self._trajectories_message()["trajectories"],
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
                 "duration_s": float(recording.recorded[-1]),
@@ -213,6 +214,10 @@ class LogModel(SessionModel):
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+
+    def _trajectories_message(self) -> dict[str, Any]:
+        found = self.recording.log.trajectories.items()
+        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
 
     def _trajectory_message(self) -> dict[str, Any]:
         recording = self.recording
@@ -311,6 +316,8 @@ class LogModel(SessionModel):
                 self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
+            case "update_log":  # from the service, never from a client
+                self._update_log(command["log"], result)
             case "compare":
                 raise ProtocolError(
                     "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
@@ -320,6 +327,15 @@ class LogModel(SessionModel):
             case other:
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
+
+    def _update_log(self, log: ScanLog, result: TickResult) -> None:
+        """Go on with the same scans and other trajectories, which the library has now."""
+        if self.recording.update(log):
+            self._left_at = 0
+            result.new_grid = True
+        self.comparison.update_log(self.recording.log)
+        result.slot(self._trajectories_message())
+        result.slot(self._trajectory_message())
 
     def _go_to(self, index: int) -> None:
         self._left_at = self.recording.replay.index

@@ -88,10 +88,34 @@ class LogRecording:
 
     def choose(self, trajectory: str) -> None:
         """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        self._replay_with(self.log, trajectory)
+
+    def update(self, log: ScanLog) -> bool:
+        """Go on with ``log``, the same scans with other trajectories (worker thread); return whether the map is new.
+
+        A trajectory that is in use stays, also where ``log`` has it no longer. Raises as :meth:`choose`, without
+        changes.
+        """
         old = self.replay
-        replay = Replay(old.log, old.config, trajectory, self._host.limits())
+        name = old.trajectory
+        if name not in log.trajectories:
+            log = replace(log, trajectories={**log.trajectories, name: self.log.trajectory(name)})
+        for one, trajectory in log.trajectories.items():
+            known = self.log.trajectories.get(one)
+            if known is None or not np.array_equal(known.poses, trajectory.poses):
+                self._examinations.pop(one, None)
+        if old.adopt(log):
+            self._sensor_poses = log.sensor_poses(name)
+            return False
+        self._replay_with(log, name)
+        return True
+
+    def _replay_with(self, log: ScanLog, trajectory: str) -> None:
+        """Begin the map of ``log`` anew with one of its trajectories."""
+        old = self.replay
+        replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        self._sensor_poses = old.log.sensor_poses(trajectory)
+        self._sensor_poses = log.sensor_poses(trajectory)
         self.replay = replay
 
     def robot_state(self) -> RobotState:

@@ -322,6 +322,13 @@ export interface Trajectory {
   readonly stamps: readonly number[];
 }
 
+/** Log sessions: the trajectories of the log, after one was added, replaced or deleted. */
+export interface Trajectories {
+  readonly type: "trajectories";
+  /** all trajectories of the log */
+  readonly trajectories: readonly TrajectoryInfo[];
+}
+
 /** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -675,6 +682,7 @@ export type ServerMessage =
   | Geometry
   | FrameMessage
   | Trajectory
+  | Trajectories
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
@@ -853,6 +861,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     every: isInteger,
     poses: isListOf(isPoint),
     stamps: isListOf(isNumber),
+  },
+  trajectories: {
+    trajectories: isListOf(isTrajectoryInfo),
   },
   parameters: {
     values: isValues,

@@ -21,6 +21,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import sample_log
 from mapper.simulation.odometry import ALPHAS, TURN_BIAS, drifting_odometry
 from tests.bench.doctor import part
+from tests.marks import also_long
 
 N = 300
 STRICT = Limits(max_drift=0.25, min_sharpness=0.6, no_findings=frozenset(FINDINGS), possible=True)
@@ -53,7 +54,7 @@ def test_a_clean_log_keeps_strict_limits(clean: ScanLog) -> None:
     assert verdict.public()["reasons"] == []
 
 
-@pytest.mark.parametrize("shift", [0.4, 0.6, 0.8])
+@pytest.mark.parametrize("shift", [0.6, *also_long(0.4, 0.8)])
 def test_drift_is_the_distance_between_the_two_copies_of_a_wall(clean: ScanLog, shift: float) -> None:
     """The second half is shifted along both axes of a building whose walls run along them."""
     poses = clean.trajectory().poses.copy()
@@ -143,7 +144,7 @@ def test_what_the_drift_check_measured_is_handed_out_even_without_a_finding(clea
     assert 0.0 <= offset <= 0.2
 
 
-@pytest.mark.parametrize("name", ["intel", "aces", "fhw"])
+@pytest.mark.parametrize("name", ["intel", *also_long("aces", "fhw")])
 def test_real_logs_pass_corrected_and_fail_raw(data_file: Callable[..., object], name: str) -> None:
     limits = Limits(max_drift=0.25, min_sharpness=0.45, no_findings=named_findings(["mount", "poses", "walls"]))
     log = open_log(str(data_file(f"carmen/{name}-corrected.log.gz")))

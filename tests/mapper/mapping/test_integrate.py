@@ -8,8 +8,8 @@ import pytest
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, geometry_for, integrate_log, integrate_scan
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.mapping.integrate import Change, geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 

@@ -8,7 +8,8 @@ import pytest
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
-from mapper.sensors.scan import LaserScan, ScanLog, Trajectory, beam_fields, uneven_fields
+from mapper.sensors.beam_fields import beam_fields, uneven_fields
+from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 
 
 @pytest.fixture

@@ -74,6 +74,7 @@ def test_a_log_that_cannot_be_judged_is_status_2(run, log, tmp_path):
     assert "too short to judge" in err
 
 
+@pytest.mark.long  # a simulated run is judged above
 def test_a_corrected_log_passes_and_its_raw_odometry_fails(run, data_file):
     options = ["--max-drift", "0.3", "--min-sharpness", "0.45", "--no-findings", "mount,poses,walls"]
     assert run("check", data_file("carmen/intel-corrected.log.gz"), *options).status == 0

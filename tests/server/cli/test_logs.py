@@ -37,6 +37,10 @@ def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
     assert "from 2023-11-14 22:13:20 UTC" in out
     assert "* /front: 3 × sensor_msgs/LaserScan, 2 beams over 5.7°" in out
     assert "  /rear: 2 × sensor_msgs/LaserScan, 1 beam over 0.0°, 1.0 Hz, frame rear" in out
+    size = len(recorded.serialised(said[-1], 1))
+    assert f"frame rear, {2 * size} B in 1.0 s" in out
+    assert "B in" not in run("info", path, "--no-contents").out
+    assert json.loads(run("info", path, "--json").out)["contents"][1]["bytes"] == 2 * size
     assert "the file holds no poses" in out.lower()
     rear = json.loads(run("info", path, "--topic", "/rear", "--json").out)
     assert (rear["scans"], rear["topics"][1]["chosen"]) == (2, True)

@@ -50,13 +50,3 @@ def test_help_imports_neither_numba_nor_the_web_server():
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.endswith("0\n[]\n")
     assert "bench" in done.stdout
-
-
-def test_the_service_starts_without_the_parts_that_few_sessions_need():
-    program = (
-        "import sys\nfrom server.app import create_app\ncreate_app()\n"
-        "unwanted = ('viser', 'scipy.linalg', 'dask', 'sqlalchemy', 'numba', 'mapper.io.logs.opening')\n"
-        "print([name for name in unwanted if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"

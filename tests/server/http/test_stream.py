@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
-from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
+from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
 
@@ -266,7 +266,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
 
 
 async def test_a_flood_without_end_ends_the_connection(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.http.routes.stream.MAX_THROTTLED", 30)
+    monkeypatch.setattr("server.http.stream_connection.MAX_THROTTLED", 30)
     monkeypatch.setattr("server.stream.hub.ACK_TIMEOUT_S", PATIENCE_S)  # nothing is acknowledged here
     async with service.connect(service.begin()) as socket:
         for _ in range(1000):

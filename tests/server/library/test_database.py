@@ -16,14 +16,15 @@ import pytest_asyncio
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import event, text
+from sqlalchemy import Connection, Engine, event, inspect, text
 
 from mapper.io.logs.summary import summarise
 from mapper.simulation import sample_log
-from server.library.database import MIGRATIONS, Database
+from server.library.database import Database, _engine
 from server.library.log_rows import LogRows
 from server.library.migrations import HEAD
 from server.library.records import Failure, Record
+from server.library.schema import MIGRATIONS, bring_up_to_date, upgrade
 from server.library.storage import StorageError
 from server.library.tables import metadata
 
@@ -38,12 +39,43 @@ async def database(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncItera
     opened.close()
 
 
-async def test_the_revisions_make_the_tables(database: Database) -> None:
-    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD]
-    differences = await database.run(
-        lambda connection: compare_metadata(MigrationContext.configure(connection), metadata)
-    )
-    assert differences == []
+def _empty_database(kind: str, request: pytest.FixtureRequest, folder: Path) -> Engine:
+    url = None if kind == "sqlite" else request.getfixturevalue("postgresql").new_database()
+    folder.mkdir()
+    return _engine(url, folder)
+
+
+def _schema(connection: Connection) -> dict[str, Any]:
+    """Return what the database itself states of its tables."""
+    found = inspect(connection)
+    return {
+        table: (
+            [{**column, "type": str(column["type"])} for column in found.get_columns(table)],
+            found.get_pk_constraint(table),
+            found.get_foreign_keys(table),
+            found.get_indexes(table),
+            found.get_unique_constraints(table),
+        )
+        for table in sorted(found.get_table_names())
+    }
+
+
+@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
+def test_an_empty_database_gets_the_tables_that_the_revisions_make(
+    kind: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    found = []
+    for name, make in (("created", bring_up_to_date), ("upgraded", lambda connection: upgrade(connection, None))):
+        engine = _empty_database(kind, request, tmp_path / name)
+        with engine.begin() as connection:
+            make(connection)
+            versions = connection.execute(text("SELECT version_num FROM alembic_version")).scalars().all()
+            found.append((_schema(connection), versions))
+            assert compare_metadata(MigrationContext.configure(connection), metadata) == []
+        engine.dispose()
+    assert list(found[0][0]) == sorted(["alembic_version", *metadata.tables])
+    assert found[0] == found[1]
+    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD] == found[0][1]
 
 
 async def test_records_come_back_as_they_went_in(database: Database) -> None:
@@ -159,6 +191,7 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
     await LogRows(opened).put(RECORD)
     opened.close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
+        older.execute("DROP TABLE trajectories")
         older.execute("ALTER TABLE logs DROP COLUMN attempts")
         older.execute("UPDATE alembic_version SET version_num = '0003'")
     opened = Database.open(None, tmp_path)

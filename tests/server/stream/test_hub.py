@@ -12,8 +12,7 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
 from server.stream.layers import GridLayer

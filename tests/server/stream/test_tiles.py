@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.tiles import TilePicture, picture_range
 

@@ -349,7 +349,7 @@ def test_interpolated_poses_are_those_of_the_textbook(knots):
 def test_which_of_several_sensors_is_mapped_is_said(tmp_path):
     ring = [sonar(T0 + i, 1.0, topic=f"/sonar/{i % 3}") for i in range(9)]
     path = written(tmp_path, ring, "mcap")
-    said = "Only /sonar/0 is mapped; the log has 2 more sensors to choose: /sonar/1, /sonar/2. Each sonar makes a map"
+    said = "/sonar/0 is one of 3 sonars, which make one map: /sonar/0, /sonar/1, /sonar/2."
     assert sum(said in note for note in open_log(path).notes) == 1
     assert not any("Only" in note for note in open_log(path, topic="/sonar/1").notes)
     path.write_bytes(recorded.mcap_bytes([*ring, *run()]))

@@ -1,0 +1,33 @@
+"""What is asked for of a log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The planar sensors that are read.
+
+    ``topics`` names them; without one, those that make one map by themselves are read: the lidar with most scans, or
+    else all sonars. None reads all sensors.
+    """
+
+    topics: tuple[str, ...] | None = ()
+
+    @staticmethod
+    def of(topic: str | None) -> Selection:
+        """Return the selection of one sensor, or of none in particular."""
+        return Selection(() if topic is None else (topic,))
+
+    def wants(self, topic: str) -> bool:
+        """Return whether a sensor may be one of those."""
+        return not self.topics or _plain(topic) in {_plain(name) for name in self.topics}
+
+
+ALL_SENSORS = Selection(None)
+
+
+def _plain(topic: str) -> str:
+    """Return a topic without its first slash, and without what tells sensors that share it apart."""
+    return topic.lstrip("/").split("#")[0]

@@ -1,0 +1,191 @@
+"""Correlative matching: the pose in a window at which the points of a scan collect the greatest score.
+
+Exhaustive (Olson 2009) and by branch and bound (Hess et al. 2016). Both give the same pose: numba twins of
+:func:`mapper.matching.textbook.scores_in_window`.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int32Array, Int64Array, UInt8Array
+from mapper.core.jit import jit
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
+from mapper.matching.kernels.types import NO_POINT, ScanArrays
+
+_to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
+
+
+class Window(NamedTuple):
+    """Poses around a guess: whole cells to each side along the grid's axes, and turns of whole steps."""
+
+    cells: int  #: to each side
+    turns: int  #: to each side
+    turn: float  #: rad, one step
+
+
+@jit
+def _write_cells(
+    scans: ScanArrays, i: int, pose: Float64Array, window: Window, frame: Frame, stride: int, cells: Int32Array
+) -> int:
+    """Write the cells (2 · turns + 1, n, 2), row and column, of the points at each turned pose; return n."""
+    n = 0
+    for a in range(2 * window.turns + 1):
+        theta = pose[2] + (a - window.turns) * window.turn
+        c, s = cos(theta), sin(theta)
+        n = 0
+        for k in range(0, scans.points.shape[1], stride):
+            if scans.kind[i, k] == NO_POINT:
+                continue
+            p_x, p_y = float(scans.points[i, k, 0]), float(scans.points[i, k, 1])
+            u, v = _to_lattice(pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y, frame)
+            # Far outside all cells are alike.
+            cells[a, n, 0] = int(min(max(_cell_of(v), -1e8), 1e8))
+            cells[a, n, 1] = int(min(max(_cell_of(u), -1e8), 1e8))
+            n += 1
+    return n
+
+
+@jit
+def _add_block(scores: UInt8Array, cells: Int32Array, n: int, row: int, col: int, step: int, total: Int32Array) -> None:
+    """Write the sums (h, w) of the scores at n cells moved by (row + y · step, col + x · step) for all y and x.
+
+    A score (rows, cols) stands for the square of ``step`` cells from its cell on, so that for a square which begins
+    less than ``step`` cells before the grid the first row or column is read: it bounds the square's.
+    """
+    rows, cols = scores.shape
+    h, w = total.shape
+    total[:] = 0
+    for k in range(n):
+        top, left = cells[k, 0] + row, cells[k, 1] + col
+        if top >= rows or left >= cols or top + h * step <= 0 or left + w * step <= 0:
+            continue
+        first = 0 if left >= 0 else -left // step
+        last = min(w, (cols - left + step - 1) // step)
+        for y in range(h):
+            at = top + y * step
+            if -step < at < rows:
+                line, out = scores[max(at, 0)], total[y]
+                if step == 1:
+                    for x in range(first, last):
+                        out[x] += line[left + x]
+                else:
+                    for x in range(first, last):
+                        out[x] += line[max(left + x * step, 0)]
+
+
+@jit
+def score_window(
+    scores: UInt8Array,
+    frame: Frame,
+    scans: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    window: Window,
+    stride: int,
+    volume: Int32Array,
+) -> int:
+    """Write the score of each pose of a window (2 · turns + 1, 2 · cells + 1, 2 · cells + 1): turn, row, column.
+
+    ``scores`` (rows, cols) on ``frame``; each ``stride``-th point of scan i counts, those outside the grid with 0.
+    ``pose`` (3,) is the centre of the window. Returns the number of points.
+    """
+    cells = np.empty((2 * window.turns + 1, scans.points.shape[1] // stride + 1, 2), dtype=np.int32)
+    n = _write_cells(scans, i, pose, window, frame, stride, cells)
+    for a in range(2 * window.turns + 1):
+        _add_block(scores, cells[a], n, -window.cells, -window.cells, 1, volume[a])
+    return n
+
+
+@jit
+def best_in_window(volume: Int32Array, best: Int64Array) -> None:
+    """Write the greatest score of a window, and its turn, row and column from the centre: the first of equals (4,)."""
+    turns, cells = volume.shape[0] // 2, volume.shape[1] // 2
+    best[0], best[1], best[2], best[3] = -1, 0, 0, 0
+    for a in range(volume.shape[0]):
+        for y in range(volume.shape[1]):
+            for x in range(volume.shape[2]):
+                if volume[a, y, x] > best[0]:
+                    best[0], best[1], best[2], best[3] = volume[a, y, x], a - turns, y - cells, x - cells
+
+
+@jit
+def branch_and_bound(
+    levels: UInt8Array,
+    frame: Frame,
+    scans: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    window: Window,
+    stride: int,
+    least: int,
+    best: Int64Array,
+) -> int:
+    """Write what :func:`best_in_window` writes of the whole window, without scoring each pose of it.
+
+    ``levels`` (n, rows, cols) are the grids of :func:`mapper.matching.kernels.score_field.write_pyramid`. A block of
+    2^l poses a side scores at most the sum over level l. Blocks of the top level are taken in the order of their
+    bounds, and divided into four where the bound is not below the best score so far. Poses that score less than
+    ``least`` (at least 1) do not count: where there is no other, ``best`` (4,) is −1, 0, 0, 0. Returns the number of
+    points.
+    """
+    top = levels.shape[0] - 1
+    side = 1 << top
+    size = 2 * window.cells + 1
+    blocks = (size + side - 1) // side
+    n_turns = 2 * window.turns + 1
+    cells = np.empty((n_turns, scans.points.shape[1] // stride + 1, 2), dtype=np.int32)
+    n = _write_cells(scans, i, pose, window, frame, stride, cells)
+    bounds = np.empty((n_turns, blocks, blocks), dtype=np.int32)
+    for a in range(n_turns):
+        _add_block(levels[top], cells[a], n, -window.cells, -window.cells, side, bounds[a])
+    flat = bounds.reshape(-1)
+    candidates = np.flatnonzero(flat >= max(least, 1))
+    order = candidates[np.argsort(-flat[candidates], kind="mergesort")]
+    best[0], best[1], best[2], best[3] = max(least, 1), window.turns + 1, 0, 0
+    found = False
+    # A stack of blocks: bound, level, row and column of the block's first pose from the window's first one.
+    stack = np.empty((4 * top + 4, 4), dtype=np.int64)
+    four = np.empty((2, 2), dtype=np.int32)
+    for at in order:
+        if flat[at] < best[0]:
+            break
+        a = at // (blocks * blocks)
+        stack[0, 0], stack[0, 1] = flat[at], top
+        stack[0, 2], stack[0, 3] = (at // blocks) % blocks * side, at % blocks * side
+        height = 1
+        while height > 0:
+            height -= 1
+            bound, level, row, col = stack[height, 0], stack[height, 1], stack[height, 2], stack[height, 3]
+            if bound < best[0]:
+                continue
+            if level == 0:
+                # Of equal scores the first in the order of the window.
+                turn, y, x = a - window.turns, row - window.cells, col - window.cells
+                before = turn < best[1] or (turn == best[1] and (y < best[2] or (y == best[2] and x < best[3])))
+                if bound > best[0] or not found or before:
+                    best[0], best[1], best[2], best[3] = bound, turn, y, x
+                    found = True
+                continue
+            half = 1 << (level - 1)
+            _add_block(levels[level - 1], cells[a], n, row - window.cells, col - window.cells, half, four)
+            # The best of the four comes on top, to be taken first.
+            begin = height
+            for q in range(4):
+                y, x = row + (q >> 1) * half, col + (q & 1) * half
+                part = four[q >> 1, q & 1]
+                if y >= size or x >= size or part < best[0]:
+                    continue
+                place = height
+                while place > begin and stack[place - 1, 0] > part:
+                    stack[place] = stack[place - 1]
+                    place -= 1
+                stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = part, level - 1, y, x
+                height += 1
+    if not found:
+        best[0], best[1], best[2], best[3] = -1, 0, 0, 0
+    return n

@@ -1,0 +1,92 @@
+"""Points and normals of scans.
+
+Numba twins of :func:`mapper.matching.textbook.scan_points` and :func:`mapper.matching.textbook.scan_normals`.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, sin, sqrt
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Float64Array, UInt8Array
+from mapper.core.jit import jit
+from mapper.matching.kernels.types import NO_POINT, POINT, POINT_WITH_NORMAL, ScanArrays
+
+
+@jit
+def write_points(
+    ranges: Float32Array,
+    beams: Float64Array,
+    sensor_x: float,
+    sensor_y: float,
+    range_min: float,
+    range_max: float,
+    points: Float32Array,
+    kind: UInt8Array,
+) -> None:
+    """Write the end point of each reading r with ``range_min`` ≤ r ≤ ``range_max`` in the base frame.
+
+    ``ranges`` (n_scans, n_beams) metres; ``beams`` (n_beams, 2) cosine and sine of each bearing in the base frame.
+    ``points`` (n_scans, n_beams, 2) and ``kind`` (n_scans, n_beams) are written: 0 and NO_POINT for other readings.
+    """
+    for i in range(ranges.shape[0]):
+        for k in range(ranges.shape[1]):
+            r = float(ranges[i, k])
+            if range_min <= r <= range_max:
+                points[i, k, 0] = np.float32(sensor_x + r * beams[k, 0])
+                points[i, k, 1] = np.float32(sensor_y + r * beams[k, 1])
+                kind[i, k] = POINT
+            else:
+                points[i, k, 0] = points[i, k, 1] = np.float32(0.0)
+                kind[i, k] = NO_POINT
+
+
+@jit
+def write_normals(scans: ScanArrays, half_width: int, least_gap: float, max_thickness: float) -> None:
+    """Write the normal of the line through each point and its neighbours in bearing, where they lie on one.
+
+    Neighbours are the points of the ``half_width`` beams on either side that are nearer than a gap: the larger of
+    ``least_gap`` metres and three times the distance between beams at that range, for each beam between. The line is
+    the major axis of their scatter. There is a normal where three points or more are neighbours and the scatter along
+    the line is 8 times that across it, or that across it is below ``max_thickness``² m². ``scans.normals`` and
+    ``scans.kind`` are written.
+    """
+    points, normals, kind = scans.points, scans.normals, scans.kind
+    n_beams = points.shape[1]
+    for i in range(points.shape[0]):
+        for k in range(n_beams):
+            normals[i, k, 0] = normals[i, k, 1] = np.float32(0.0)
+            if kind[i, k] == NO_POINT:
+                continue
+            x, y = float(points[i, k, 0]), float(points[i, k, 1])
+            to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
+            r = sqrt(to_x * to_x + to_y * to_y)
+            gap = max(least_gap, 3.0 * r * scans.step)
+            n, s_x, s_y, s_xx, s_xy, s_yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+            for offset in range(-half_width, half_width + 1):
+                q = k + offset
+                if scans.wraps:
+                    q += n_beams if q < 0 else -n_beams if q >= n_beams else 0
+                if q < 0 or q >= n_beams or kind[i, q] == NO_POINT:
+                    continue
+                d_x, d_y = float(points[i, q, 0]) - x, float(points[i, q, 1]) - y
+                if sqrt(d_x * d_x + d_y * d_y) < gap * max(1, abs(offset)):
+                    n += 1
+                    s_x += d_x
+                    s_y += d_y
+                    s_xx += d_x * d_x
+                    s_xy += d_x * d_y
+                    s_yy += d_y * d_y
+            if n < 3:
+                continue
+            m_x, m_y = s_x / n, s_y / n
+            c_xx, c_xy, c_yy = s_xx / n - m_x * m_x, s_xy / n - m_x * m_y, s_yy / n - m_y * m_y
+            along = 0.5 * atan2(2.0 * c_xy, c_xx - c_yy)
+            n_x, n_y = -sin(along), cos(along)
+            across = c_xx * n_x * n_x + 2.0 * c_xy * n_x * n_y + c_yy * n_y * n_y
+            if c_xx + c_yy - across > 8.0 * across or across < max_thickness * max_thickness:
+                if n_x * to_x + n_y * to_y > 0.0:
+                    n_x, n_y = -n_x, -n_y
+                normals[i, k, 0], normals[i, k, 1] = np.float32(n_x), np.float32(n_y)
+                kind[i, k] = POINT_WITH_NORMAL

@@ -1,0 +1,51 @@
+"""Named tuples that the compiled functions of scan matching take as arguments."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from mapper.core.array_types import Float32Array, UInt8Array
+
+#: What is known of a beam's reading.
+NO_POINT, POINT, POINT_WITH_NORMAL = 0, 1, 2
+
+#: The weight of a residual e with the scale s, as an M-estimator has it (Zhang 1997, table 1).
+SQUARES, HUBER, CAUCHY = 0, 1, 2
+
+
+class ScanArrays(NamedTuple):
+    """Scans of one sensor as points in the frame of the robot's base, in the order of their bearing.
+
+    Beam b sees in the direction ``first`` + b · ``step`` (``step`` > 0) from the sensor at (``sensor_x``,
+    ``sensor_y``). Points of beams without a usable reading, and normals of points without one, are 0.
+    """
+
+    points: Float32Array  #: (n_scans, n_beams, 2), m
+    normals: Float32Array  #: (n_scans, n_beams, 2), of unit length, towards the sensor
+    kind: UInt8Array  #: (n_scans, n_beams): NO_POINT, POINT or POINT_WITH_NORMAL
+    first: float  #: rad
+    step: float  #: rad
+    wraps: bool  #: whether the beam after the last is the first: the sensor sees the whole circle
+    sensor_x: float  #: m
+    sensor_y: float  #: m
+
+
+class PairRule(NamedTuple):
+    """Which points of two scans correspond, and how much a pair counts."""
+
+    min_cosine: float  #: between the two normals; −1 takes all pairs, also of points without a normal
+    max_beams: int  #: by how many beams, either way, a corresponding beam may be off
+    weight: int  #: SQUARES, HUBER or CAUCHY
+    scale: float  #: m, of the weight
+    stride: int  #: take each stride-th beam of the moving scan
+
+
+class Iterations(NamedTuple):
+    """The Gauss–Newton iterations, in each of which the gate shrinks by ``shrink`` down to ``last_gate``."""
+
+    most: int
+    first_gate: float  #: m: points farther apart do not correspond
+    last_gate: float  #: m
+    shrink: float
+    stop_m: float  #: a step shorter than this, and turning by less than stop_rad, with the last gate, is the last one
+    stop_rad: float

@@ -1,0 +1,205 @@
+"""Scan matching in plain NumPy, as the papers print it: what the compiled methods are compared with.
+
+Points are (n, 2) float64 in metres, poses (x, y, θ) ``T_map_base``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, inverse, transform_points
+from mapper.grid import GridGeometry
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class PointScan:
+    """One scan: ``points`` (n, 2) and ``normals`` (n, 2) by beam, where they exist, in the frame of the base.
+
+    Beam b sees in the direction ``first`` + b · ``step`` from ``sensor`` (2,); with ``wraps`` the beam after the last
+    is the first.
+    """
+
+    points: Float64Array
+    is_point: BoolArray
+    normals: Float64Array
+    has_normal: BoolArray
+    first: float
+    step: float
+    wraps: bool
+    sensor: Float64Array
+
+
+def scan_points(
+    ranges: NDArray[np.float32], bearings: Float64Array, mount: Float64Array, range_min: float, range_max: float
+) -> tuple[Float64Array, BoolArray]:
+    """Return the end points (n, 2) of readings ``ranges`` (n,), 0 where there is none, and where there are any.
+
+    ``bearings`` (n,) are those in the sensor's frame, radians; ``mount`` (3,) is ``T_base_laser``.
+    """
+    used = (ranges >= range_min) & (ranges <= range_max)
+    r = np.where(used, ranges, 0.0).astype(np.float64)
+    directions = mount[2] + bearings
+    points = mount[:2] + r[:, np.newaxis] * np.stack([np.cos(directions), np.sin(directions)], axis=-1)
+    return np.where(used[:, np.newaxis], points, 0.0), used
+
+
+def scan_normals(
+    scan: PointScan, half_width: int, least_gap: float, max_thickness: float
+) -> tuple[Float64Array, BoolArray]:
+    """Return the normals (n, 2) of a scan's points, 0 where there is none, and where there are any.
+
+    The line through a point and its neighbours has the direction in which they scatter most (principal components);
+    see :func:`mapper.matching.kernels.scan_points.write_normals` for which points are neighbours.
+    """
+    n_beams = len(scan.points)
+    normals, has_normal = np.zeros((n_beams, 2)), np.zeros(n_beams, dtype=np.bool_)
+    for k in np.flatnonzero(scan.is_point):
+        beams = np.arange(k - half_width, k + half_width + 1)
+        between = np.abs(beams - k)
+        if scan.wraps:
+            beams %= n_beams
+        inside = (beams >= 0) & (beams < n_beams)
+        beams, between = beams[inside], between[inside]
+        off = scan.points[beams] - scan.points[k]
+        r = math.sqrt(float(np.sum((scan.points[k] - scan.sensor) ** 2)))
+        gap = max(least_gap, 3.0 * r * scan.step)
+        near = scan.is_point[beams] & (np.sqrt(np.sum(off**2, axis=1)) < gap * np.maximum(between, 1))
+        if np.count_nonzero(near) < 3:
+            continue
+        n, neighbours = np.count_nonzero(near), off[near]
+        m_x, m_y = neighbours.sum(axis=0) / n
+        c_xx, c_yy = (neighbours**2).sum(axis=0) / n - [m_x * m_x, m_y * m_y]
+        c_xy = (neighbours[:, 0] * neighbours[:, 1]).sum() / n - m_x * m_y
+        along = 0.5 * math.atan2(2.0 * c_xy, c_xx - c_yy)
+        normal = np.array([-math.sin(along), math.cos(along)])
+        across = c_xx * normal[0] * normal[0] + 2.0 * c_xy * normal[0] * normal[1] + c_yy * normal[1] * normal[1]
+        if c_xx + c_yy - across > 8.0 * across or across < max_thickness * max_thickness:
+            to_point = scan.points[k] - scan.sensor
+            normals[k] = -normal if normal[0] * to_point[0] + normal[1] * to_point[1] > 0.0 else normal
+            has_normal[k] = True
+    return normals, has_normal
+
+
+def pairs_by_bearing(
+    moving: PointScan, pose: Float64Array, fixed: PointScan, at: Float64Array, gate: float, max_beams: int
+) -> tuple[Int64Array, Int64Array, int]:
+    """Return the beams (m,) of two scans whose points correspond, and how many points lie in the field of view.
+
+    Each point of ``moving`` corresponds to the nearest point with a normal of ``fixed`` among the ``max_beams`` beams
+    on either side of its bearing, if that is nearer than ``gate``.
+    """
+    n_beams, tried = len(fixed.points), 0
+    ours, theirs = [], []
+    seen = transform_points(compose(inverse(at), pose), moving.points)
+    for k in np.flatnonzero(moving.is_point):
+        x, y = seen[k] - fixed.sensor
+        turned = (math.atan2(y, x) - fixed.first) % (2.0 * math.pi)
+        beam = math.floor(turned / fixed.step + 0.5)
+        if beam >= n_beams:
+            if not fixed.wraps and turned <= 2.0 * math.pi - 0.5 * fixed.step:
+                continue
+            beam = 0
+        tried += 1
+        around = beam + np.arange(-max_beams, max_beams + 1)
+        around = np.unique(around % n_beams) if fixed.wraps else around[(around >= 0) & (around < n_beams)]
+        around = around[fixed.has_normal[around]]
+        squares = np.sum((fixed.points[around] - seen[k]) ** 2, axis=1)
+        if len(around) and squares.min() < gate * gate:
+            ours.append(int(k))
+            theirs.append(int(around[np.argmin(squares)]))
+    return np.array(ours, dtype=np.int64), np.array(theirs, dtype=np.int64), tried
+
+
+def weights(kind: str, scale: float, residuals: Float64Array) -> Float64Array:
+    """Return the weights (n,) of residuals (n,) of an M-estimator: "squares", "huber" or "cauchy".
+
+    Source: Zhang 1997, Parameter estimation techniques, table 1.
+    """
+    if kind == "cauchy":
+        return np.asarray(1.0 / (1.0 + (residuals / scale) ** 2))
+    if kind == "huber":
+        return np.asarray(np.minimum(1.0, scale / np.maximum(np.abs(residuals), 1e-300)))
+    return np.ones_like(residuals)
+
+
+def point_to_line_residuals(
+    points: Float64Array, pose: Float64Array, lines: Float64Array, normals: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Return e = nᵀ (R p + t − q) (m,), and its derivative by the pose (m, 3). Source: Censi 2008, equation 3.
+
+    ``points`` (m, 2) p are the moving scan's in its base frame; ``lines`` (m, 2) q and ``normals`` (m, 2) n are those
+    of the map.
+    """
+    placed = transform_points(pose, points)
+    turned = placed - pose[:2]
+    e = np.sum(normals * (placed - lines), axis=1)
+    by_turn = normals[:, 1] * turned[:, 0] - normals[:, 0] * turned[:, 1]
+    return e, np.column_stack([normals, by_turn])
+
+
+def normal_equations(
+    jacobian: Float64Array, residuals: Float64Array, w: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Return H = Σ w JᵀJ and −Σ w Jᵀe, of the Gauss–Newton step H dx = −Σ w Jᵀe."""
+    return jacobian.T @ (w[:, np.newaxis] * jacobian), -jacobian.T @ (w * residuals)
+
+
+def score_field(geometry: GridGeometry, points: Float64Array, sigma: float, fine: int, reach: int) -> NDArray[np.uint8]:
+    """Return the scores (rows, cols) uint8 of cells near map points (n, 2): 255 · exp(−d² / 2σ²) of the nearest one.
+
+    Points are rounded to the middle of the 1/``fine`` of a cell that they lie in. Cells whose row or column is more
+    than ``reach`` from a point's do not see it. Source: Olson 2009, section III.
+    """
+    scores = np.zeros(geometry.shape, dtype=np.uint8)
+    for col, row in geometry.to_lattice(points).reshape(-1, 2):
+        at_row, at_col = math.floor(row), math.floor(col)
+        if not (0 <= at_row < geometry.rows and 0 <= at_col < geometry.cols):
+            continue
+        rows = np.arange(max(at_row - reach, 0), min(at_row + reach + 1, geometry.rows))
+        cols = np.arange(max(at_col - reach, 0), min(at_col + reach + 1, geometry.cols))
+        place_row = (math.floor((row - at_row) * fine) + 0.5) / fine
+        place_col = (math.floor((col - at_col) * fine) + 0.5) / fine
+        d_row = ((rows - at_row) + 0.5 - place_row) * geometry.resolution
+        d_col = ((cols - at_col) + 0.5 - place_col) * geometry.resolution
+        square = d_row[:, np.newaxis] ** 2 + d_col[np.newaxis, :] ** 2
+        stamp = (255 * np.exp(-square / (2.0 * sigma**2))).astype(np.uint8)
+        part = scores[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+        np.maximum(part, stamp, out=part)
+    return scores
+
+
+def greatest_in_squares(scores: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+    """Return the greatest score in the square of ``side`` cells from each cell on, as far as the grid reaches."""
+    bordered = np.pad(scores, ((0, side - 1), (0, side - 1)))
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(bordered, (side, side)).max(axis=(2, 3)))
+
+
+def scores_in_window(
+    scores: NDArray[np.uint8],
+    geometry: GridGeometry,
+    points: Float64Array,
+    pose: Float64Array,
+    turns: Float64Array,
+    cells: int,
+) -> NDArray[np.int32]:
+    """Return the score of each pose in a window (len(turns), 2 · cells + 1, 2 · cells + 1): turn, row, column.
+
+    The score of a pose is the sum of the scores of the cells that hold the points (n, 2) there; outside the grid it is
+    0. The points are turned first, and then moved by whole cells. Source: Olson 2009, section IV.
+    """
+    volume = np.zeros((len(turns), 2 * cells + 1, 2 * cells + 1), dtype=np.int32)
+    bordered = np.pad(scores, 2 * cells)
+    for a, turn in enumerate(turns):
+        at = geometry.world_to_cell(transform_points([pose[0], pose[1], pose[2] + turn], points))
+        for row, col in at[((at >= -cells) & (at < np.array(scores.shape) + cells)).all(axis=1)]:
+            # The scores around the cell, of which the bordered grid has 2 · cells more on each side.
+            volume[a] += bordered[row + cells : row + 3 * cells + 1, col + cells : col + 3 * cells + 1]
+    return volume
