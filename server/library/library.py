@@ -182,6 +182,10 @@ class Library:
         """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
 
+    def forget_upload(self, owner: str, key: str) -> None:
+        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        self._intake.forget(owner, key)
+
     async def put(
         self,
         owner: str,
@@ -334,9 +338,10 @@ class Library:
 
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
-        progress = self._reader.progress if record.state == "reading" else record.progress
+        is_read = record.state == "reading"
+        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        return replace(record, progress=progress, added=added)
+        return replace(record, progress=progress, reading_s=reading_s, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -368,6 +373,15 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self._reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
 
     async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
         """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
