@@ -12,6 +12,8 @@ import { FrameTree } from "./contents/FrameTree";
 import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import { Notes } from "./notes/Notes";
+import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
 import { TrajectoryChoice } from "./TrajectoryChoice";
@@ -26,6 +28,7 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
+  readonly notes: NotesState;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -63,6 +66,12 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
   { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "notes",
+    title: "Notes",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
+  },
   {
     id: "share",
     title: "Share",
