@@ -9,6 +9,7 @@ import type { DockGroup } from "../../ui/Dock";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
+import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
@@ -60,6 +61,7 @@ const GROUPS: readonly Group[] = [
     ),
   },
   { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
   {
     id: "frames",
     title: "Frames",
