@@ -20,10 +20,11 @@ from mapper.io.contents.series_messages import PLOTTED, PlottedType
 from mapper.io.logs import carmen
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
 from mapper.io.logs.recording import Recording
-from mapper.io.logs.ros_messages import TRANSFORMS, BadMessageError, plain_type
+from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
 from mapper.io.logs.unpacking import Progress
 
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
