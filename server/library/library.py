@@ -103,6 +103,7 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.notes import Notes  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
@@ -127,6 +128,7 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
+        self.notes = Notes(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
