@@ -145,13 +145,14 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.store_identity import is_sure_to_belong  # noqa: PLC0415
+        from server.library.store_identity import belong_together  # noqa: PLC0415
 
         await self._folder.look()
-        is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
-        await self._catalogue.start(is_ours=is_ours)
+        stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
+        await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
-        await self.trajectories.start()
+        # As with blobs: the files may belong to another database, or this database may be new.
+        await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
@@ -285,7 +286,7 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.forget(record.id)  # and what was added to it
+        await self._catalogue.delete(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
             self._catalogue.pack(record.id).unlink(missing_ok=True)
 
@@ -356,7 +357,7 @@ class Library:
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = self._catalogue.used(record)
+            record = self._catalogue.mark_used(record)
         if record.source == "sample":
             return await self._sample.load()
         if topic is not None:

@@ -129,7 +129,7 @@ class UploadReceiver:
             if part is not None and finished:
                 self._partial.pop((owner, part.key), None)
             if part is None or finished:
-                await upload.incoming.drop()
+                await upload.incoming.discard()
 
     def _begin(self, owner: str, part: Part | None) -> Received:
         if part is None:
@@ -190,7 +190,7 @@ class UploadReceiver:
                 self._forget(name)
 
     def _forget(self, name: tuple[str, str]) -> None:
-        leaving = asyncio.ensure_future(self._partial.pop(name).incoming.drop())
+        leaving = asyncio.ensure_future(self._partial.pop(name).incoming.discard())
         self._leaving.add(leaving)
         leaving.add_done_callback(self._leaving.discard)
 

@@ -28,7 +28,7 @@ from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.stream.traffic import Traffic
-from server.work.scheduler import URGENT_S, Party, Scheduler, checkpoint, stand_aside
+from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint, wait_without_turn
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -43,7 +43,9 @@ SHOWN_EVERY_S = 0.25  #: at this interval
 MAX_CANCELLING_S = (
     1.5  #: after this time without a finished map, commands no longer cancel the computation: a map must be shown
 )
-MAX_ASIDE_S = 60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
+MAX_BACKGROUND_WAIT_S = (
+    60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
+)
 
 T = TypeVar("T")
 
@@ -59,7 +61,7 @@ class SessionHost:
     def __init__(
         self,
         *,
-        party: Party,
+        job_owner: JobOwner,
         pool: Executor,
         limits: Callable[[SessionHost], Limits],
         scheduler: Scheduler,
@@ -70,8 +72,8 @@ class SessionHost:
     ) -> None:
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
-        self.party = party
-        self.owner = party.visitor
+        self.job_owner = job_owner
+        self.owner = job_owner.visitor
         self.link = link  #: the link that the owner followed, for a guest; else None
         self.scheduler = scheduler
         self.closed = False
@@ -307,7 +309,7 @@ class SessionHost:
         is_catching_up = False
         try:
             is_urgent = self._clock() - began < URGENT_S
-            result = await self.scheduler.run(self._pool, self.party, job, waited_for=self.watched and is_urgent)
+            result = await self.scheduler.run(self._pool, self.job_owner, job, interactive=self.watched and is_urgent)
             is_catching_up = self.model.is_catching_up and not self.closed
         finally:
             self._catching_up_since = began
@@ -343,18 +345,18 @@ class SessionHost:
         result = TickResult()
         try:
             async with self._lock:
-                await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
+                await self.on_thread(partial(self.model.run_deferred_work, result), interactive=False)
             self.deliver(result)
         except Exception:  # noqa: BLE001 - a defect in deferred work must not stop the session
             _log.exception("deferred work failed")
         now = self._clock()
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
-    async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
+    async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
         showing = asyncio.ensure_future(self._show_work())
         try:
-            return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
+            return await self.scheduler.run(self._pool, self.job_owner, job, interactive=interactive)
         finally:
             showing.cancel()
 
@@ -388,17 +390,17 @@ class SessionHost:
     def in_background(self) -> Callable[[], bool]:
         """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
 
-        It yields to other sessions, waits while this session computes something long, up to :data:`MAX_ASIDE_S` in
-        all, and returns whether the session is open.
+        It yields to other sessions, waits while this session computes something long, in all up to
+        :data:`MAX_BACKGROUND_WAIT_S`, and returns whether the session is open.
         """
-        left = MAX_ASIDE_S
+        left = MAX_BACKGROUND_WAIT_S
 
         def is_open() -> bool:
             nonlocal left
             checkpoint()
             if left > 0.0 and not self._nothing_long.is_set():
                 began = time.monotonic()
-                stand_aside(self._nothing_long, left)
+                wait_without_turn(self._nothing_long, left)
                 left -= time.monotonic() - began
             return not self.closed
 

@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
-from server.work.scheduler import Party, Scheduler
+from server.work.scheduler import JobOwner, Scheduler
 
 T = TypeVar("T")
 
@@ -18,7 +18,7 @@ class ModelHost(Protocol):
 
     closed: bool
     scheduler: Scheduler
-    party: Party
+    job_owner: JobOwner
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 

@@ -40,7 +40,7 @@ class Plan:
     :class:`mapper.core.errors.WorkCancelledError` if that is False."""
     logs: tuple[ScanLog, ...] = ()  #: logs that the model will hold in memory
     name: str | None = None  #: under which the page requests the progress
-    waited_for: bool = True  #: False for long work, which others' short work precedes
+    interactive: bool = True  #: False for long work, which is deferred while short work waits
     playing: bool = True  #: False: paused at first, whatever the model's default is
 
 

@@ -24,7 +24,7 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.stream.traffic import Traffic
-from server.work.scheduler import Party, Scheduler
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from server.sessions.host import SessionHost
@@ -145,7 +145,7 @@ class SessionRegistry:
         self, plan: Plan, owner: str, making: Making, *, link: str | None = None, address: str = ""
     ) -> SessionHost:
         host = (await asyncio.to_thread(_host_class))(
-            party=Party(owner, address),
+            job_owner=JobOwner(owner, address),
             pool=self.pool,
             limits=self.limits,
             scheduler=self._scheduler,
@@ -157,7 +157,7 @@ class SessionRegistry:
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
             job = partial(plan.make, host, making)
-            model = await self._scheduler.run(self.pool, host.party, job, waited_for=plan.waited_for)
+            model = await self._scheduler.run(self.pool, host.job_owner, job, interactive=plan.interactive)
             model.playback.playing = model.playback.playing and plan.playing
             host.start(model)
             self._sessions[host.id] = host

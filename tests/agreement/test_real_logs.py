@@ -1,4 +1,4 @@
-"""Whole real logs: kernel against textbook on some scans, and against counting in NumPy on all of them."""
+"""Real logs: kernel against textbook on some scans, and against counting in NumPy on all scans."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""``python -m tests.bench``: the mapping core's times beside those of the peers, in one run, as ratios."""
+"""``python -m tests.bench``: times of the mapping core and of the peers, measured in one run, as ratios."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from mapper.tools.bench import bench_map
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
+from tests.bench.matching import matching
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 from tests.bench.service_start import service_start
@@ -194,6 +195,9 @@ if __name__ == "__main__":
         sys.exit()
     if sys.argv[1:] == ["reading"]:
         reading()
+        sys.exit()
+    if sys.argv[1:2] == ["match"]:
+        matching()
         sys.exit()
     if sys.argv[1:] == ["doctor"]:
         doctor()

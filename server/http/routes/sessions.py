@@ -100,10 +100,10 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 @router.get("/sessions/{session_id}/story")
 async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return the history of a live world, from which another session can begin."""
+    """Return the history of a simulation, from which another session can begin."""
     story = sessions.get(session_id).model.story
     if story is None:
-        raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
+        raise MapperError("session.not_a_world", "Only a simulation has a story.")
     return await story.current()
 
 

@@ -157,4 +157,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.party, host.in_background())
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())

@@ -82,7 +82,7 @@ def simulation_plan(
         model.resume(story)
         return model
 
-    return Plan(make, name=name, waited_for=cost_s <= URGENT_S, playing=playing)
+    return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)
 
 
 async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:

@@ -1,4 +1,4 @@
-"""Two lidars on one robot make one map, in the order of time."""
+"""Two lidars of one robot make one map, in the order of time."""
 
 from __future__ import annotations
 
@@ -77,13 +77,13 @@ def test_both_lidars_see_the_true_walls(logs: list[ScanLog]) -> None:
     np.testing.assert_allclose([low, high], [-HALF, HALF], atol=0.01)
 
 
-def test_the_first_scans_are_the_earliest(logs: list[ScanLog]) -> None:
+def test_scans_are_merged_in_order_of_time(logs: list[ScanLog]) -> None:
     taken = list(stretches(logs, 5))
     assert taken == [(0, 0, 1), (1, 0, 1), (0, 1, 2), (1, 1, 2), (0, 2, 3)]
     assert sum(stop - start for _, start, stop in stretches(logs)) == sum(log.n_scans for log in logs)
 
 
-def test_a_clock_that_jumps_back_keeps_the_order_of_the_file(logs: list[ScanLog]) -> None:
+def test_scans_with_stamps_that_jump_back_keep_the_order_of_the_file(logs: list[ScanLog]) -> None:
     stamps = logs[0].stamps_ns.copy()
     stamps[5] = stamps[2]
     taken = [part for part in stretches([replace(logs[0], stamps_ns=stamps), logs[1]]) if part[0] == 0]
@@ -91,7 +91,7 @@ def test_a_clock_that_jumps_back_keeps_the_order_of_the_file(logs: list[ScanLog]
     assert taken[-1][2] == len(stamps)
 
 
-def test_more_scans_than_there_are_and_a_trajectory_that_one_lacks_are_refused(logs: list[ScanLog]) -> None:
+def test_too_many_scans_and_a_missing_trajectory_are_refused(logs: list[ScanLog]) -> None:
     grid = made(logs, MappingConfig(), 0)
     with pytest.raises(ConfigError, match=r"no scans 0 to 1000; they have 68"):
         integrate_logs(grid, logs, MappingConfig(), count=1000)

@@ -84,7 +84,7 @@ def rights() -> Iterator[tuple[tuple[str, str], GuestRight]]:
             yield (method, route.path), guest_right(route.endpoint)
 
 
-def test_every_route_gives_guests_the_right_in_the_table() -> None:
+def test_guests_have_the_rights_of_the_table_on_every_route() -> None:
     expected = (
         dict.fromkeys(ALWAYS, GuestRight.ALWAYS)
         | dict.fromkeys(LINKED_SESSION, GuestRight.LINKED_SESSION)

@@ -1,4 +1,4 @@
-"""``/api/logs`` as browsers meet it, hostile ones among them."""
+"""``/api/logs`` with requests of browsers, hostile ones among them."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_the_servers_own_logs_open_for_everybody_and_stay(visitor: Callable[[], 
     ],
     ids=["garbage", "truncated gzip", "no scans", "short line"],
 )
-def test_bad_logs_say_what_is_wrong(
+def test_bad_logs_have_their_reason(
     visitor: Callable[[], httpx.Client], folder: Path, data: bytes, code: str | None
 ) -> None:
     client = visitor()

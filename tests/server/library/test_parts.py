@@ -1,4 +1,4 @@
-"""Uploads that come in parts, and that are cut: at each tenth, by a hand-written client that just goes away."""
+"""Uploads in parts that are cut at each tenth, sent by a client that disconnects."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_in_ten_parts(client: httpx.Client, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("tenth", range(11))
-def test_cut_at_each_tenth_and_gone_on_with(service: Service, client: httpx.Client, folder: Path, tenth: int) -> None:
+def test_an_upload_cut_at_a_tenth_is_resumed(service: Service, client: httpx.Client, folder: Path, tenth: int) -> None:
     sent = len(DATA) * tenth // 10
     cookie = f"gridbloom_visitor={client.cookies['gridbloom_visitor']}"
     head = (
@@ -130,7 +130,7 @@ def test_the_same_file_twice_is_stored_once(client: httpx.Client) -> None:
     assert client.put("/api/logs", content=DATA).json()["id"] == first
 
 
-def test_a_part_from_the_wrong_place_is_refused_and_a_first_one_begins_anew(client: httpx.Client) -> None:
+def test_a_part_with_a_wrong_offset_is_refused_and_offset_0_begins_again(client: httpx.Client) -> None:
     assert part(client, 0, 999).status_code == 200
     wrong = part(client, 2000, 2999)
     assert (wrong.status_code, wrong.json()["code"]) == (409, "upload.offset")

@@ -1,4 +1,4 @@
-"""What takes long shows how far it is, hands its turn on, and is given up when it is of no use any more."""
+"""Long computations report their progress, yield their turn, and are cancelled when they are outdated."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Parts:
         return integrate_scans(grid, log, config, *more)
 
 
-async def test_a_map_is_given_up_for_newer_parameters(
+async def test_newer_parameters_cancel_a_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log, playing=False)
@@ -91,7 +91,7 @@ async def test_a_map_is_given_up_for_newer_parameters(
     assert "error" not in {message["type"] for message in texts}
 
 
-async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished(
+async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # they have come for long
@@ -106,7 +106,7 @@ async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished
     assert parts.windows.count(0.41) == parts.windows.count(0.42) > 1
 
 
-async def test_a_seek_is_given_up_for_another(
+async def test_a_newer_seek_cancels_a_seek(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log, playing=False)
@@ -231,9 +231,7 @@ async def test_what_nobody_waits_for_stands_aside_for_a_long_seek(
     assert await asked is True
 
 
-def test_the_parts_of_a_map_take_a_few_hundredths_of_a_second(
-    office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_long_map_is_computed_in_short_parts(office_log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a clock that counts 5 ms for each scan no part is larger than the four scans that fill the time."""
     now, sizes = 0.0, []
 

@@ -8,6 +8,8 @@ import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/Dock";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
+import { FrameTree } from "./contents/FrameTree";
+import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Settings } from "./Settings";
@@ -53,6 +55,12 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
+  },
+  { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  {
+    id: "frames",
+    title: "Frames",
+    content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
   { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
   {
