@@ -206,7 +206,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
     "doctor": doctor,
-    "matching": matching,
+    "match": matching,
     "size": size,
     "feel": feel,
 }
