@@ -12,6 +12,7 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
 
 Int64Array = NDArray[np.int64]
+SEPARATOR = " + "  #: between the topics of several sensors, in the name of their joint log
 
 
 def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
@@ -95,7 +96,7 @@ class JointLog(ScanLog):
                 "bearings": bearings,
                 "range_min": min(log.range_min for log in logs),
                 "range_max": max(log.range_max for log in logs),
-                "topic": " + ".join(log.topic for log in logs),
+                "topic": SEPARATOR.join(log.topic for log in logs),
                 "notes": tuple(notes),
                 "odometry": None,
             },

@@ -93,12 +93,7 @@ def displaced(true: NDArray[np.float64], poses: NDArray[np.float64]) -> bool | N
 
 def part(log: ScanLog, trajectory: str, start: int, stop: int) -> ScanLog:
     """Return some scans of a log with one trajectory."""
-    return replace(
-        log,
-        ranges=log.ranges[start:stop],
-        stamps_ns=log.stamps_ns[start:stop],
-        trajectories={trajectory: Trajectory(log.trajectory(trajectory).poses[start:stop])},
-    )
+    return replace(log, trajectories={trajectory: log.trajectory(trajectory)}).take(slice(start, stop))
 
 
 def drifted(group: str, log: ScanLog, trajectory: str) -> Iterator[Case]:

@@ -269,7 +269,10 @@ class RecordedLog:
                 key = (stream.topic, stream.kind)
                 known = rest.get(key, Topic(*key, 0))
                 rest[key] = _extended(replace(known, count=known.count + stream.count), stream)
-        return (*sorted(sensors, key=lambda one: -one.count), *(rest[key] for key in sorted(rest)))
+        # Sensors whose scans were not asked for are listed among the others.
+        sensors += [one for (_, kind), one in rest.items() if kind in PREFERENCE and one.count]
+        others = [one for _, one in sorted(rest.items()) if one not in sensors]
+        return (*sorted(sensors, key=lambda one: -one.count), *others)
 
     def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
         _, increment, _, _, n = sensor.usual
