@@ -221,7 +221,8 @@ function ContributionText({
   return (
     <>
       scan {contribution.scan + 1}
-      {contribution.sensor && ` of ${contribution.sensor}`}, beam {contribution.beam + 1}, <span class="noun-beam">{reading}</span>:{" "}
+      {contribution.sensor && ` of ${contribution.sensor}`}, beam {contribution.beam + 1},{" "}
+      <span class="noun-beam">{reading}</span>:{" "}
       <span class={contribution.hit ? "noun-hit" : "noun-miss"}>{verdict(contribution, hitWindow)}</span>
     </>
   );
