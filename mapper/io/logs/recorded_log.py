@@ -177,6 +177,10 @@ class RecordedLog:
     ) -> tuple[tuple[float, float, float], bool, list[str]]:
         """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
         notes = []
+        loop = self._tf.loop_above(chain[0])
+        if loop:
+            frames = " in ".join(frame[:100] for frame in loop[:8])
+            notes.append(f"The transforms form a loop, {frames}: they are followed up to {loop[-2]!r:.100}.")
         if sensor.frame in self._taken.unplaced:
             notes.append(
                 f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
