@@ -136,10 +136,11 @@ def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
     late = [name for start, _, name in spans if first is not None and start > first[1]]
     if first is None or not late:
         return []
-    return [
+    note = (
         f"All scans of {', '.join(late)} are later than those of {first[2]}, so they are mapped after them: either the "
         "sensors were not recorded together, or their clocks differ."
-    ]
+    )
+    return [note]
 
 
 def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:

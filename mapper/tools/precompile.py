@@ -20,21 +20,23 @@ from numpy.typing import NDArray
 import mapper
 from mapper.grid import TILE
 from mapper.grid.compare import compare
-from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.matching.fields import gaussian_stamps
-from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
-from mapper.matching.kernels.point_to_line import accumulate_pairs, refine_pose
-from mapper.matching.kernels.score_field import add_scan, write_pyramid
-from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule
+from mapper.matching.kernels.point_to_line import accumulate_pairs
+from mapper.matching.kernels.types import CAUCHY, PairRule
+from mapper.matching.match import match_scan
+from mapper.matching.parameters import METHODS, MatchConfig
 from mapper.matching.prepare import prepare_scans
+from mapper.matching.target import Target, scan_target
 from mapper.replay import Replay
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
+from mapper.slam import SlamConfig, slam_log
+from mapper.slam.kernels.agreement import count_agreement, count_common
+from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -76,6 +78,7 @@ def precompile() -> None:
     compare(grid, grid)
     map_metrics(grid)
     _match(replay.log)
+    _close_a_loop(replay.log)
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
@@ -83,26 +86,30 @@ def precompile() -> None:
 
 
 def _match(log: ScanLog) -> None:
-    """Match the first scan of a log with itself, by each kernel."""
-    scans, pose, one = prepare_scans(log, 0, 1), np.zeros(3), np.zeros(1, dtype=np.int64)
-    rule, iterations = PairRule(0.5, 12, CAUCHY, 0.03, 1), Iterations(1, 0.3, 0.1, 0.6, 1e-4, 1e-4)
-    refine_pose(
-        scans, 0, scans, one, pose[np.newaxis], pose, np.zeros(3), rule, iterations, pose.copy(), np.zeros((3, 3))
-    )
+    """Match the first two scans of a log, and a scan with both, by each method."""
+    scans, guess = prepare_scans(log, 0, 2), np.zeros(3)
+    one, both = scan_target(scans, 0), Target(scans, np.arange(2), log.trajectory().poses[:2])
+    for method in METHODS:
+        config = MatchConfig(method=method, window_m=0.2, window_rad=0.1)
+        match_scan(scans, 1, one, guess, config)
+        match_scan(scans, 1, both, guess, config)
+    first = np.zeros(1, dtype=np.int64)
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
-    accumulate_pairs(scans, one, one, pose[np.newaxis], 0.3, rule, hessians, gradients, np.zeros((1, 4)))
-    frame, scores, levels = (
-        Frame(-5.0, -5.0, 1.0, 0.0, 0.1),
-        np.zeros((100, 100), np.uint8),
-        np.zeros((3, 100, 100), np.uint8),
-    )
-    add_scan(scores, frame, gaussian_stamps(0.1, 0.1), scans, 0, pose, 1)
-    write_pyramid(scores, levels)
-    window, best = Window(2, 1, 0.1), np.zeros(4, dtype=np.int64)
-    volume = np.zeros((3, 5, 5), dtype=np.int32)
-    score_window(scores, frame, scans, 0, pose, window, 1, volume)
-    best_in_window(volume, best)
-    branch_and_bound(levels, frame, scans, 0, pose, window, 1, 1, best)
+    rule = PairRule(0.5, 12, CAUCHY, 0.03, 1)
+    accumulate_pairs(scans, first, first, one.poses, 0.3, rule, hessians, gradients, np.zeros((1, 4)))
+
+
+def _close_a_loop(log: ScanLog) -> None:
+    """Run SLAM over a few scans that go to and fro, and call what it calls only where a loop closes."""
+    order = np.tile(np.arange(min(3, log.n_scans)), 10)
+    poses = np.column_stack([np.arange(len(order)) * 0.2, np.zeros((len(order), 2))])
+    again = replace(log, ranges=log.ranges[order], stamps_ns=log.stamps_ns[order], trajectories={"": Trajectory(poses)})
+    slam_log(again, SlamConfig(refinement=1, submap_scans=5))
+    scans, one, three = prepare_scans(log, 0, 1), np.zeros(1, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    count_agreement(scans, 0, poses[0], one, poses[:1], 0.1, 1, three)
+    count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
+    ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
+    least_of_ranges(np.zeros(2), one, one + 1, one.copy())
 
 
 def kernels() -> dict[str, bool]:

@@ -14,11 +14,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from mapper.io.contents.model import Contents
 from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
+from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
@@ -61,10 +63,18 @@ class LibraryLimits:
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0
-    read_cpu_s: float = 100.0  #: seconds of processor time
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
+        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
+        return replace(
+            self,
+            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
+            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
+        )
 
 
 def check_stores(settings: Settings) -> None:
@@ -96,9 +106,10 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.notes import Notes  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
-        self._limits = limits or LibraryLimits()
+        self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
@@ -120,11 +131,18 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
+        self.notes = Notes(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
+        self._inspections = Inspections(
+            self._catalogue,
+            timeout_s=self._limits.read_timeout_s,
+            cpu_s=self._limits.read_cpu_s,
+            memory_bytes=memory,
+        )
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -132,13 +150,14 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.store_identity import is_sure_to_belong  # noqa: PLC0415
+        from server.library.store_identity import belong_together  # noqa: PLC0415
 
         await self._folder.look()
-        is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
-        await self._catalogue.start(is_ours=is_ours)
+        stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
+        await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
-        await self.trajectories.start()
+        # As with blobs: the files may belong to another database, or this database may be new.
+        await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
@@ -150,6 +169,7 @@ class Library:
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
+        await self._inspections.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -167,6 +187,10 @@ class Library:
     def uploaded(self, owner: str, key: str) -> int:
         """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
+
+    def forget_upload(self, owner: str, key: str) -> None:
+        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        self._intake.forget(owner, key)
 
     async def put(
         self,
@@ -267,7 +291,7 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.forget(record.id)  # and what was added to it
+        await self._catalogue.delete(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
             self._catalogue.pack(record.id).unlink(missing_ok=True)
 
@@ -320,9 +344,10 @@ class Library:
 
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
-        progress = self._reader.progress if record.state == "reading" else record.progress
+        is_read = record.state == "reading"
+        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        return replace(record, progress=progress, added=added)
+        return replace(record, progress=progress, reading_s=reading_s, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -364,7 +389,7 @@ class Library:
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = self._catalogue.used(record)
+            record = self._catalogue.mark_used(record)
         if record.source == "sample":
             return await self._sample.load()
         if topic is not None:
@@ -381,6 +406,24 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self._reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
+
+    async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
+        """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
+
+        Each call keeps it going, and counts as ``visitor``'s. The sample is no recording and holds nothing. Raises
+        :class:`LogNotFoundError`, and what the reader raised.
+        """
+        record = self.get(owner, log_id)
+        return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
 
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""

@@ -1,4 +1,4 @@
-"""Random scans on random grids, with the awkward cases drawn far more often than chance would."""
+"""Random scans on random grids; edge cases are much more frequent than at random."""
 
 from __future__ import annotations
 

@@ -93,7 +93,8 @@ def displaced(true: NDArray[np.float64], poses: NDArray[np.float64]) -> bool | N
 
 def part(log: ScanLog, trajectory: str, start: int, stop: int) -> ScanLog:
     """Return some scans of a log with one trajectory."""
-    return replace(log, trajectories={trajectory: log.trajectory(trajectory)}).take(slice(start, stop))
+    some = log.take(slice(start, stop))
+    return replace(some, trajectories={trajectory: Trajectory(some.trajectory(trajectory).poses)})
 
 
 def drifted(group: str, log: ScanLog, trajectory: str) -> Iterator[Case]:

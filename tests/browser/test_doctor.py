@@ -12,6 +12,7 @@ SECONDS = 120  #: in a fresh clone kernels are compiled first
 
 
 def opened_sample(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")  # the log stands at its end: the processor is the doctor's
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     open_group(page, "Doctor")

@@ -10,6 +10,7 @@ from playwright.sync_api import Page, expect
 from tests.browser.conftest import LOOKS
 from tests.browser.lecturing import open_section
 from tests.browser.looking import still
+from tests.marks import also_long
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -111,7 +112,7 @@ def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
     expect(page.locator("#rays h2")).to_be_in_viewport()
 
 
-@pytest.mark.parametrize("context", ["desktop", pytest.param("laptop", marks=pytest.mark.long), "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
 def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
     if page.viewport_size and page.viewport_size["width"] > 1100:
         page.set_viewport_size({"width": 1280, "height": 720})  # an old projector

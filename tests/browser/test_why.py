@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import await_map, frame, open_group, settled_digest, until
+from tests.marks import also_long
 
 # The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
 # takes the robot), and a look at it from so near that a click cannot miss it.
@@ -205,7 +206,7 @@ def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
     expect(page.locator(".why")).to_have_count(0)
 
 
-@pytest.mark.parametrize("context", ["desktop", pytest.param("laptop", marks=pytest.mark.long), "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
 def test_in_a_log_the_answer_takes_the_place_of_the_open_group(viewer: Page) -> None:
     open_group(viewer, "Download")
     picture = viewer.locator(".picture").first

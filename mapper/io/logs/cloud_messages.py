@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.io.logs.message_fields import BadMessageError, Fields
+from mapper.io.logs.message_fields import BadMessageError, MessageFields
 from mapper.sensors.planar.depth import Intrinsics
 
 MOST_FIELDS = 256  #: of one point
@@ -50,7 +50,7 @@ class Cloud:
 
 def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     """Decode a sensor_msgs/PointCloud2 of any layout: fields of any order and type, rows and points with padding."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
     n = fields.count(13)
@@ -111,7 +111,7 @@ class NotDepthError(Exception):
 
 def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
     """Decode a sensor_msgs/Image of the encodings :data:`DEPTHS`. Raises :class:`NotDepthError` for any other."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
     encoding = fields.string()
@@ -135,7 +135,7 @@ def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
 
 def camera_info(data: bytes, *, cdr: bool) -> Intrinsics:
     """Decode a sensor_msgs/CameraInfo: its projection matrix P, or where that is zero, K."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
     fields.string()  # the distortion model

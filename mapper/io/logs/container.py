@@ -43,7 +43,7 @@ class Container:
         Files of which nothing can be read are left out, and noted. Raises as :meth:`read`.
         """
         recording = Recording(limits, selection)
-        files = sorted(files, key=lambda file: _numbered(file.name))
+        files = in_order(files)
         recording.notes.append(f"{len(files)} files are read as one recording.{_missing(files)}")
         for done, file in enumerate(files):
             before = len(recording.notes)
@@ -59,6 +59,11 @@ class Container:
             if progress is not None:
                 progress((done + 1) / len(files))
         return recording.robot_log(name, f"{self.form}, {len(files)} files")
+
+
+def in_order(files: Sequence[Source]) -> list[Source]:
+    """Return the files of a split recording in the order of the numbers in their names."""
+    return sorted(files, key=lambda file: _numbered(file.name))
 
 
 def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:

@@ -18,7 +18,7 @@ class BadMessageError(Exception):
     """The bytes are no message of the type that they are said to have; its text says why, where that is known."""
 
 
-class Fields:
+class MessageFields:
     """The fields of one message, in their order."""
 
     def __init__(self, data: bytes, *, cdr: bool) -> None:

@@ -13,7 +13,7 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
-from mapper.io.logs.container import Container
+from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.selection import ALL_SENSORS, Selection
@@ -144,6 +144,20 @@ def log_files(folder: Path) -> list[Path]:
     logs, _ = _one_log(files, "folder")
     metadata = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
     return [file for file in [*metadata, *logs] if isinstance(file, Path)]
+
+
+def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Source], Container | Reader]:
+    """Return the files that are the log at ``path``, in their order, and the format that they are in.
+
+    Raises :class:`ReadError` where there is no log, or several.
+    """
+    if path.is_dir():
+        files, kind = _one_log(_files_in(path, limits), "folder")
+    elif _is_tar(path):
+        files, kind = _one_log(members(path, limits)[0], "archive")
+    else:
+        return [path], _kind_of(path)
+    return in_order(files) if isinstance(kind, Container) else files, kind
 
 
 def _reading(path: Path, limits: Limits) -> Reading:

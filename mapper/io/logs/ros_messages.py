@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.message_fields import BadMessageError, Fields, Pose7
+from mapper.io.logs.message_fields import BadMessageError, MessageFields, Pose7
 
 MOST_ECHOES = 1 << 21  #: of one message, with its intensities: what is more is no scan, and would take gigabytes
 MOST_TRANSFORMS = 1 << 14  #: of one message
@@ -54,7 +54,7 @@ class StampedPose:
 
 def laser_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/LaserScan."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     ranges = fields.floats()
@@ -75,7 +75,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
 
 def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     return Beams(
@@ -91,7 +91,7 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     )
 
 
-def _first_echoes(fields: Fields) -> NDArray[np.float32]:
+def _first_echoes(fields: MessageFields) -> NDArray[np.float32]:
     n = fields.count(4)
     rest = (len(fields.data) - fields.pos) // 4
     if rest >= MOST_ECHOES:
@@ -114,7 +114,7 @@ def _first_echoes(fields: Fields) -> NDArray[np.float32]:
 
 def range_reading(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/Range: one beam straight ahead, as wide as its field of view."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("B", 1)  # ultrasound or infrared
     width, range_min, range_max, reading = fields.unpack("4f", 4)
@@ -124,7 +124,7 @@ def range_reading(data: bytes, *, cdr: bool) -> Beams:
 
 def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Odometry."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     child = fields.frame()
     pose = fields.pose()
@@ -135,7 +135,7 @@ def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a geometry_msgs/PoseWithCovarianceStamped."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     pose = fields.pose()
     fields.unpack("36d", 8)
@@ -145,7 +145,7 @@ def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
-    fields = Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     found = []
     n = fields.count(72)
     if n > MOST_TRANSFORMS:

@@ -303,8 +303,7 @@ export class SessionState implements Receiver {
         return;
       case "trajectories": {
         const hello = this.hello.peek();
-        if (hello?.log)
-          this.hello.value = { ...hello, log: { ...hello.log, trajectories: message.trajectories } };
+        if (hello?.log) this.hello.value = { ...hello, log: { ...hello.log, trajectories: message.trajectories } };
         return;
       }
       case "parameters":

@@ -1,4 +1,4 @@
-"""Two lidars on one robot make one map, in the order of time."""
+"""Two lidars of one robot make one map, in the order of time."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def test_the_first_scans_are_the_earliest(logs: list[ScanLog]) -> None:
     assert len(parts) == sum(log.n_scans for log in logs)
 
 
-def test_a_clock_that_jumps_back_keeps_the_order_of_the_file(logs: list[ScanLog]) -> None:
+def test_scans_with_stamps_that_jump_back_keep_the_order_of_the_file(logs: list[ScanLog]) -> None:
     stamps = logs[0].stamps_ns.copy()
     stamps[5] = stamps[2]
     parts, scans = scan_order([replace(logs[0], stamps_ns=stamps), logs[1]])
@@ -171,7 +171,7 @@ def test_a_joint_log_is_a_log(logs: list[ScanLog]) -> None:
         JointLog.of([logs[0], strange])
 
 
-def test_more_scans_than_there_are_and_a_trajectory_that_one_lacks_are_refused(logs: list[ScanLog]) -> None:
+def test_too_many_scans_and_a_missing_trajectory_are_refused(logs: list[ScanLog]) -> None:
     grid = made(logs, MappingConfig(), 0)
     with pytest.raises(ConfigError, match=r"no scans 0 to 1000; they have 68"):
         integrate_logs(grid, logs, MappingConfig(), count=1000)

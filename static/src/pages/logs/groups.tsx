@@ -8,8 +8,13 @@ import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/Dock";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
+import { FrameTree } from "./contents/FrameTree";
+import { Plots } from "./contents/Plots";
+import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import { Notes } from "./notes/Notes";
+import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
 import { TrajectoryChoice } from "./TrajectoryChoice";
@@ -24,6 +29,7 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
+  readonly notes: NotesState;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -54,7 +60,20 @@ const GROUPS: readonly Group[] = [
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
+  { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
+  {
+    id: "frames",
+    title: "Frames",
+    content: ({ store, session }) => <FrameTree store={store} session={session} />,
+  },
   { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "notes",
+    title: "Notes",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
+  },
   {
     id: "share",
     title: "Share",

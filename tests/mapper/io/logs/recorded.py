@@ -247,6 +247,8 @@ _PLAIN = {
     "translation": "geometry_msgs/msg/Vector3",
     "linear": "geometry_msgs/msg/Vector3",
     "angular": "geometry_msgs/msg/Vector3",
+    "angular_velocity": "geometry_msgs/msg/Vector3",
+    "linear_acceleration": "geometry_msgs/msg/Vector3",
     "transform": "geometry_msgs/msg/Transform",
     "transforms": "geometry_msgs/msg/TransformStamped",
 }

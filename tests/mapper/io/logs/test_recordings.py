@@ -1,4 +1,4 @@
-"""ROS recordings in each container, written by other tools' writers: scans, frames, poses and topics come out right."""
+"""ROS recordings in each container, written by independent writers: scans, frames, poses and topics."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_scans_mount_and_trajectories(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_topics_are_listed_with_what_is_known_of_them(tmp_path, kind):
+def test_topics_are_listed_with_their_properties(tmp_path, kind):
     more = [sonar(T0 + i, 1.0) for i in range(3)] + [recorded.text(T0, "hello")]
     log = open_log(written(tmp_path, run() + more, kind))
     laser, cone, *rest = log.topics
@@ -122,7 +122,7 @@ def test_a_sonar_is_one_beam_as_wide_as_its_field_of_view(tmp_path):
     assert np.abs(np.arctan2(cells[:, 0] - 0.2, cells[:, 1] - 0.1)).max() < 0.25 + 0.1
 
 
-def test_sonars_that_share_a_topic_are_told_apart_by_their_frames(tmp_path):
+def test_sonars_of_one_topic_are_distinguished_by_their_frames(tmp_path):
     said = [sonar(T0 + i, 1.0 + i % 2, frame=f"sonar_{i % 2}") for i in range(7)]
     log = open_log(written(tmp_path, said, "bag"))
     assert log.ranges.ravel().tolist() == [1.0] * 4
@@ -156,7 +156,7 @@ def test_a_chain_of_mounts_and_the_tilt_of_a_sensor(tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_without_poses_the_robot_stands_still_and_a_note_says_what_to_do(tmp_path, kind):
+def test_without_poses_the_robot_does_not_move_and_a_note_gives_advice(tmp_path, kind):
     log = open_log(written(tmp_path, [scan(T0 + i, [1.0, 2.0]) for i in range(4)], kind))
     assert list(log.trajectories) == ["standing still"]
     assert not log.trajectory().poses.any()
@@ -181,7 +181,7 @@ def test_clocks_that_differ_are_put_together_by_when_all_was_recorded(tmp_path, 
     assert any("amcl_pose are from another time" in note for note in log.notes)
 
 
-def test_poses_of_another_time_are_left_out_and_those_that_end_early_noted(tmp_path):
+def test_poses_outside_the_scans_times_are_left_out_and_poses_that_end_early_noted(tmp_path):
     said = [odometry(T0 + i * SECOND, float(i), 0.0, 0.0) for i in range(3)]
     said += [odometry(i * SECOND + 5, 0.0, 0.0, 0.0, "/clockless") for i in range(3)]
     said += [scan(T0 + i * SECOND, [1.0]) for i in range(5)]
@@ -265,7 +265,7 @@ def test_a_ros_2_bag_is_a_folder(tmp_path, kind):
     assert file.with_name("metadata.yaml").exists()
 
 
-def test_a_db3_whose_recorder_was_not_closed_says_what_may_be_missing(tmp_path):
+def test_a_db3_that_was_not_closed_notes_what_may_be_missing(tmp_path):
     """Of a database in WAL mode the last rows are in another file, which nobody thinks of."""
     path = written(tmp_path, run(), "db3")
     with closing(sqlite3.connect(path)) as recorder:
@@ -282,7 +282,7 @@ def test_a_db3_whose_recorder_was_not_closed_says_what_may_be_missing(tmp_path):
             assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
 
 
-def test_a_db3_that_has_all_in_its_journal_says_how_to_get_it(tmp_path):
+def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
     with closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
         recorder.execute("PRAGMA journal_mode=WAL")
         recorder.execute("CREATE TABLE topics (id, name, type, serialization_format)")
@@ -297,7 +297,7 @@ def test_a_db3_that_has_all_in_its_journal_says_how_to_get_it(tmp_path):
 
 
 @pytest.mark.parametrize("packing", ["zip", "gztar"])
-def test_an_archive_of_a_recording_says_what_to_do(tmp_path, packing):
+def test_an_archive_of_a_recording_gives_advice(tmp_path, packing):
     recorded.write_rosbag2(tmp_path / "in" / "run", run(), StoragePlugin.MCAP, "mcap")
     archive = shutil.make_archive(str(tmp_path / "run"), packing, tmp_path / "in")
     with pytest.raises(ReadError, match=r"The file is a (zip|packed tar) archive: unpack it, and take") as caught:
@@ -306,7 +306,7 @@ def test_an_archive_of_a_recording_says_what_to_do(tmp_path, packing):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_recording_without_scans_says_what_it_has(tmp_path, kind):
+def test_a_recording_without_scans_names_its_message_types(tmp_path, kind):
     with pytest.raises(ReadError, match=r"holds no scans .* it has nav_msgs/Odometry\.") as caught:
         open_log(written(tmp_path, [odometry(T0, 0, 0, 0)], kind))
     assert caught.value.code == "log.no_scans"
