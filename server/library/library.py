@@ -13,8 +13,9 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.io.contents.model import Contents
+from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from server.library.trajectories import NewTrajectory
 
 DAY_S = 86_400.0
+MAX_TOGETHER = 32  #: sensors of one log that are mapped together
+SONAR = "sensor_msgs/Range"
 
 
 class LogNotFoundError(MapperError):
@@ -351,10 +354,37 @@ class Library:
     async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
         """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
-        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several.
-        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
+        or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
+        scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
+        :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        return await self.trajectories.joined(owner, log_id, await self._load(owner, log_id, topic))
+        log = await self._load_joint(owner, log_id, topic)
+        return await self.trajectories.joined(owner, log_id, log)
+
+    async def _load_joint(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+        """Return one sensor of a log, or several as one log."""
+        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
+        names = [] if topic is None else topic.split(SEPARATOR)
+        if log is not None and topic is None and log.beam_width > 0.0:
+            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
+        if len(names) < 2 and log is not None:
+            return log
+        if len(names) > MAX_TOGETHER:
+            raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
+        key = f"{log_id}#{SEPARATOR.join(names)}"
+        kept = self._cache.get(key)
+        if kept is not None:
+            return kept
+        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
+        try:
+            joint = await asyncio.to_thread(JointLog.of, parts)
+        except ConfigError:
+            if log is None:
+                raise
+            return log  # the sonars' poses are in different frames: one of them by itself
+        self._cache.put(key, joint)
+        return joint
 
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
