@@ -147,8 +147,8 @@ def _read(job: Job) -> LogSummary:
 
 def time_error(timeout_s: float) -> LimitError:
     """Return the error for a job that took too long."""
-    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:g} s that the server allows.")
+    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:.3g} s that the server allows.")
 
 
 def _cpu_error(cpu_s: float) -> LimitError:
-    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:g} s of processor time it may have.")
+    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:.3g} s of processor time it may have.")

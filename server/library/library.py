@@ -60,10 +60,18 @@ class LibraryLimits:
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0
-    read_cpu_s: float = 100.0  #: seconds of processor time
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
+        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
+        return replace(
+            self,
+            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
+            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
+        )
 
 
 def check_stores(settings: Settings) -> None:
@@ -98,7 +106,7 @@ class Library:
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
-        self._limits = limits or LibraryLimits()
+        self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
@@ -176,6 +184,10 @@ class Library:
     def uploaded(self, owner: str, key: str) -> int:
         """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
+
+    def forget_upload(self, owner: str, key: str) -> None:
+        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        self._intake.forget(owner, key)
 
     async def put(
         self,
@@ -329,9 +341,10 @@ class Library:
 
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
-        progress = self._reader.progress if record.state == "reading" else record.progress
+        is_read = record.state == "reading"
+        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        return replace(record, progress=progress, added=added)
+        return replace(record, progress=progress, reading_s=reading_s, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -363,6 +376,15 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self._reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
 
     async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
         """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.

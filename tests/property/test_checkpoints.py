@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from threading import Thread
 
@@ -185,9 +186,15 @@ def test_the_prefetcher_makes_all_checkpoints_during_a_replay(log: ScanLog) -> N
 def test_checkpoints_stay_within_their_budget(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checkpoints, "BUDGET_BYTES", 30_000)
     replay = Replay(log, WAYS[0])
-    replay.advance_to(N)
+    tracemalloc.start()
+    try:
+        replay.advance_to(N)
+        held = tracemalloc.take_snapshot().filter_traces([tracemalloc.Filter(True, "*/zstd.py")])
+    finally:
+        tracemalloc.stop()
     kept = kept_by(replay)
     assert 0 < kept.nbytes <= 30_000
+    assert 0 < sum(trace.size for trace in held.traces) <= kept.nbytes
     assert kept.spacing > checkpoints.SPACING
     assert len(kept.moments) > 1
 

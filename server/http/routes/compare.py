@@ -92,7 +92,7 @@ async def picture(request: Request, sessions: Sessions, downloads: FileDownloads
     session, comparison = _compared(sessions, session_id)
 
     async def make() -> Content:
-        async with session.locked():
+        async with session.settled():
             image = await snapshot(downloads, lambda: difference_pixels(*comparison.grids()))
         name = file_name(stem_of(session), "png", "difference")
         return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))

@@ -75,6 +75,12 @@ async def uploaded(library: Logs, visitor: Visitor, key: Key) -> dict[str, int]:
     return {"offset": library.uploaded(visitor, key)}
 
 
+@router.delete("/uploads/{key}", status_code=204)
+async def forget_upload(library: Logs, visitor: Visitor, key: Key) -> None:
+    """Give up an upload of this visitor: what has arrived of it is removed."""
+    library.forget_upload(visitor, key)
+
+
 @router.get("")
 async def list_logs(library: Logs, visitor: Visitor) -> dict[str, Any]:
     """List the logs that this visitor may open: their uploads, the folder of the server, the sample."""

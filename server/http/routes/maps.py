@@ -74,7 +74,7 @@ async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | No
     """Return the present map of a session, or its snapshot ``at``, with its trinary image."""
 
     async def make() -> MapSnapshot:
-        async with session.locked():
+        async with session.settled():
             grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
             image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
         return MapSnapshot(stem, grid.geometry, image, frame)
@@ -131,7 +131,7 @@ async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads
     session = sessions.get(session_id)
 
     async def make() -> Content:
-        async with session.locked():
+        async with session.settled():
             grid = grid_of(session)
             image = await snapshot(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
         return Content(file_name(stem_of(session), "png"), png_pieces(image.shape, image.bands(), PROBABILITY_PALETTE))

@@ -87,7 +87,7 @@ class LogRecording:
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
 
     def choose(self, trajectory: str) -> None:
-        """Recompute the map with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
         self._replay_with(self.log, trajectory)
 
     def update(self, log: ScanLog) -> bool:
@@ -111,11 +111,10 @@ class LogRecording:
         return True
 
     def _replay_with(self, log: ScanLog, trajectory: str) -> None:
-        """Make the map of the present scans of ``log`` with one of its trajectories."""
+        """Begin the map of ``log`` anew with one of its trajectories."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        replay.advance_to(old.index)
         self._sensor_poses = log.sensor_poses(trajectory)
         self.replay = replay
 
@@ -136,7 +135,7 @@ class LogRecording:
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
-        async with self._host.locked():
+        async with self._host.settled():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
@@ -158,4 +157,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.is_open)
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())

@@ -54,6 +54,31 @@ def offset(client: httpx.Client, key: str = KEY) -> int:
     return int(client.get(f"/api/logs/uploads/{key}").json()["offset"])
 
 
+def test_an_upload_that_is_given_up_is_removed(client: httpx.Client, folder: Path) -> None:
+    assert part(client, 0, 999).status_code == 200
+    assert offset(client) == 1000
+    assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204
+    assert offset(client) == 0
+    until(lambda: incoming(folder) == [])
+    assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204  # there is none any more
+
+
+def test_an_upload_that_is_given_up_while_it_comes_in_is_removed_at_its_end(
+    service: Service, client: httpx.Client, folder: Path
+) -> None:
+    cookies = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+    with socket.create_connection(("127.0.0.1", service.port)) as line:
+        line.sendall(
+            f"PUT /api/logs?name=a&upload={KEY} HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\nCookie: {cookies}\r\n"
+            f"Content-Length: {len(DATA)}\r\nContent-Range: bytes 0-{len(DATA) - 1}/{len(DATA)}\r\n\r\n".encode()
+        )
+        line.sendall(DATA[:1000])
+        until(lambda: [one.busy for one in service.state.library._intake._partial.values()] == [True])
+        assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204
+    until(lambda: incoming(folder) == [])
+    assert offset(client) == 0
+
+
 def incoming(folder: Path) -> list[Path]:
     return list((folder / "library" / "incoming").iterdir())
 

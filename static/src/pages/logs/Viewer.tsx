@@ -127,8 +127,13 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
               <Icon name="warning" /> {trouble.value}
             </p>
           )}
+          <Working
+            what="Computing the map"
+            work={store.working.value}
+            onCancel={() => store.send({ type: "cancel" })}
+            isInside
+          />
         </div>
-        <Working what="Computing the map" work={store.working.value} />
         <Transport store={store} notes={notes} onNote={openNotes} />
         <div class="viewer-readout">
           {comparison.isOn.value ? (
