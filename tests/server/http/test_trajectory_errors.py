@@ -33,7 +33,7 @@ def session(service: Service) -> str:
     return service.begin(kind="log", log=log_id, playing=False)
 
 
-def errors(service: Service, session: str, **query: object) -> dict[str, Any]:
+def errors(service: Service, session: str, **query: str) -> dict[str, Any]:
     known = {"reference": "scan", "estimate": "mine"}
     answer = service.http.get(f"/api/sessions/{session}/trajectory-errors", params=known | query)
     assert answer.status_code == 200, answer.text
