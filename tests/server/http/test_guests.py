@@ -29,6 +29,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents"),
     ("GET", "/api/sessions/{session_id}/contents/series"),
     ("GET", "/api/sessions/{session_id}/contents/frames"),
+    ("GET", "/api/sessions/{session_id}/contents/picture"),
     ("GET", "/api/sessions/{session_id}/notes"),
     ("GET", "/api/sessions/{session_id}/trajectory-errors"),
     ("GET", "/api/sessions/{session_id}/compare"),
