@@ -24,6 +24,7 @@ from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
+from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.names import display_name
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
@@ -143,6 +144,7 @@ class Library:
             cpu_s=self._limits.read_cpu_s,
             memory_bytes=memory,
         )
+        self._pictures = MomentPictures(self._catalogue)
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -170,6 +172,7 @@ class Library:
         await self._intake.close()
         await self._sample.close()
         await self._inspections.close()
+        await self._pictures.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -452,6 +455,10 @@ class Library:
         if self._room() < len(new.text) + len(new.graph or b""):
             raise full()
         return await self.trajectories.put(owner, self.get(owner, log_id), log, new)
+
+    async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
+        """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
+        return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns)
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""
