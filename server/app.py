@@ -26,6 +26,7 @@ from server.http.routes import (
     pages,
     scenes,
     sessions,
+    slam,
     stream,
     trajectories,
 )
@@ -106,6 +107,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         stream.router,
         logs.router,
         trajectories.router,
+        slam.router,
         links.router,
         scenes.router,
         docs.router,

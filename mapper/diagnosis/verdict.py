@@ -123,7 +123,7 @@ def judge(
     if limits.max_drift is not None or limits.no_findings:
         findings = tuple(examine(log, trajectory, progress, compared=compared.append))
     drift = compared[0].offset() if compared and limits.max_drift is not None else None
-    sharpness = None if limits.min_sharpness is None else _sharpness(log, trajectory)
+    sharpness = None if limits.min_sharpness is None else sharpness_of(log, trajectory)
     reasons = []
     if limits.max_drift is not None:
         why = _why_unmeasured(log, trajectory, findings or ()) if drift is None else ""
@@ -135,7 +135,8 @@ def judge(
     return Verdict(tuple(reasons), drift, sharpness, findings)
 
 
-def _sharpness(log: ScanLog, trajectory: str | None) -> float:
+def sharpness_of(log: ScanLog, trajectory: str | None) -> float:
+    """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
     config = MappingConfig().with_values(sensor_defaults(log.beam_width))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)

@@ -19,6 +19,7 @@ from server.library import (
     LinkGoneError,
     LogNotFoundError,
     LogReadOnlyError,
+    SlamJobNotFoundError,
     StorageError,
     TrajectoryNotFoundError,
 )
@@ -34,6 +35,7 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
     (TrajectoryNotFoundError, 404),
+    (SlamJobNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
     (StorageError, 503),
@@ -55,8 +57,11 @@ _STATUS_OF_CODE = {
     "link.read_only": 403,
     "link.too_many": 409,
     "log.gone": 410,
+    "graph.none": 404,
     "log.stalled": 408,
     "log.storage": 507,
+    "slam.busy": 503,
+    "slam.too_many": 429,
     "trajectory.too_many": 409,
 }
 

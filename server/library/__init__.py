@@ -5,6 +5,7 @@ from server.library.library import Library, LibraryLimits, LogNotFoundError, Log
 from server.library.link import Link, LinkGoneError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
+from server.library.slam_job import SlamJobNotFoundError
 from server.library.storage import StorageError, claimed
 from server.library.upload_receiver import Part
 
@@ -18,6 +19,7 @@ __all__ = [
     "LogReadOnlyError",
     "Part",
     "Record",
+    "SlamJobNotFoundError",
     "StorageError",
     "TrajectoryNotFoundError",
     "check_stores",

@@ -36,7 +36,6 @@ from server.settings import Settings
 
 if TYPE_CHECKING:
     from server.library.added import Added
-    from server.library.trajectories import NewTrajectory
 
 DAY_S = 86_400.0
 
@@ -95,6 +94,7 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits()
@@ -119,10 +119,11 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
-        self.trajectories = Trajectories(self._database, blobs, scratch)
+        self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
-        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
+        self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
@@ -147,11 +148,13 @@ class Library:
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
+        await self.slam.start()
         self._folder.begin_survey()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._folder.close()
+        await self.slam.close()
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
@@ -163,6 +166,11 @@ class Library:
     async def _expire(self) -> None:
         """Delete the uploads that were not used for a long time."""
         await self._catalogue.expire(time.time() - self._limits.keep_s, self._jobs.busy)
+
+    async def _forgotten(self, log_id: str) -> None:
+        """Remove what was added to a log that was deleted."""
+        await self.slam.forget_log(log_id)
+        await self.trajectories.forget_log(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
@@ -378,25 +386,12 @@ class Library:
         It replaces the owner's trajectory of the same name. Raises :class:`LimitError` for a file over the cap and for
         one trajectory too many, and as :meth:`load` and :meth:`server.library.trajectories.Trajectories.put`.
         """
-        from server.library.trajectories import MAX_BYTES, NewTrajectory  # noqa: PLC0415
+        from server.library.trajectories import NewTrajectory, text_of  # noqa: PLC0415
 
         log = await self.load(owner, log_id)
-        text = bytearray()
         async with self._slots.take(owner, address) as slot:
-            async for piece in slot.read(chunks):
-                text += piece
-                if len(text) > MAX_BYTES:
-                    message = f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here."
-                    raise LimitError("trajectory.too_large", message)
-        return await self.put_trajectory(owner, log_id, log, NewTrajectory(name, bytes(text)))
-
-    async def put_trajectory(
-        self, owner: str, log_id: str, log: ScanLog, new: NewTrajectory
-    ) -> tuple[Added, Sequence[str]]:
-        """Add a trajectory to ``log``, the log of this id. Raises :class:`LimitError` where there is no room for it."""
-        if self._room() < len(new.text) + len(new.graph or b""):
-            raise full()
-        return await self.trajectories.put(owner, self.get(owner, log_id), log, new)
+            text = await text_of(slot.read(chunks))
+        return await self.trajectories.put(owner, self.get(owner, log_id), log, NewTrajectory(name, text))
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""

@@ -21,12 +21,14 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.log_comparison import LogComparison
+from server.sessions.models.log_graph import LogGraph
+from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
@@ -72,6 +74,7 @@ class LogModel(SessionModel):
 
     recording: LogRecording
     comparison: LogComparison
+    graph: LogGraph
 
     def __init__(
         self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
@@ -87,6 +90,8 @@ class LogModel(SessionModel):
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
+        self.graph = LogGraph(host, self.recording)
+        self._healing = LogHealing(self.recording)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
@@ -98,9 +103,9 @@ class LogModel(SessionModel):
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second map of a comparison."""
-        return (self._map, *self.comparison.layers)
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map of a comparison, and the pose graph."""
+        return (self._map, *self.comparison.layers, *self.graph.layers)
 
     @property
     def title(self) -> str:
@@ -260,6 +265,7 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
+        self._healing.leave()
         if self._target == self.recording.log.n_scans:
             self._go_to(0)
         super().play()
@@ -268,7 +274,11 @@ class LogModel(SessionModel):
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
+        if self._obey_service(command, result):
+            return
         count = self.recording.log.n_scans
+        if command["type"] in ("seek", "step", "restart", "trajectory"):
+            self._healing.leave()
         match command["type"]:
             case "seek":
                 index = integer(command, "index")
@@ -285,8 +295,6 @@ class LogModel(SessionModel):
                 self.recording.choose(text(command, "name"))
                 result.new_grid = True
                 result.slot(self._trajectory_message())
-            case "update_log":  # from the service, never from a client
-                self._update_log(command["log"], result)
             case "compare":
                 raise ProtocolError(
                     "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
@@ -297,11 +305,58 @@ class LogModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
+    # -- commands of the service, which no client can send ------------------------------------------------------------
+
+    def _obey_service(self, command: dict[str, Any], result: TickResult) -> bool:
+        """Carry out a command of the service, and return whether it is one."""
+        match command["type"]:
+            case "update_log":
+                self._update_log(command["log"], result)
+            case "show_graph":
+                solved = command["solved"]
+                self.graph.show(solved)
+                self._update_log(solved.in_log(self.recording.log), result)
+            case "follow_slam":
+                self._healing.begin()
+            case "slam_poses":
+                self._show_slam(command["poses"], result)
+            case "slam_ended":
+                self._end_slam(command["trajectory"], result)
+            case _:
+                return False
+        result.changed = True
+        return True
+
     def _update_log(self, log: ScanLog, result: TickResult) -> None:
         """Go on with the same scans and other trajectories, which the library has now."""
         result.new_grid |= self.recording.update(log)
+        self._tell_trajectories(result)
+
+    def _tell_trajectories(self, result: TickResult) -> None:
         self.comparison.update_log(self.recording.log)
         result.slot(self._trajectories_message())
+        result.slot(self._trajectory_message())
+
+    def _show_slam(self, poses: NDArray[np.float64], result: TickResult) -> None:
+        """Map the scans whose poses a SLAM job has corrected so far."""
+        if not self._healing.is_following or not 0 < len(poses) <= self.recording.log.n_scans:
+            return
+        self.playback.playing = False
+        result.new_grid |= self._healing.show(poses)
+        self._go_to(len(poses))
+        self._tell_trajectories(result)
+
+    def _end_slam(self, trajectory: str | None, result: TickResult) -> None:
+        """Show the whole map along the trajectory that SLAM has made, None: along the one from before."""
+        before = self._healing.end()
+        chosen = before if trajectory is None else trajectory
+        if before is None or chosen is None or chosen not in self.recording.log.trajectories:
+            return
+        self.graph.forget()
+        if chosen != self.recording.trajectory:
+            self.recording.choose(chosen)
+            result.new_grid = True
+        self._go_to(self.recording.log.n_scans)
         result.slot(self._trajectory_message())
 
     def _go_to(self, index: int) -> None:

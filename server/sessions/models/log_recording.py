@@ -110,12 +110,25 @@ class LogRecording:
         self._replay_with(log, name)
         return True
 
-    def _replay_with(self, log: ScanLog, trajectory: str) -> None:
-        """Make the map of the present scans of ``log`` with one of its trajectories."""
+    def show(self, log: ScanLog, trajectory: str, index: int) -> bool:
+        """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
+
+        A new map has the first ``index`` scans; otherwise it stays as it is, and they can be added to it. Raises as
+        :meth:`choose`, without changes.
+        """
+        self._examinations.pop(trajectory, None)
+        if trajectory == self.trajectory and index >= self.replay.index and self.replay.adopt(log):
+            self._sensor_poses = log.sensor_poses(trajectory)
+            return False
+        self._replay_with(log, trajectory, index)
+        return True
+
+    def _replay_with(self, log: ScanLog, trajectory: str, index: int | None = None) -> None:
+        """Make the map of ``log`` with one of its trajectories, of the present scans or the first ``index``."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        replay.advance_to(old.index)
+        replay.advance_to(old.index if index is None else index)
         self._sensor_poses = log.sensor_poses(trajectory)
         self.replay = replay
 

@@ -19,6 +19,7 @@ import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
+import { useHealing } from "./heal/healing";
 import { Transport } from "./Transport";
 
 interface ViewerProps {
@@ -45,6 +46,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
+  const healing = useHealing(store, session, guest !== undefined);
   const openGroup = useOpenGroup(store);
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
@@ -105,6 +107,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           <BeliefView
             store={store}
             comparison={comparison}
+            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
             onPicture={(made) => {
               picture.current = made;
             }}
@@ -133,7 +136,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, sharedView })}
+        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, healing, openGroup, sharedView })}
         open={openGroup}
       />
     </div>

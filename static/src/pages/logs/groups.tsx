@@ -1,5 +1,6 @@
 /** The groups of the log page's dock. A new group is one entry of `GROUPS`. */
 
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
@@ -10,6 +11,8 @@ import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import { Heal } from "./heal/Heal";
+import type { Healing } from "./heal/healing";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
 import { TrajectoryChoice } from "./TrajectoryChoice";
@@ -24,6 +27,9 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
+  readonly healing: Healing;
+  /** The id of the open group. */
+  readonly openGroup: Signal<string>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -44,7 +50,29 @@ const GROUPS: readonly Group[] = [
     id: "doctor",
     title: "Doctor",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor }) => <Doctor store={store} doctor={doctor} />,
+    content: ({ store, doctor, healing, openGroup, isGuest }) => (
+      <Doctor
+        store={store}
+        doctor={doctor}
+        {...(isGuest
+          ? {}
+          : {
+              onHeal: () => {
+                openGroup.value = "heal";
+                void healing.begin();
+              },
+            })}
+      />
+    ),
+  },
+  {
+    id: "heal",
+    title: "Heal",
+    isThere: ({ log }) => log !== null,
+    badge: ({ healing }) => healing.badge.value,
+    content: ({ store, session, healing, comparison, isGuest }) => (
+      <Heal store={store} session={session} healing={healing} comparison={comparison} isGuest={isGuest} />
+    ),
   },
   {
     id: "compare",
