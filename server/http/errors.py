@@ -19,7 +19,6 @@ from server.library import (
     LinkGoneError,
     LogNotFoundError,
     LogReadOnlyError,
-    SlamJobNotFoundError,
     StorageError,
     TrajectoryNotFoundError,
 )
@@ -35,7 +34,6 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
     (TrajectoryNotFoundError, 404),
-    (SlamJobNotFoundError, 404),
     (LogReadOnlyError, 403),
     (SessionBudgetError, 429),
     (StorageError, 503),

@@ -5,7 +5,6 @@ from server.library.library import Library, LibraryLimits, LogNotFoundError, Log
 from server.library.link import Link, LinkGoneError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID
-from server.library.slam_job import SlamJobNotFoundError
 from server.library.storage import StorageError, claimed
 from server.library.upload_receiver import Part
 
@@ -19,7 +18,6 @@ __all__ = [
     "LogReadOnlyError",
     "Part",
     "Record",
-    "SlamJobNotFoundError",
     "StorageError",
     "TrajectoryNotFoundError",
     "check_stores",

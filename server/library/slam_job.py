@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, ReadError
 from server.library import job as jobs
 from server.library.log_pack import StalePackError, read_pack
 
@@ -34,10 +34,6 @@ NICENESS = 10  #: added to that of the service, so that sessions are computed fi
 
 #: Endings of the files, after the job's ``out``.
 PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
-
-
-class SlamJobNotFoundError(MapperError):
-    """The visitor has begun no SLAM of this log."""
 
 
 @dataclass(frozen=True, slots=True)

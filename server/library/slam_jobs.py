@@ -32,7 +32,6 @@ from server.library.slam_job import (
     TUM,
     PartialPoses,
     SlamJob,
-    SlamJobNotFoundError,
     SlamOutcome,
     read_progress,
 )
@@ -162,11 +161,9 @@ class SlamJobs:
         return self.state(owner, log_id)
 
     def state(self, owner: str, log_id: str) -> dict[str, Any]:
-        """Return what the HTTP interface shows of the newest job. Raises :class:`SlamJobNotFoundError`."""
+        """Return what the HTTP interface shows of the newest job; its state is "none" where there was none."""
         self._logs.get(owner, log_id)
-        record = self._records.get((owner, log_id))
-        if record is None:
-            raise SlamJobNotFoundError("slam.not_found", "SLAM of this log was not begun.")
+        record = self._records.get((owner, log_id)) or SlamRecord(log_id, owner, None, None, "none", 0.0)
         running = self._running.get((owner, log_id))
         poses = None if running is None else running.poses
         began = None if running is None else running.began
@@ -181,7 +178,7 @@ class SlamJobs:
         }
 
     async def cancel(self, owner: str, log_id: str) -> dict[str, Any]:
-        """Stop a job, if it is queued or running; return its state. Raises :class:`SlamJobNotFoundError`."""
+        """Stop a job, if it is queued or running; return its state."""
         self.state(owner, log_id)
         running = self._running.get((owner, log_id))
         if running is not None:

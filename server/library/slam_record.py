@@ -13,7 +13,7 @@ from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 from server.library.tables import slam_jobs
 
-SlamState = Literal["queued", "running", "done", "failed", "cancelled"]
+SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
 
 @dataclass(frozen=True, slots=True)

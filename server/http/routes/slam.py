@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import ConfigError, MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
@@ -141,16 +141,24 @@ def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tupl
 @router.get("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
 async def graph(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session."""
+    """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session.
+
+    ``graph`` is null where the trajectory has none.
+    """
     _, found, source = _graph(library, sessions, session_id)
-    return await found.public(source)
+    try:
+        return {"graph": await found.public(source)}
+    except ConfigError as error:
+        if error.code != "graph.none":
+            raise
+        return {"graph": None}
 
 
 @router.post("/sessions/{session_id}/graph")
 async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> dict[str, Any]:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
     _, found, source = _graph(library, sessions, session_id)
-    return await found.change(GraphChange(**wanted.model_dump()), source)
+    return {"graph": await found.change(GraphChange(**wanted.model_dump()), source)}
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}")

@@ -45,7 +45,7 @@ test("why no loop closed depends on the visits and on what was tried", () => {
       ],
       candidates: [],
     }),
-  ).toContain("2 times, but no loop was tried");
+  ).toContain("twice, but no loop was tried");
   expect(
     whyNone({
       visits: [

@@ -90,7 +90,7 @@ export function loopAt(content: LayerContent | null, at: Point, scale: number): 
 /** Why no loop closed at a place, in one sentence. */
 export function whyNone({ visits, candidates }: Place): string {
   if (visits.length === 0) return "The robot was never within 3 m of this place.";
-  const times = visits.length === 1 ? "once" : `${visits.length} times`;
+  const times = ["never", "once", "twice"][visits.length] ?? `${visits.length} times`;
   const accepted = candidates.filter((one) => one.accepted).length;
   if (accepted > 0)
     return `The robot was here ${times}, and ${accepted} ${accepted === 1 ? "loop" : "loops"} closed near this place.`;

@@ -6,7 +6,7 @@ import { request } from "../request";
 
 /** SLAM of a log: what is under way, or what came of it. */
 export interface SlamState {
-  readonly state: "queued" | "running" | "done" | "failed" | "cancelled";
+  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly fraction: number;
   readonly stage: string | null;
   /** Scans whose poses are corrected. */
@@ -32,15 +32,13 @@ const slam = (log: string): string => `/api/logs/${encodeURIComponent(log)}/slam
 
 export const heal = (id: string): Promise<SlamState> => request(`${session(id)}/heal`, "POST");
 
-/** The newest SLAM of a log; null where there was none. */
-export async function slamState(log: string): Promise<SlamState | null> {
-  const answer = await fetch(slam(log));
-  return answer.ok ? ((await answer.json()) as SlamState) : null;
-}
+export const slamState = (log: string): Promise<SlamState> => request(slam(log));
 
 export const cancelSlam = (log: string): Promise<SlamState> => request(slam(log), "DELETE");
 
-export const poseGraph = (id: string): Promise<PoseGraph> => request(`${session(id)}/graph`);
+/** The graph of the trajectory in use; null where it has none. */
+export const poseGraph = async (id: string): Promise<PoseGraph | null> =>
+  (await request<{ graph: PoseGraph | null }>(`${session(id)}/graph`)).graph;
 
 export interface Change {
   readonly remove?: number;
@@ -51,8 +49,8 @@ export interface Change {
   readonly reset?: boolean;
 }
 
-export const changeGraph = (id: string, change: Change): Promise<PoseGraph> =>
-  request(`${session(id)}/graph`, "POST", change);
+export const changeGraph = async (id: string, change: Change): Promise<PoseGraph> =>
+  (await request<{ graph: PoseGraph }>(`${session(id)}/graph`, "POST", change)).graph;
 
 export const edgeOf = (id: string, edge: number): Promise<Edge> => request(`${session(id)}/graph/edges/${edge}`);
 
