@@ -1,4 +1,4 @@
-"""Marks of cases that only ``make test-long`` meets."""
+"""Marks of cases that only ``make test-long`` runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The programs that the tests need beside Python: whether they must be there, and how they are installed."""
+"""The programs that the tests need besides Python: whether they are required, and how they are installed."""
 
 from __future__ import annotations
 

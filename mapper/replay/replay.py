@@ -68,20 +68,22 @@ class Replay:
         """Scans in the map."""
         return self._replay.index
 
-    def advance_to(self, index: int) -> Change:
+    def advance_to(self, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
         """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less work.
 
-        Raises :class:`ConfigError` for an index that the log does not have, and
-        :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns False.
+        ``enough`` is called after each step, some hundredths of a second's work: where it returns True the map stays
+        where it is by then, that of fewer scans, and another call goes on. Raises :class:`ConfigError` for an index
+        that the log does not have, and :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns
+        False.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
-        return self._go(self._replay, index)
+        return self._go(self._replay, index, enough)
 
-    def _go(self, replay: IncrementalReplay, index: int) -> Change:
+    def _go(self, replay: IncrementalReplay, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
         self._under_way = (replay, index)
         try:
-            return replay.go_to(index, self.wanted)
+            return replay.go_to(index, self.wanted, enough)
         finally:
             self._under_way = None
 

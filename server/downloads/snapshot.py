@@ -12,6 +12,7 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
+from mapper.core.zstd import compressed
 from mapper.io.maps.images import Bands
 
 MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; beyond it they go to a file
@@ -36,7 +37,7 @@ class Snapshot:
         at = 0
         for band in bands:
             check()
-            packed = compressor.compress(np.ascontiguousarray(band).data)
+            packed = compressed(compressor, np.ascontiguousarray(band).data)
             file.write(packed)
             self._places.append((at, len(packed), band.shape))
             at += len(packed)

@@ -1,7 +1,7 @@
 """The database of the records, through SQLAlchemy: SQLite in a file, or PostgreSQL by its URL.
 
-One writer: whatever is asked of it runs on one thread, one after the other in the order in which it was asked, each in
-a transaction of its own. Its tables are brought up to date when it is opened (:mod:`server.library.schema`).
+One writer: all work runs on one thread in the order of the calls, each call in a transaction of its own. The tables are
+brought up to date when the database is opened (:mod:`server.library.schema`).
 """
 
 from __future__ import annotations
@@ -98,11 +98,11 @@ def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
         with engine.begin() as connection:
             return work(connection)
     except SQLAlchemyError as error:
-        raise _told(error) from error
+        raise _storage_error(error) from error
 
 
-def _told(error: SQLAlchemyError) -> StorageError:
-    """Return an error as one sentence; the cause goes to the service's log."""
+def _storage_error(error: SQLAlchemyError) -> StorageError:
+    """Log an error and return it as a :class:`StorageError`."""
     reason = str(error.orig if isinstance(error, DBAPIError) else error).partition("\n")[0]
     _log.warning("the database of records failed", error=reason)
     if "disk is full" in reason or "disk I/O error" in reason or "No space left" in reason:

@@ -158,7 +158,7 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = 
     ``doing`` is what the errors say that it does, and ``code`` the first part of their codes.
     """
     note_progress(0.0)
-    more = LimitError(f"{code}.time", f"{doing} takes more than the {cpu_s:g} s of processor time it may have.")
+    more = LimitError(f"{code}.time", f"{doing} takes more than the {cpu_s:.3g} s of processor time it may have.")
     try:
         with _timed(timeout_s, cpu_s, (time_error(timeout_s, doing, code), more)):
             return work()
@@ -184,4 +184,4 @@ def _read(job: Job) -> LogSummary:
 
 def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:
     """Return the error for a job that took too long; as :func:`bounded`."""
-    return LimitError(f"{code}.time", f"{doing} takes longer than the {timeout_s:g} s that the server allows.")
+    return LimitError(f"{code}.time", f"{doing} takes longer than the {timeout_s:.3g} s that the server allows.")

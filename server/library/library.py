@@ -10,7 +10,7 @@ import asyncio
 import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
@@ -21,6 +21,7 @@ from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
+from server.library.limits import DAY_S, LibraryLimits
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
 from server.library.names import display_name
@@ -37,8 +38,6 @@ from server.settings import Settings
 if TYPE_CHECKING:
     from server.library.added import Added
 
-DAY_S = 86_400.0
-
 
 class LogNotFoundError(MapperError):
     """There is no such log for this visitor: it never existed, was deleted, or belongs to another visitor."""
@@ -46,23 +45,6 @@ class LogNotFoundError(MapperError):
 
 class LogReadOnlyError(MapperError):
     """The log is not the visitor's to delete."""
-
-
-@dataclass(frozen=True, slots=True)
-class LibraryLimits:
-    """Limits on uploads, stored bytes and reading."""
-
-    max_logs_per_owner: int = 50
-    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
-    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
-    max_uploads_at_once: int = 8
-    max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
-    keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
-    idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0
-    read_cpu_s: float = 100.0  #: seconds of processor time
-    read_memory_bytes: int = 6 << 30  #: address space of the reading process
-    cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
 
 
 def check_stores(settings: Settings) -> None:
@@ -94,10 +76,11 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.notes import Notes  # noqa: PLC0415
         from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
-        self._limits = limits or LibraryLimits()
+        self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
@@ -119,6 +102,7 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
+        self.notes = Notes(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
@@ -138,13 +122,14 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.store_identity import is_sure_to_belong  # noqa: PLC0415
+        from server.library.store_identity import belong_together  # noqa: PLC0415
 
         await self._folder.look()
-        is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
-        await self._catalogue.start(is_ours=is_ours)
+        stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
+        await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
-        await self.trajectories.start()
+        # As with blobs: the files may belong to another database, or this database may be new.
+        await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
@@ -181,6 +166,10 @@ class Library:
     def uploaded(self, owner: str, key: str) -> int:
         """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
+
+    def forget_upload(self, owner: str, key: str) -> None:
+        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        self._intake.forget(owner, key)
 
     async def put(
         self,
@@ -281,7 +270,7 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.forget(record.id)  # and what was added to it
+        await self._catalogue.delete(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
             self._catalogue.pack(record.id).unlink(missing_ok=True)
 
@@ -334,9 +323,10 @@ class Library:
 
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
-        progress = self._reader.progress if record.state == "reading" else record.progress
+        is_read = record.state == "reading"
+        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        return replace(record, progress=progress, added=added)
+        return replace(record, progress=progress, reading_s=reading_s, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
@@ -351,7 +341,7 @@ class Library:
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = self._catalogue.used(record)
+            record = self._catalogue.mark_used(record)
         if record.source == "sample":
             return await self._sample.load()
         if topic is not None:
@@ -369,6 +359,15 @@ class Library:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
 
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self._reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
+
     async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
         """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
 
@@ -381,10 +380,9 @@ class Library:
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> tuple[Added, Sequence[str]]:
-        """Add the TUM file that ``chunks`` are to a log, as one more trajectory of it; return its record, and notes.
+        """Add the TUM file that ``chunks`` are as one more trajectory of a log; return its record, and notes.
 
-        It replaces the owner's trajectory of the same name. Raises :class:`LimitError` for a file over the cap and for
-        one trajectory too many, and as :meth:`load` and :meth:`server.library.trajectories.Trajectories.put`.
+        Raises as :meth:`load`, and :func:`text_of` and :meth:`Trajectories.put` of :mod:`server.library.trajectories`.
         """
         from server.library.trajectories import NewTrajectory, text_of  # noqa: PLC0415
 

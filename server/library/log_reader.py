@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import time
 from concurrent.futures import BrokenExecutor, Future
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
@@ -16,11 +17,17 @@ from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
 from server.work.fair_lock import FairLock
 
+LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, so many bytes for each second
+LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+
 T = TypeVar("T")
 
 
 class Reader:
-    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only."""
+    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only.
+
+    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file.
+    """
 
     def __init__(
         self, *, timeout_s: float, memory_bytes: int, cpu_s: float = math.inf, worker: Worker | None = None
@@ -28,6 +35,7 @@ class Reader:
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
+        self._began = time.monotonic()
         self._turns = FairLock()
         self._worker: Worker = worker or PoolWorker(memory_bytes)
 
@@ -51,12 +59,30 @@ class Reader:
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
         target = None if pack is None else str(pack)
-        job = Job(str(source), target, topic, self._timeout_s, self._cpu_s, self._memory_bytes)
-        return await outcome_of(self._worker, self._worker.submit(job), self._timeout_s)
+        size = await asyncio.to_thread(_size_of, source)
+        timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
+        cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes)
+        self._began = time.monotonic()
+        return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds since the reading of the log began that is being read."""
+        return time.monotonic() - self._began
 
     async def close(self) -> None:
         """Cancel the running job and wait until it has ended."""
         await asyncio.to_thread(self._worker.close)
+
+
+def _size_of(source: Path) -> int:
+    """Return the bytes of a log, a file or those of a folder; 0 where it cannot be told."""
+    try:
+        files = source.iterdir() if source.is_dir() else [source]
+        return sum(file.stat().st_size for file in files)
+    except OSError:
+        return 0
 
 
 async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:

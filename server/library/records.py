@@ -40,6 +40,7 @@ class Record:
     created_s: float = 0.0
     used_s: float = 0.0  #: when it was last uploaded or opened, to the day
     progress: float = 0.0
+    reading_s: float | None = None  #: seconds since its reading began, None while it is not being read
     error: Failure | None = None
     attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
@@ -60,6 +61,7 @@ class Record:
             "state": self.state,
             "bytes": self.bytes,
             "progress": round(self.progress, 3),
+            "reading_s": None if self.reading_s is None else round(self.reading_s, 1),
             "error": None if self.error is None else asdict(self.error),
             "scans": summary.scans if summary else None,
             "beams": summary.beams if summary else None,

@@ -20,7 +20,7 @@ from server.library.records import Record
 
 
 class Scans:
-    """The scans of the catalogue's logs; ``scratch`` is a folder for what is kept for a moment."""
+    """The scans of the catalogue's logs; ``scratch`` is a folder for temporary packs."""
 
     def __init__(self, catalogue: Catalogue, reader: Reader, cache: LogCache, scratch: Path) -> None:
         self._catalogue = catalogue
@@ -30,8 +30,8 @@ class Scans:
         self._unpacking = asyncio.Lock()
 
     async def packed(self, record: Record) -> ScanLog:
-        """Return the log that was packed. Raises :class:`StalePackError` where there is no pack, or an older one."""
-        async with self._unpacking:  # who opens it at the same time shares it, and memory holds one more log at a time
+        """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
+        async with self._unpacking:  # concurrent callers share the log, and only one is unpacked at a time
             kept = self._cache.get(record.id)
             if kept is not None:
                 return kept

@@ -70,6 +70,23 @@ trajectories = Table(
     Index("trajectories_by_log_id", "log_id"),
 )
 
+#: One row for each note on a log. It goes with its log.
+notes = Table(
+    "notes",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("author", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("changed_s", Double, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("at_s", Double),
+    Column("scan", Integer),
+    Column("x", Double),
+    Column("y", Double),
+    Index("notes_by_log_id", "log_id"),
+)
+
 #: One row for the newest SLAM job of each visitor on a log, and what came of it. It goes with its log.
 slam_jobs = Table(
     "slam_jobs",

@@ -68,9 +68,14 @@ class Trajectories:
         self._reading = FairLock()  #: one file at a time is read
         self._joined: OrderedDict[tuple[str, int], tuple[NDArray[np.int64], Trajectory | None]] = OrderedDict()
 
-    async def start(self) -> None:
-        """Load the records, and remove files that belong to none. Raises :class:`StorageError`."""
+    async def start(self, *, may_delete: bool) -> None:
+        """Load the records and, where it ``may_delete``, remove files that belong to none.
+
+        Raises :class:`StorageError`.
+        """
         self._added = {one.id: one for one in await self._database.run(load_added)}
+        if not may_delete:
+            return
         with contextlib.suppress(StorageError):  # of a bucket that cannot be reached: another time
             for name in await self._files.names():
                 if name.partition(".")[0] not in self._added:
@@ -159,11 +164,11 @@ class Trajectories:
     async def _keep(self, record: Record, added: Added, file: Path, graph: bytes | None) -> None:
         """Store files and row, or neither; remove those of the trajectory that is replaced."""
         try:
-            await self._files.take(file, f"{added.id}.tum")
+            await self._files.move_in(file, f"{added.id}.tum")
             if graph is not None:
                 graph_file = file.with_suffix(".graph")
                 await asyncio.to_thread(graph_file.write_bytes, graph)
-                await self._files.take(graph_file, f"{added.id}.graph")
+                await self._files.move_in(graph_file, f"{added.id}.graph")
             await self._database.run(lambda connection: replace_added(connection, record, added))
         except BaseException:
             await self._remove_files(added.id)

@@ -164,6 +164,11 @@ class SessionModel(ABC):
     # -- long work ------------------------------------------------------------------------------------------------
 
     @property
+    def is_catching_up(self) -> bool:
+        """Whether the maps are not yet those that commands requested: the next tick goes on (event loop)."""
+        return False
+
+    @property
     def fraction(self) -> float | None:
         """The share of the present computation that is done, 0 to 1; None if not known (any thread)."""
         return None

@@ -1,4 +1,4 @@
-"""Each kernel gives what its textbook twin gives, to the last bit, on random inputs."""
+"""Each kernel equals its textbook twin to the last bit on random inputs."""
 
 import os
 

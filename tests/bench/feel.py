@@ -1,4 +1,4 @@
-"""``python -m tests.bench feel``: how the pages feel, measured in real Chromium on loopback, beside what is wanted."""
+"""``python -m tests.bench feel``: latencies of the pages in Chromium on loopback, with their targets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m tests.bench inspecting``: uploaded logs from afar: seeking, what ten people cost, one changed region."""
+"""``python -m tests.bench inspecting``: remote inspection of logs: seeking, ten clients, one changed region."""
 
 from __future__ import annotations
 

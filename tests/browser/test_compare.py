@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from typing import Any
 
 import numpy as np
@@ -9,22 +10,23 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import drag, frame, open_group, settled_digest, until
+from tests.browser.looking import BASE64, drag, frame, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_serious, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
-_BOTH = """() => {
-  const { store } = gridbloom.connection;
+_BOTH = f"""() => {{
+  const {{ store }} = gridbloom.connection;
   const b = store.map.peek(), a = store.second.peek().map.peek();
   const place = [0, 1].map((i) => Math.round((b.geometry.origin[i] - a.geometry.origin[i]) / b.geometry.resolution));
-  const bytes = { a: [], b: [] };
+  const bytes = {{ a: [], b: [] }};
   for (let row = 0; row < b.geometry.rows; row++)
-    for (let col = 0; col < b.geometry.cols; col++) {
+    for (let col = 0; col < b.geometry.cols; col++) {{
       bytes.a.push(a.cells.at(row + place[1], col + place[0]));
       bytes.b.push(b.cells.at(row, col));
-    }
-  return { ...bytes, geometry: b.geometry };
-}"""
+    }}
+  const text = {BASE64};
+  return {{ a: text(bytes.a), b: text(bytes.b), geometry: b.geometry }};
+}}"""
 
 
 def evaluate(page: Page, script: str, argument: Any = None) -> Any:
@@ -67,7 +69,7 @@ def both(page: Page) -> tuple[NDArray[np.uint8], NDArray[np.uint8], dict[str, An
     held = evaluate(page, _BOTH)
     geometry = held["geometry"]
     shape = geometry["rows"], geometry["cols"]
-    a, b = (np.array(held[side], dtype=np.uint8).reshape(shape) for side in "ab")
+    a, b = (np.frombuffer(base64.b64decode(held[side]), dtype=np.uint8).reshape(shape) for side in "ab")
     return a, b, geometry
 
 

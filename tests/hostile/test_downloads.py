@@ -29,7 +29,7 @@ MAX_RSS = 1_500_000_000
 MAX_OF_TWO = 2 * (64 << 20) + (16 << 20)  #: bytes of two downloads, and of all else that happens meanwhile
 #: Cells of a map, and the side of the square that the robot drives over: the sensor's range comes to it on all sides.
 WIDE = (30_000_000, 219.0)
-HALF_AS_WIDE = (7_500_000, 82.0)
+LESS_WIDE = (4_000_000, 46.0)
 
 
 def wide_log(side_m: float) -> str:
@@ -121,7 +121,7 @@ async def guest_session(process: Process) -> str:
 
 
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize(("cells", "side_m"), [HALF_AS_WIDE, pytest.param(*WIDE, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("cells", "side_m"), [LESS_WIDE, pytest.param(*WIDE, marks=pytest.mark.long)])
 async def test_twelve_guests_who_take_a_wide_map(process: Process, cells: int) -> None:
     session = await guest_session(process)
 

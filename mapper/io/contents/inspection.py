@@ -20,10 +20,11 @@ from mapper.io.contents.series_messages import PLOTTED, PlottedType
 from mapper.io.logs import carmen
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
 from mapper.io.logs.recording import Recording
-from mapper.io.logs.ros_messages import TRANSFORMS, BadMessageError, plain_type
+from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
 from mapper.io.logs.unpacking import Progress
 
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
@@ -79,8 +80,13 @@ class Inspector(Recording):
         self._counted_by_key.clear()
 
     def wants(self, key: int) -> bool:
-        """Return whether this stream's messages are to be read: all are, for their sizes count."""
-        return key in self._counted_by_key
+        """Return whether this stream's messages are to be read; of the others the sizes are enough."""
+        topic = self._counted_by_key.get(key)
+        return topic is not None and (topic.plotted is not None or topic.type in TRANSFORMS)
+
+    def knows(self, key: int) -> bool:  # noqa: ARG002 - as Recording has it
+        """Return False for any stream: no chunk is passed over by its index, which has no sizes."""
+        return False
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""

@@ -13,24 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
+from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
 from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
-from mapper.io.logs.ros_messages import SENSORS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
 from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
+from mapper.io.logs.transforms import Poses3
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
 from mapper.sensors.timed_poses import TimedPoses
 
 Int64Array = NDArray[np.int64]
 
-#: Messages that others make scans of: what one calls them, and the program that does it.
-CONVERTERS = {
-    "sensor_msgs/PointCloud2": ("A point cloud", "pointcloud_to_laserscan"),
-    "sensor_msgs/Image": ("A depth image", "depthimage_to_laserscan"),
-}
+#: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
+AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
+
+#: Which sensor is mapped where none is named: the first of these types.
+PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
+_RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
 
 
 class RecordedLog:
@@ -44,8 +46,8 @@ class RecordedLog:
             for stream in taken.streams
             if stream.bad
         ]
-        #: All sensors, the one to map where none is named first: the lidar with most scans, or else the sonar.
-        self._sensors = sorted(taken.sensors.values(), key=lambda one: (one.kind == SONAR, -one.n_scans))
+        #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
+        self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
         self._timed: dict[tuple[str, ...], TimedPoses | None] = {}  #: poses with stamps of their own, by source
 
     def robot_log(self, selection: Selection) -> RobotLog:
@@ -88,14 +90,14 @@ class RecordedLog:
         return found
 
     def _without_topic(self, topic: str) -> ReadError:
-        streams = (stream.topic for stream in self._taken.streams if stream.kind in SENSORS and stream.count)
+        streams = (stream.topic for stream in self._taken.streams if stream.kind in PREFERENCE and stream.count)
         known = dict.fromkeys([*(sensor.topic for sensor in self._sensors), *streams])
         return ReadError("log.topic", f"The log has no scans on {topic!r:.80}; it has {listed(list(known))}.")
 
     def _without_scans(self, selection: Selection) -> ReadError:
         streams, notes = self._taken.streams, self._taken.notes
         if selection.topics and any(
-            stream.kind in SENSORS and stream.count and not selection.wants(stream.topic) for stream in streams
+            stream.kind in PREFERENCE and stream.count and not selection.wants(stream.topic) for stream in streams
         ):
             return self._without_topic(selection.topics[0])
         held = "it holds no messages"
@@ -106,8 +108,8 @@ class RecordedLog:
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
             "log.no_scans",
-            "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan or Range): "
-            f"{held}{damage}.{_advice(stream.kind for stream in streams)}",
+            "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan, Range, PointCloud2, "
+            f"or Image with depths): {held}{damage}.",
         )
 
     def _notes_on_others(self, chosen: list[SensorScans]) -> tuple[str, ...]:
@@ -141,7 +143,7 @@ class RecordedLog:
         notes += notes_on_time(stamps)
         chain = self._tf.ancestors(sensor.frame)
         base = self._tf.base_of(chain, self._taken.children)
-        mount, upside_down, more = self._mount(chain[: base + 1], stamps)
+        mount, upside_down, more = self._mount(chain[: base + 1], stamps, sensor)
         notes += more
         sources = list(self._pose_sources(chain[base:], sensor))
         trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self._limits)
@@ -170,18 +172,29 @@ class RecordedLog:
             limits=self._limits,
         )
 
-    def _mount(self, chain: list[str], stamps: Int64Array) -> tuple[tuple[float, float, float], bool, list[str]]:
+    def _mount(
+        self, chain: list[str], stamps: Int64Array, sensor: SensorScans
+    ) -> tuple[tuple[float, float, float], bool, list[str]]:
         """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
         notes = []
+        if sensor.frame in self._taken.unplaced:
+            notes.append(
+                f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
+                "heights are those in that frame."
+            )
         if len(chain) == 1 and self._tf.frames:
             notes.append(
                 f"tf does not say where the frame {chain[0]!r} sits on the robot; "
                 "the sensor is taken to be at its centre."
             )
         poses = self._tf.lookup(chain, stamps)
+        if sensor.kind == IMAGE and len(chain) > 1 and is_forward(poses.up):
+            poses = poses @ AHEAD_IN_OPTICAL
         x, y, yaw = (float(v) for v in poses.planar[0])
         if (np.abs(poses.positions - poses.positions[0]).max() > 0.01) or (np.abs(poses.up - poses.up[0]) > 0.01).any():
             notes.append(f"The frame {chain[0]!r} moves on the robot; the place where it was first is taken.")
+        if sensor.kind == CLOUD:
+            return self._taken.placements[sensor.frame].mount, False, notes
         up = float(poses.up[0])
         if abs(up) < 0.9:
             notes.append(
@@ -294,14 +307,6 @@ def _extended(topic: Topic, stream: Stream) -> Topic:
         first_stamp_ns=min(first, default=None),
         last_stamp_ns=max(last, default=None),
         bytes=(topic.bytes or 0) + stream.bytes,
-    )
-
-
-def _advice(kinds: Iterable[str]) -> str:
-    """Return what makes scans of the messages that there are, as a further sentence, or nothing."""
-    made = next((CONVERTERS[kind] for kind in kinds if kind in CONVERTERS), None)
-    return (
-        "" if made is None else f" {made[0]} becomes a LaserScan with the ROS package {made[1]}: record what it says."
     )
 
 

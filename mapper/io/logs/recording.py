@@ -12,15 +12,18 @@ from collections.abc import Callable
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
+from mapper.io.logs.cloud_messages import NotDepthError
+from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, Cutter
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
 from mapper.io.logs.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recorded_log import RecordedLog
-from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, StampedPose, plain_type
+from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
-from mapper.io.logs.taken import MAX_FRAME_NAME, PoseTopic, Taken
+from mapper.io.logs.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
 from mapper.io.logs.transforms import FrameTree, Timeline
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import is_angle_step
@@ -43,6 +46,9 @@ class Recording:
         self._taken = Taken(limits, FrameTree(limits), self.notes)
         self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}
+        self._cutter = Cutter(self.selection.cut, self._taken.tf, self._taken.children, self._take_beams)
+        self._pictures: set[str] = set()  #: topics of images that are no depth images
+        self._has_lidar = False
         self._messages = 0
         self._scans = 0
         self._readings = 0
@@ -63,17 +69,32 @@ class Recording:
         if max(len(self._channels), len(self._streams)) >= self.limits.max_topics and not is_known:
             raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
         if stream not in self._streams:
-            take: Take | None = None
-            if readable and kind in SENSORS:
-                take = self._take_scan if self.selection.wants(name) else None
-            elif readable and kind in POSES:
-                take = self._take_pose
-            elif readable and kind in TRANSFORMS:
-                take = self._take_transforms
+            take = self._taker_of(name, kind) if readable else None
+            self._has_lidar |= take == self._take_scan and kind != SONAR
             known = Stream(name, kind, cdr)
             self._taken.streams.append(known)
             self._streams[stream] = (known, take)
         self._channels[key] = self._streams[stream]
+
+    def _taker_of(self, topic: str, kind: str) -> Take | None:
+        """Return what takes the messages of a stream, None where nothing is made of them."""
+        if kind in SENSORS:
+            return self._take_scan if self.selection.wants(topic) else None
+        if kind in POSES:
+            return self._take_pose
+        if kind in TRANSFORMS:
+            return self._take_transforms
+        if kind == CLOUD:
+            return self._cutter.take_cloud if self.selection.wants(topic) else None
+        if kind == IMAGE:
+            return self._cutter.take_image if self.selection.wants(topic) else None
+        return self._cutter.take_camera if kind == CAMERA else None
+
+    def _is_passed_over(self, stream: Stream) -> bool:
+        """Return whether a stream is not cut: a picture's, and, unless it is named, any where there is a lidar."""
+        if stream.kind not in (CLOUD, IMAGE):
+            return False
+        return stream.topic in self._pictures or (self._has_lidar and not self.selection.names(stream.topic))
 
     def next_file(self) -> None:
         """Go on with another file of the same recording, in which streams have keys of their own."""
@@ -81,8 +102,10 @@ class Recording:
 
     def wants(self, key: int) -> bool:
         """Return whether anything is made of this stream's messages."""
-        _, take = self._channels.get(key, (None, None))
-        return take is not None
+        if key not in self._channels:
+            return False
+        stream, take = self._channels[key]
+        return take is not None and not self._is_passed_over(stream)
 
     def knows(self, key: int) -> bool:
         """Return whether this stream was announced."""
@@ -103,7 +126,7 @@ class Recording:
             return
         stream, take = self._channels[key]
         stream.note(_stamp(stamp_ns, 0), len(data) if size is None else size)
-        if take is None:
+        if take is None or self._is_passed_over(stream):
             return
         self._messages += 1
         if self._messages > self.limits.max_messages:
@@ -115,17 +138,20 @@ class Recording:
             if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
             take(stream, stamp_ns, data)
-        except (BadMessageError, ReadError):
-            stream.bad += 1
+        except NotDepthError:
+            self._pictures.add(stream.topic)
+        except BadMessageError as error:
+            stream.refuse(f"message {stream.count}: {error}" if error.args else "")
+        except ReadError:
+            stream.refuse()
 
     def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        beams = SENSORS[stream.kind](data, cdr=stream.cdr)
+        self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr))
+
+    def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams) -> None:
         n = len(beams.ranges)
         if not is_angle_step(beams.angle_increment, n):
-            stream.why = stream.why or (
-                f"message {stream.count} states an angle_increment of {beams.angle_increment:g} rad for its {n} beams"
-            )
-            raise BadMessageError
+            raise BadMessageError(f"it states an angle_increment of {beams.angle_increment:g} rad for its {n} beams")
         angles = (beams.angle_min, beams.angle_increment, beams.beam_width)
         # Written so that nan fails, too.
         if not (max(map(abs, angles)) < 100.0 and sum(angles) == sum(angles)) or not beams.range_max > 0.0 or n == 0:
@@ -184,6 +210,9 @@ class Recording:
 
     def robot_log(self, name: str, form: str) -> RobotLog:
         """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
+        self._cutter.finish()
+        self._taken.placements = self._cutter.placements
+        self._taken.unplaced = self._cutter.unplaced
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
 
 

@@ -28,3 +28,9 @@ class Stream:
                 self.first_stamp_ns = stamp_ns
             if self.last_stamp_ns is None or stamp_ns > self.last_stamp_ns:
                 self.last_stamp_ns = stamp_ns
+
+    def refuse(self, why: str = "") -> None:
+        """Count a message that could not be read; ``why`` is kept of the first."""
+        self.bad += 1
+        if why and not self.why:
+            self.why = why

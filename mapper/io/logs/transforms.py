@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
-from mapper.io.logs.ros_messages import BadMessageError, Pose7, StampedPose
+from mapper.io.logs.message_fields import BadMessageError, Pose7
+from mapper.io.logs.ros_messages import StampedPose
 from mapper.sensors.robot_log import TransformEdge
 
 Float64Array = NDArray[np.float64]

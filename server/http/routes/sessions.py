@@ -68,9 +68,18 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
 
 @router.get("/sessions/making/{name}")
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> dict[str, Any]:
-    """Return the progress of a session that is being created for this visitor: fraction (0 to 1) and seconds."""
+    """Return the progress of a session that is being created for this visitor.
+
+    It is what is being done (null: what was asked for), the fraction of it that is done (0 to 1; null if not known),
+    and the seconds since the beginning.
+    """
     under_way = sessions.under_way.get(visitor, name)
-    return {"fraction": round(under_way.fraction, 3), "elapsed_s": round(time.monotonic() - under_way.began, 2)}
+    what, fraction = under_way.progress()
+    return {
+        "what": what,
+        "fraction": None if fraction is None else round(fraction, 3),
+        "elapsed_s": round(time.monotonic() - under_way.began, 2),
+    }
 
 
 @router.get("/sessions/{session_id}")
@@ -91,10 +100,10 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 @router.get("/sessions/{session_id}/story")
 async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return the history of a live world, from which another session can begin."""
+    """Return the history of a simulation, from which another session can begin."""
     story = sessions.get(session_id).model.story
     if story is None:
-        raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
+        raise MapperError("session.not_a_world", "Only a simulation has a story.")
     return await story.current()
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
-from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -24,6 +25,7 @@ from server.sessions.models.log_comparison import LogComparison
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.log_updates import LogUpdates
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
@@ -36,6 +38,8 @@ MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
 DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
 PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
+SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
+LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
 
 
 def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -56,6 +60,12 @@ def bounds_of(poses: NDArray[np.float64]) -> Bounds:
     """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
     (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
     return (float(x0), float(y0), float(x1), float(y1))
+
+
+def slice_is_over() -> Callable[[], bool]:
+    """Return a function that returns whether this thread has worked so long since that the map should be shown."""
+    began, used = time.monotonic(), time.thread_time()
+    return lambda: time.monotonic() - began > SHOWN_EVERY_S and time.thread_time() - used > LEAST_SLICE_S
 
 
 def _playback(times: NDArray[np.float64]) -> Playback:
@@ -87,18 +97,20 @@ class LogModel(SessionModel):
         self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
+        self._left_at = 0  #: the index at which the map was before it was requested
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
         self._healing = LogHealing(self.recording)
+        self._updates = LogUpdates(self, self._healing)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
         if replay.index:
             self.playback.playing = False
-            self._go_to(replay.index)
+            self.go_to(replay.index)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -136,7 +148,10 @@ class LogModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the present computation that is done."""
-        return self.recording.replay.fraction
+        replay, first, last = self.recording.replay, self._left_at, self._target
+        if self.is_catching_up and first < replay.index < last:
+            return (replay.index - first) / (last - first)
+        return replay.fraction
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -238,13 +253,20 @@ class LogModel(SessionModel):
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, or seek the index that a command requested."""
         replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
-        if dt > 0.0 and self._target < count:
+        if dt > 0.0 and self._target < count and not self.is_catching_up:
+            self._left_at = replay.index
             self._time += dt * playback.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
-        if self._target != replay.index:
-            with self._host.cancellable():
-                result.add(replay.advance_to(self._target))
-        if playback.playing and self._target == count:
+        if self.is_catching_up:
+            try:
+                with self._host.cancellable():
+                    result.add(replay.advance_to(self._target, slice_is_over()))
+            except WorkCancelledError:
+                raise
+            except MapperError:
+                self._target = replay.index
+                raise
+        if playback.playing and replay.index == count:
             playback.playing = False
             result.changed = True
             result.notice("log.end", "The log has ended: all of its scans are in the map.")
@@ -253,6 +275,11 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the map is not yet that of the requested scan."""
+        return self._target != self.recording.replay.index
 
     @property
     def has_deferred_work(self) -> bool:
@@ -266,33 +293,38 @@ class LogModel(SessionModel):
     def play(self) -> None:
         """Play; from the start if the end was reached."""
         self._healing.leave()
-        if self._target == self.recording.log.n_scans:
-            self._go_to(0)
+        if self.recording.replay.index == self.recording.log.n_scans:
+            self.go_to(0)
         super().play()
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
-        if self._obey_service(command, result):
+        if self._updates.obey(command, result):
             return
         count = self.recording.log.n_scans
-        if command["type"] in ("seek", "step", "restart", "trajectory"):
+        if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):
             self._healing.leave()
         match command["type"]:
             case "seek":
                 index = integer(command, "index")
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
-                self._go_to(index)
+                self.go_to(index)
             case "step":
                 self.playback.playing = False
-                self._go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
+                self.go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
             case "restart":
-                self._go_to(0)
+                self.go_to(0)
                 self.playback.playing = True
+            case "cancel":
+                self.parameters.cancel(result)
+                self.playback.playing = False
+                self.go_to(self.recording.replay.index)
             case "trajectory":
                 self.recording.choose(text(command, "name"))
+                self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
             case "compare":
@@ -305,60 +337,17 @@ class LogModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
-    # -- commands of the service, which no client can send ------------------------------------------------------------
-
-    def _obey_service(self, command: dict[str, Any], result: TickResult) -> bool:
-        """Carry out a command of the service, and return whether it is one."""
-        match command["type"]:
-            case "update_log":
-                self._update_log(command["log"], result)
-            case "show_graph":
-                solved = command["solved"]
-                self.graph.show(solved)
-                self._update_log(solved.in_log(self.recording.log), result)
-            case "follow_slam":
-                self._healing.begin()
-            case "slam_poses":
-                self._show_slam(command["poses"], result)
-            case "slam_ended":
-                self._end_slam(command["trajectory"], result)
-            case _:
-                return False
-        result.changed = True
-        return True
-
-    def _update_log(self, log: ScanLog, result: TickResult) -> None:
-        """Go on with the same scans and other trajectories, which the library has now."""
-        result.new_grid |= self.recording.update(log)
-        self._tell_trajectories(result)
-
-    def _tell_trajectories(self, result: TickResult) -> None:
+    def updated(self, result: TickResult, *, is_new: bool) -> None:
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+        if is_new:
+            self._left_at = 0
+            result.new_grid = True
         self.comparison.update_log(self.recording.log)
         result.slot(self._trajectories_message())
         result.slot(self._trajectory_message())
 
-    def _show_slam(self, poses: NDArray[np.float64], result: TickResult) -> None:
-        """Map the scans whose poses a SLAM job has corrected so far."""
-        if not self._healing.is_following or not 0 < len(poses) <= self.recording.log.n_scans:
-            return
-        self.playback.playing = False
-        result.new_grid |= self._healing.show(poses)
-        self._go_to(len(poses))
-        self._tell_trajectories(result)
-
-    def _end_slam(self, trajectory: str | None, result: TickResult) -> None:
-        """Show the whole map along the trajectory that SLAM has made, None: along the one from before."""
-        before = self._healing.end()
-        chosen = before if trajectory is None else trajectory
-        if before is None or chosen is None or chosen not in self.recording.log.trajectories:
-            return
-        self.graph.forget()
-        if chosen != self.recording.trajectory:
-            self.recording.choose(chosen)
-            result.new_grid = True
-        self._go_to(self.recording.log.n_scans)
-        result.slot(self._trajectory_message())
-
-    def _go_to(self, index: int) -> None:
+    def go_to(self, index: int) -> None:
+        """Have the map brought to a number of scans."""
+        self._left_at = self.recording.replay.index
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])

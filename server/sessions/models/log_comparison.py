@@ -55,7 +55,7 @@ class LogComparison:
 
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
         """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
-        async with self._host.locked():
+        async with self._host.settled():
             other = self._compared_with()
             found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
             return other.description(), found

@@ -43,7 +43,7 @@ class LogHealing:
         whole = np.concatenate([poses, compose(correction, own[count:])])
         healing = Trajectory(whole, "poses that SLAM is correcting", "map")
         log = replace(log, trajectories={**log.trajectories, NAME: healing})
-        return self._recording.show(log, NAME, count)
+        return self._recording.show(log, NAME)
 
     def end(self) -> str | None:
         """Return the trajectory to go back to where the job has made none; None where the session did not follow."""

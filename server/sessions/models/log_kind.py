@@ -36,6 +36,7 @@ def log_plan(
         from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
         from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
 
+        making.watched = lambda: ("Preparing the map", None)
         replay = first_replay(log, shown, host.limits(), making.may_continue)
         return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
 
@@ -43,7 +44,12 @@ def log_plan(
 
 
 async def _plan(wanted: NewLog, resources: Resources) -> Plan:
-    log = await resources.library.load(resources.visitor, wanted.log, wanted.topic)
+    library, making = resources.library, resources.making
+    making.watched = lambda: library.opening(wanted.log)
+    try:
+        log = await library.load(resources.visitor, wanted.log, wanted.topic)
+    finally:
+        making.watched = None
     title = resources.library.get(resources.visitor, wanted.log).name
     view = LogView(wanted.topic, wanted.trajectory)
     return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)

@@ -87,7 +87,7 @@ class LogRecording:
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
 
     def choose(self, trajectory: str) -> None:
-        """Recompute the map with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
         self._replay_with(self.log, trajectory)
 
     def update(self, log: ScanLog) -> bool:
@@ -110,25 +110,23 @@ class LogRecording:
         self._replay_with(log, name)
         return True
 
-    def show(self, log: ScanLog, trajectory: str, index: int) -> bool:
+    def show(self, log: ScanLog, trajectory: str) -> bool:
         """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
 
-        A new map has the first ``index`` scans; otherwise it stays as it is, and they can be added to it. Raises as
-        :meth:`choose`, without changes.
+        Otherwise it stays as it is. Raises as :meth:`choose`, without changes.
         """
         self._examinations.pop(trajectory, None)
-        if trajectory == self.trajectory and index >= self.replay.index and self.replay.adopt(log):
+        if trajectory == self.trajectory and self.replay.adopt(log):
             self._sensor_poses = log.sensor_poses(trajectory)
             return False
-        self._replay_with(log, trajectory, index)
+        self._replay_with(log, trajectory)
         return True
 
-    def _replay_with(self, log: ScanLog, trajectory: str, index: int | None = None) -> None:
-        """Make the map of ``log`` with one of its trajectories, of the present scans or the first ``index``."""
+    def _replay_with(self, log: ScanLog, trajectory: str) -> None:
+        """Begin the map of ``log`` anew with one of its trajectories."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        replay.advance_to(old.index if index is None else index)
         self._sensor_poses = log.sensor_poses(trajectory)
         self.replay = replay
 
@@ -149,7 +147,7 @@ class LogRecording:
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
-        async with self._host.locked():
+        async with self._host.settled():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
@@ -171,4 +169,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.party, host.is_open)
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())

@@ -49,11 +49,6 @@ class NewSimulation(SessionRequest):
     world: str | None = Field(None, max_length=100, description="Name of the world; by default the first one.")
     seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
     story: Story | None = Field(None, description="Recorded history of a simulation, from /api/sessions/{id}/story.")
-    name: str | None = Field(
-        None,
-        max_length=100,
-        description="A name under which /api/sessions/making/{name} returns the progress of the replay.",
-    )
 
 
 def simulation_plan(
@@ -87,7 +82,7 @@ def simulation_plan(
         model.resume(story)
         return model
 
-    return Plan(make, name=name, waited_for=cost_s <= URGENT_S, playing=playing)
+    return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)
 
 
 async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:

@@ -552,6 +552,11 @@ export interface SeekCommand {
   readonly index: number;
 }
 
+/** Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before. */
+export interface CancelCommand {
+  readonly type: "cancel";
+}
+
 /** Change mapping parameters and recompute the map. */
 export interface ParametersCommand {
   readonly type: "parameters";
@@ -699,6 +704,7 @@ export type Command =
   | StepCommand
   | SpeedCommand
   | SeekCommand
+  | CancelCommand
   | ParametersCommand
   | SensorCommand
   | FaultsCommand

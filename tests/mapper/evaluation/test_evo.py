@@ -1,4 +1,4 @@
-"""Against evo, which shares no line with this: what evo 1.38.1 (PyPI) gave for the same two trajectories."""
+"""Trajectory errors against evo 1.38.1 (PyPI), an independent program, on the same two trajectories."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``gridbloom map`` on real logs, against a program that shares no line with it.
+"""``gridbloom map`` on real logs, against an independent program.
 
 The other program reads the columns of the FLASER lines, walks each beam with Bresenham's error term (IBM Systems
 Journal 4, 1965), and adds −0.4 to each cell passed and +0.85 to the last, clamped to −2 … 3.5.

@@ -1,4 +1,4 @@
-"""Pixels that are kept: they come back as they were, much of them from a file; and work that nobody waits for ends."""
+"""Compressed images: read back unchanged, partly from a file; cancelled work ends."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ async def downloads(tmp_path: Path) -> AsyncIterator[Downloads]:
     await made.close()
 
 
-def test_bands_come_back_as_they_were_and_twice(tmp_path: Path) -> None:
+def test_bands_are_read_back_unchanged_and_repeatedly(tmp_path: Path) -> None:
     pixels = np.random.default_rng(0).integers(0, 3, (100, 70), dtype=np.uint8)
     kept = Snapshot(pixels.shape, np.split(pixels, [30, 31]), tmp_path, anyway)
     for _ in range(2):
@@ -74,7 +74,7 @@ async def test_work_that_is_cancelled_has_ended_when_the_call_returns(downloads:
     assert ended.is_set()
 
 
-async def test_work_that_had_not_begun_never_begins(downloads: Downloads) -> None:
+async def test_work_that_was_cancelled_before_its_start_does_not_start(downloads: Downloads) -> None:
     release, ran = threading.Event(), threading.Event()
     running = [asyncio.create_task(downloads.run(lambda _: release.wait())) for _ in range(2)]
     await asyncio.sleep(0)

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/contents`` and what is below it, on a small recording."""
+"""``/api/sessions/{id}/contents`` and its subresources, on a small recording."""
 
 from __future__ import annotations
 

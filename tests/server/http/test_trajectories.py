@@ -1,4 +1,4 @@
-"""Trajectories that are added to logs over HTTP: open sessions have them, links share them."""
+"""Trajectories added to logs over HTTP: open sessions get them, links show them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jobs for the reading process in which the reader does what a reader must not: each is run by its name there."""
+"""Jobs for the reading process whose readers misbehave; each is run by its name there."""
 
 from __future__ import annotations
 

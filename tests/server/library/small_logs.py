@@ -1,4 +1,4 @@
-"""Small logs as bytes, and as the pieces in which they come over the network."""
+"""Small logs as bytes, and in pieces as they arrive over the network."""
 
 from __future__ import annotations
 

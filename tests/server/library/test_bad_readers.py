@@ -1,4 +1,4 @@
-"""A reader that crashes, loops or eats memory ends its own job and nothing else; a job can be stopped and run again."""
+"""A reader that crashes, loops or uses too much memory ends only its own job, which can be run again."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ async def test_only_ones_own_uploads_are_stopped_or_read_again(library: Library)
         await library.cancel("ann", "sample-office")
 
 
-async def test_owners_take_turns() -> None:
+async def test_owners_are_served_in_rotation() -> None:
     turns = FairLock()
     order: list[str] = []
 
@@ -111,7 +111,7 @@ async def test_owners_take_turns() -> None:
     assert order == ["a1", "a2", "b1", "c1", "a3", "b2"]
 
 
-async def test_who_leaves_the_queue_keeps_nobody_waiting() -> None:
+async def test_a_cancelled_request_does_not_block_the_queue() -> None:
     turns = FairLock()
     gate = asyncio.Event()
     done: list[str] = []

@@ -1,4 +1,4 @@
-"""A pack gives back the log that went in, whatever is in it, and refuses everything else."""
+"""A pack is read back unchanged, and every other file is refused."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
 
 @pytest.mark.parametrize("n_scans", [0, 1, 7])
 @pytest.mark.parametrize("range_max", [20.0, float("inf")])
-def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) -> None:
+def test_a_pack_is_read_back_unchanged(tmp_path: Path, n_scans: int, range_max: float) -> None:
     log = log_of(n_scans, range_max=range_max)
     if n_scans:
         log.ranges[0] = [np.nan, np.inf, -np.inf, 1.0]
@@ -75,7 +75,7 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
     assert again.bearings is None
 
 
-def test_the_bearings_of_sonars_come_out(tmp_path: Path) -> None:
+def test_the_bearings_of_sonars_are_packed(tmp_path: Path) -> None:
     log = log_of(3, bearings=np.array([-1.5, -0.1, 0.1, 1.5]), beam_width=0.35)
     write_pack(RobotLog.of_one(log), tmp_path / "log.npz")
     again = read_pack(tmp_path / "log.npz")
@@ -85,7 +85,7 @@ def test_the_bearings_of_sonars_come_out(tmp_path: Path) -> None:
     assert again.beam_width == 0.35
 
 
-def test_sensors_come_out_one_by_one_with_their_own_poses(tmp_path: Path) -> None:
+def test_each_packed_sensor_is_read_with_its_own_poses(tmp_path: Path) -> None:
     path = tmp_path / "log.npz"
     timed = TimedPoses(np.arange(50) * 10, np.random.default_rng(0).uniform(-1, 1, (50, 3)), ("a note",))
     topics = [Topic("/front", "sensor_msgs/LaserScan", 3, chosen=True), Topic("/rear", "sensor_msgs/LaserScan", 5)]

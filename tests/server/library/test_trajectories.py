@@ -1,4 +1,4 @@
-"""Trajectories that visitors add to logs: kept beside the log, seen by their owner, gone with the log."""
+"""Trajectories that visitors add to logs: stored with the log, shown to their owner, deleted with the log."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ async def uploaded(library: Library, owner: str, scans: int = 6) -> str:
     return record.id
 
 
-async def test_it_is_one_more_trajectory_of_its_owners_log(library: Library) -> None:
+async def test_an_added_trajectory_is_shown_to_its_owner(library: Library) -> None:
     log_id = await uploaded(library, "ann")
     plain = await library.load("ann", log_id)
     await added(library, "ann", log_id, "from LaMa", tum(6, y=2.0))
@@ -64,7 +64,7 @@ async def test_of_a_log_that_all_see_only_its_owner_sees_it(library: Library, se
         await library.add_trajectory("ben", "nothing", "mine", in_pieces(tum(6)))
 
 
-async def test_it_goes_with_its_log(library: Library, settings: Settings) -> None:
+async def test_an_added_trajectory_is_deleted_with_its_log(library: Library, settings: Settings) -> None:
     before = files(settings)
     log_id = await uploaded(library, "ann")
     await added(library, "ann", log_id, "one", tum(6))
@@ -106,7 +106,7 @@ async def test_it_is_there_after_a_restart(make_library: Callable[..., Library],
         ("a\nb", tum(6), "trajectory.name"),
     ],
 )
-async def test_what_is_no_trajectory_is_refused(
+async def test_an_invalid_trajectory_is_refused(
     library: Library, settings: Settings, name: str, text: bytes, code: str
 ) -> None:
     log_id = await uploaded(library, "ann")

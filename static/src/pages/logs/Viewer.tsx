@@ -20,6 +20,8 @@ import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
 import { useHealing } from "./heal/healing";
+import { NotePins } from "./notes/NotePins";
+import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
 
 interface ViewerProps {
@@ -47,7 +49,11 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
+  const notes = useNotes(session);
   const openGroup = useOpenGroup(store);
+  const openNotes = (): void => {
+    openGroup.value = "notes";
+  };
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
     toast("The session had ended on the server. The log was opened again with default parameters.");
@@ -113,6 +119,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
             }}
           />
           <BothMaps store={store} comparison={comparison} />
+          <NotePins store={store} state={notes} onOpen={openNotes} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
               Opening the log …
@@ -123,9 +130,14 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
               <Icon name="warning" /> {trouble.value}
             </p>
           )}
+          <Working
+            what="Computing the map"
+            work={store.working.value}
+            onCancel={() => store.send({ type: "cancel" })}
+            isInside
+          />
         </div>
-        <Working what="Computing the map" work={store.working.value} />
-        <Transport store={store} />
+        <Transport store={store} notes={notes} onNote={openNotes} />
         <div class="viewer-readout">
           {comparison.isOn.value ? (
             <CompareReadout store={store} summedOver={comparison.summedOver.value} />
@@ -136,7 +148,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, healing, openGroup, sharedView })}
+        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, healing, notes, openGroup, sharedView })}
         open={openGroup}
       />
     </div>

@@ -9,10 +9,15 @@ import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/Dock";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
+import { FrameTree } from "./contents/FrameTree";
+import { Plots } from "./contents/Plots";
+import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Notes } from "./notes/Notes";
+import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
 import { TrajectoryChoice } from "./TrajectoryChoice";
@@ -30,6 +35,7 @@ export interface LogView {
   readonly healing: Healing;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  readonly notes: NotesState;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -82,7 +88,20 @@ const GROUPS: readonly Group[] = [
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
+  { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
+  {
+    id: "frames",
+    title: "Frames",
+    content: ({ store, session }) => <FrameTree store={store} session={session} />,
+  },
   { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "notes",
+    title: "Notes",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
+  },
   {
     id: "share",
     title: "Share",

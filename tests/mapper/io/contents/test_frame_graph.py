@@ -1,4 +1,4 @@
-"""What is wrong with a graph of transforms."""
+"""Faults of a graph of transforms."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_whole_tree_has_no_faults() -> None:
         ),
     ],
 )
-def test_what_is_missing_or_wrong(pairs: list[tuple[str, str]], sensors: list[str], said: str) -> None:
+def test_missing_and_invalid_frames_are_reported(pairs: list[tuple[str, str]], sensors: list[str], said: str) -> None:
     assert faults(edges(*pairs), sensors, "map") == [said]
 
 

@@ -1,4 +1,4 @@
-"""What a recording holds, against what rosbags wrote into it."""
+"""The contents of a recording against what rosbags wrote into it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings with a camera in them: the map's topics are read, and the images are passed over."""
+"""Recordings with camera images: the topics of the map are read, and the images are skipped."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_an_mcap_without_its_end_is_read_the_same(tmp_path):
     assert the_same(whole, open_log(path))
 
 
-def test_a_plain_chunk_that_is_larger_than_what_one_record_may_have(tmp_path):
+def test_an_uncompressed_chunk_larger_than_the_record_limit_is_read(tmp_path):
     """Of a chunk of any size only the scans are held."""
     path = tmp_path / "run.mcap"
     path.write_bytes(recorded.mcap_bytes(beside(), "none", chunk_size=1 << 30))

@@ -29,7 +29,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def test_what_is_written_is_read_back(tmp_path: Path, office_log: ScanLog) -> None:
+def test_written_files_are_read_back(tmp_path: Path, office_log: ScanLog) -> None:
     log = replace(office_log, stamps_ns=office_log.stamps_ns + 1_700_000_000_123_456_789)
     text = tum_text(log)
     found = read_tum(written(tmp_path, text))
@@ -164,7 +164,7 @@ def test_poses_at_the_scans_stamps_are_taken_as_they_are(office_log: ScanLog) ->
     assert found.notes == log.notes
 
 
-def test_other_poses_are_interpolated_and_scans_outside_left_out(office_log: ScanLog) -> None:
+def test_poses_are_interpolated_and_scans_outside_left_out(office_log: ScanLog) -> None:
     """Poses every 10 s of a robot that drives at 0.2 m/s and turns across ±π."""
     log = replace(office_log, stamps_ns=np.arange(office_log.n_scans) * S)
     times = np.array([20.0, 40.0, 30.0, 50.0])  # not in order
