@@ -103,7 +103,7 @@ export function Matching() {
     <figure class="matching" aria-label="Two scans, one to be moved over the other" ref={figure}>
       <div class="side-by-side">
         <div>
-          <h3>Score of every position at this heading</h3>
+          <h3>Score at this heading</h3>
           <Stage geometry={GEOMETRY} label="The two scans over the score of every position" colours={hillImage}>
             {(transform) => (
               <>
@@ -128,7 +128,7 @@ export function Matching() {
           </Stage>
         </div>
         <div>
-          <h3>Where the method ends, by its start</h3>
+          <h3>Where each start ends</h3>
           <Stage geometry={STARTS} label="Starting points by where the method ends from there" colours={basinImage}>
             {(transform) => (
               <>
@@ -156,9 +156,9 @@ export function Matching() {
             )}
           </Stage>
           <p class="match-key quiet number">
-            <span class="match-swatch found" /> the true pose: {percent(done > 0 ? found / done : 0)}{" "}
+            <span class="match-swatch found" /> true pose {percent(done > 0 ? found / done : 0)}{" "}
             <span class="match-swatch elsewhere" /> another
-            {done < ends.length && ` · ${percent(done / ends.length)} computed`}
+            {done < ends.length && ` (${percent(done / ends.length)} done)`}
           </p>
         </div>
       </div>
