@@ -71,7 +71,7 @@ class ScanStore:
         one = self._slice(self._n, self._n + 1)
         taken = np.ascontiguousarray(ranges[self._beams], dtype=np.float32)[np.newaxis]
         write_points(taken, self._directions, self._x, self._y, self._range_min, self._range_max, one.points, one.kind)
-        write_normals(one, HALF_WIDTH, LEAST_GAP, MAX_THICKNESS)
+        write_normals(one, HALF_WIDTH, 0.0, HALF_WIDTH, LEAST_GAP, MAX_THICKNESS)
         self._n += 1
         return self._n - 1
 

@@ -22,6 +22,7 @@ from server.library import (
     StorageError,
     TrajectoryNotFoundError,
 )
+from server.library.notes import NoteNotFoundError, NoteReadOnlyError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
 
@@ -35,6 +36,8 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (LogNotFoundError, 404),
     (TrajectoryNotFoundError, 404),
     (LogReadOnlyError, 403),
+    (NoteNotFoundError, 404),
+    (NoteReadOnlyError, 403),
     (SessionBudgetError, 429),
     (StorageError, 503),
     (LimitError, 413),
@@ -53,9 +56,14 @@ _STATUS_OF_CODE = {
     "library.too_many": 409,
     "link.read_only": 403,
     "link.too_many": 409,
+    "note.pin": 422,
+    "note.too_many": 409,
     "log.gone": 410,
+    "graph.none": 404,
     "log.stalled": 408,
     "log.storage": 507,
+    "slam.busy": 503,
+    "slam.too_many": 429,
     "trajectory.too_many": 409,
 }
 

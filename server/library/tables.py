@@ -70,6 +70,39 @@ trajectories = Table(
     Index("trajectories_by_log_id", "log_id"),
 )
 
+#: One row for each note on a log. It goes with its log.
+notes = Table(
+    "notes",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("author", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("changed_s", Double, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("at_s", Double),
+    Column("scan", Integer),
+    Column("x", Double),
+    Column("y", Double),
+    Index("notes_by_log_id", "log_id"),
+)
+
+#: One row for the newest SLAM job of each visitor on a log, and what came of it. It goes with its log.
+slam_jobs = Table(
+    "slam_jobs",
+    metadata,
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
+    Column("owner", String(64), primary_key=True),
+    Column("topic", Text),
+    Column("trajectory", Text),
+    Column("state", String(16), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("attempts", Integer, nullable=False),
+    Column("error_code", String(64)),
+    Column("error_message", Text),
+    Column("result", Text),  # JSON
+)
+
 #: One row: what tells the store of logs that the records belong to from every other.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
 

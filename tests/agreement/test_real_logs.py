@@ -26,8 +26,8 @@ def log(request: pytest.FixtureRequest, data_dir: Path) -> ScanLog:
 
 def thinned(log: ScanLog, n_scans: int) -> ScanLog:
     chosen = np.linspace(0, log.n_scans - 1, n_scans).astype(int)
-    poses = Trajectory(log.trajectory().poses[chosen])
-    return replace(log, ranges=log.ranges[chosen], stamps_ns=log.stamps_ns[chosen], trajectories={"thinned": poses})
+    some = log.take(chosen)
+    return replace(some, trajectories={"thinned": Trajectory(some.trajectory().poses)})
 
 
 @pytest.mark.parametrize("config", [MappingConfig(), MappingConfig(window=0.3, model="step_window", no_return="free")])

@@ -72,7 +72,7 @@ class PlanarCut:
     def __post_init__(self) -> None:
         for field in fields(self):
             if field.name in BY_NAME:
-                BY_NAME[field.name].check(getattr(self, field.name))
+                object.__setattr__(self, field.name, BY_NAME[field.name].check(getattr(self, field.name)))
         if not self.min_height < self.max_height:
             raise ConfigError(
                 "cut.heights",

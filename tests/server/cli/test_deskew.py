@@ -50,6 +50,8 @@ def test_the_doctor_names_the_time_offset_that_puts_a_delay_right(run, tmp_path)
     assert offset == pytest.approx(0.2, abs=0.06)
     assert f"--time-offset {offset:g}" in out
     assert "timing.delay" not in run("doctor", path, "--time-offset", offset).out
+    assert run("check", path, "--no-findings", "timing").status == 1
+    assert run("check", path, "--no-findings", "timing", "--time-offset", offset).status == 0
     wrong, right = occupied(run, path), occupied(run, path, "--time-offset", str(offset))
     assert np.mean(right) < 0.5 * np.mean(wrong), (np.mean(right), np.mean(wrong))
 

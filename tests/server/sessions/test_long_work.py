@@ -235,16 +235,16 @@ def test_a_long_map_is_computed_in_short_parts(office_log: ScanLog, monkeypatch:
     """With a clock that counts 5 ms for each scan no part is larger than the four scans that fill the time."""
     now, sizes = 0.0, []
 
-    of_part = integrate._integrate
+    of_part = integrate.integrate_scans
 
-    def counted(grid: Any, log: Any, plan: Any, trajectory: Any, start: int, stop: int) -> Any:
+    def counted(grid: Any, log: Any, config: Any, trajectory: Any, start: int, stop: int) -> Any:
         nonlocal now
         now += 0.005 * (stop - start)
         sizes.append(stop - start)
-        return of_part(grid, log, plan, trajectory, start, stop)
+        return of_part(grid, log, config, trajectory, start, stop)
 
     monkeypatch.setattr("time.thread_time", lambda: now)
-    monkeypatch.setattr(integrate, "_integrate", counted)
+    monkeypatch.setattr(integrate, "integrate_scans", counted)
     config = MappingConfig(resolution=0.1)
     parts, whole = (OccupancyGrid(geometry_for(office_log, config)) for _ in range(2))
     reached = [at for at, _ in integrate.integrate_parts(parts, office_log, config, None, 0, 100)]

@@ -19,7 +19,12 @@ import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
+import { useHealing } from "./heal/healing";
+import { NotePins } from "./notes/NotePins";
+import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
+import { ErrorPaths } from "./trajectories/ErrorPaths";
+import type { TrajectoryErrors } from "./trajectories/errors";
 
 interface ViewerProps {
   readonly session: string;
@@ -45,7 +50,13 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
+  const healing = useHealing(store, session, guest !== undefined);
+  const notes = useNotes(session);
+  const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
+  const openNotes = (): void => {
+    openGroup.value = "notes";
+  };
   useSignalEffect(() => {
     if (status.value !== "gone" || !reopens) return;
     toast("The session had ended on the server. The log was opened again with default parameters.");
@@ -105,11 +116,14 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           <BeliefView
             store={store}
             comparison={comparison}
+            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
             onPicture={(made) => {
               picture.current = made;
             }}
           />
           <BothMaps store={store} comparison={comparison} />
+          <ErrorPaths store={store} errors={trajectoryErrors} />
+          <NotePins store={store} state={notes} onOpen={openNotes} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
               Opening the log …
@@ -127,7 +141,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
             isInside
           />
         </div>
-        <Transport store={store} />
+        <Transport store={store} notes={notes} onNote={openNotes} />
         <div class="viewer-readout">
           {comparison.isOn.value ? (
             <CompareReadout store={store} summedOver={comparison.summedOver.value} />
@@ -138,7 +152,19 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, sharedView })}
+        groups={groupsOf({
+          store,
+          session,
+          isGuest,
+          log,
+          comparison,
+          doctor,
+          healing,
+          notes,
+          trajectoryErrors,
+          openGroup,
+          sharedView,
+        })}
         open={openGroup}
       />
     </div>
