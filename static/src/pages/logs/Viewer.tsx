@@ -22,6 +22,8 @@ import { Head } from "./Head";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
+import { ErrorPaths } from "./trajectories/ErrorPaths";
+import type { TrajectoryErrors } from "./trajectories/errors";
 
 interface ViewerProps {
   readonly session: string;
@@ -48,6 +50,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const notes = useNotes(session);
+  const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
   const openNotes = (): void => {
     openGroup.value = "notes";
@@ -116,6 +119,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
             }}
           />
           <BothMaps store={store} comparison={comparison} />
+          <ErrorPaths store={store} errors={trajectoryErrors} />
           <NotePins store={store} state={notes} onOpen={openNotes} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
@@ -145,7 +149,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, notes, sharedView })}
+        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, notes, trajectoryErrors, sharedView })}
         open={openGroup}
       />
     </div>

@@ -1,5 +1,6 @@
 /** The groups of the log page's dock. A new group is one entry of `GROUPS`. */
 
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
@@ -17,7 +18,8 @@ import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
-import { TrajectoryChoice } from "./TrajectoryChoice";
+import type { TrajectoryErrors } from "./trajectories/errors";
+import { Trajectories } from "./trajectories/Trajectories";
 
 /** What the groups show. */
 export interface LogView {
@@ -30,6 +32,8 @@ export interface LogView {
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
   readonly notes: NotesState;
+  /** The errors whose paths are on the map. */
+  readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -67,7 +71,13 @@ const GROUPS: readonly Group[] = [
     title: "Frames",
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
-  { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "trajectories",
+    title: "Trajectories",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
   {
     id: "notes",
     title: "Notes",
