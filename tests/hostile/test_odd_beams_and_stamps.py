@@ -23,7 +23,7 @@ ROBOT_LASER = "ROBOTLASER1 0 -1 2 {step} 30 0.01 0 3 1 2 3 0 0 0 0 0 0 0 0 0 0 0
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_stamps_that_lie_30_years_apart_are_noted_with_their_place(tmp_path: Path, kind: str) -> None:
+def test_stamps_30_years_apart_are_noted_with_their_scan(tmp_path: Path, kind: str) -> None:
     far = EVEN + np.where(np.arange(N) > 6, 10**9 * SECOND, 0)
     for name in ("far", "even"):
         (tmp_path / name).mkdir()
@@ -32,7 +32,7 @@ def test_stamps_that_lie_30_years_apart_are_noted_with_their_place(tmp_path: Pat
     assert not any("jumps" in note for note in open_log(written(tmp_path / "even", kind, EVEN)).notes)
 
 
-def test_stamps_of_sonars_that_lie_30_years_apart_are_noted(tmp_path: Path) -> None:
+def test_stamps_of_sonars_30_years_apart_are_noted(tmp_path: Path) -> None:
     times = [1000 + 100 * i + (10**12 if i > 3 else 0) for i in range(8)]
     (tmp_path / "measurement.txt").write_text("".join(f"{t}{' 900' * 8}\n" for t in times))
     (tmp_path / "poses.txt").write_text("".join(f"{t} {i} 0 0\n" for i, t in enumerate(times)))
