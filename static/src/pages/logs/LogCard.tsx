@@ -2,7 +2,17 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import { file, inside, lidars, readingText, remedy, run, SENSOR_SEPARATOR, topic, trajectoryLabel } from "./describeLog";
+import {
+  file,
+  inside,
+  lidars,
+  readingText,
+  remedy,
+  run,
+  SENSOR_SEPARATOR,
+  topic,
+  trajectoryLabel,
+} from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
 /** Failures that are not, or may not be, caused by the log: reading can be tried again. */
@@ -112,12 +122,15 @@ function Inside({ log, onOpen }: LogCardProps) {
             )}
           </li>
         ))}
+        {together.length > 1 && (
+          <li class="log-topic">
+            Lidars of one robot make one map:
+            <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
+              Map {together.length} lidars together
+            </button>
+          </li>
+        )}
       </ul>
-      {together.length > 1 && (
-        <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
-          Map {together.length} lidars together
-        </button>
-      )}
     </details>
   );
 }
