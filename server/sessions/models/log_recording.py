@@ -110,6 +110,18 @@ class LogRecording:
         self._replay_with(log, name)
         return True
 
+    def show(self, log: ScanLog, trajectory: str) -> bool:
+        """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
+
+        Otherwise it stays as it is. Raises as :meth:`choose`, without changes.
+        """
+        self._examinations.pop(trajectory, None)
+        if trajectory == self.trajectory and self.replay.adopt(log):
+            self._sensor_poses = log.sensor_poses(trajectory)
+            return False
+        self._replay_with(log, trajectory)
+        return True
+
     def _replay_with(self, log: ScanLog, trajectory: str) -> None:
         """Begin the map of ``log`` anew with one of its trajectories."""
         old = self.replay
