@@ -19,6 +19,7 @@ import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
+import { useHealing } from "./heal/healing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
@@ -49,6 +50,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
+  const healing = useHealing(store, session, guest !== undefined);
   const notes = useNotes(session);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
@@ -114,6 +116,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           <BeliefView
             store={store}
             comparison={comparison}
+            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
             onPicture={(made) => {
               picture.current = made;
             }}
@@ -149,7 +152,19 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, notes, trajectoryErrors, sharedView })}
+        groups={groupsOf({
+          store,
+          session,
+          isGuest,
+          log,
+          comparison,
+          doctor,
+          healing,
+          notes,
+          trajectoryErrors,
+          openGroup,
+          sharedView,
+        })}
         open={openGroup}
       />
     </div>

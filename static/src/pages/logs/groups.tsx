@@ -15,6 +15,8 @@ import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import { Heal } from "./heal/Heal";
+import type { Healing } from "./heal/healing";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
@@ -32,6 +34,9 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
+  readonly healing: Healing;
+  /** The id of the open group. */
+  readonly openGroup: Signal<string>;
   readonly notes: NotesState;
   /** The errors whose paths are on the map. */
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
@@ -55,7 +60,29 @@ const GROUPS: readonly Group[] = [
     id: "doctor",
     title: "Doctor",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor }) => <Doctor store={store} doctor={doctor} />,
+    content: ({ store, doctor, healing, openGroup, isGuest }) => (
+      <Doctor
+        store={store}
+        doctor={doctor}
+        {...(isGuest
+          ? {}
+          : {
+              onHeal: () => {
+                openGroup.value = "heal";
+                void healing.begin();
+              },
+            })}
+      />
+    ),
+  },
+  {
+    id: "heal",
+    title: "Heal",
+    isThere: ({ log }) => log !== null,
+    badge: ({ healing }) => healing.badge.value,
+    content: ({ store, session, healing, comparison, isGuest }) => (
+      <Heal store={store} session={session} healing={healing} comparison={comparison} isGuest={isGuest} />
+    ),
   },
   {
     id: "compare",
