@@ -30,6 +30,7 @@ from server.http.routes import (
     slam,
     stream,
     trajectories,
+    trajectory_errors,
 )
 from server.http.routes import downloads as download_files
 from server.http.security import Security
@@ -103,6 +104,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         doctor.router,
         contents.router,
         notes.router,
+        trajectory_errors.router,
         comparing.router,
         maps.router,
         download_files.router,

@@ -13,8 +13,9 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.io.contents.model import Contents
+from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
@@ -24,6 +25,7 @@ from server.library.jobs import Jobs, full, unstored
 from server.library.limits import DAY_S, LibraryLimits
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
+from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.names import display_name
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
@@ -37,6 +39,9 @@ from server.settings import Settings
 
 if TYPE_CHECKING:
     from server.library.added import Added
+
+MAX_TOGETHER = 32  #: sensors of one log that are mapped together
+SONAR = "sensor_msgs/Range"
 
 
 class LogNotFoundError(MapperError):
@@ -115,6 +120,7 @@ class Library:
             cpu_s=self._limits.read_cpu_s,
             memory_bytes=memory,
         )
+        self._pictures = MomentPictures(self._catalogue)
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -144,6 +150,7 @@ class Library:
         await self._intake.close()
         await self._sample.close()
         await self._inspections.close()
+        await self._pictures.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -333,10 +340,37 @@ class Library:
     async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
         """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
-        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several.
-        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
+        or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
+        scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
+        :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        return await self.trajectories.joined(owner, log_id, await self._load(owner, log_id, topic))
+        log = await self._load_joint(owner, log_id, topic)
+        return await self.trajectories.joined(owner, log_id, log)
+
+    async def _load_joint(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+        """Return one sensor of a log, or several as one log."""
+        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
+        names = [] if topic is None else topic.split(SEPARATOR)
+        if log is not None and topic is None and log.beam_width > 0.0:
+            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
+        if len(names) < 2 and log is not None:
+            return log
+        if len(names) > MAX_TOGETHER:
+            raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
+        key = f"{log_id}#{SEPARATOR.join(names)}"
+        kept = self._cache.get(key)
+        if kept is not None:
+            return kept
+        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
+        try:
+            joint = await asyncio.to_thread(JointLog.of, parts)
+        except ConfigError:
+            if log is None:
+                raise
+            return log  # the sonars' poses are in different frames: one of them by itself
+        self._cache.put(key, joint)
+        return joint
 
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
@@ -390,6 +424,10 @@ class Library:
         async with self._slots.take(owner, address) as slot:
             text = await text_of(slot.read(chunks))
         return await self.trajectories.put(owner, self.get(owner, log_id), log, NewTrajectory(name, text))
+
+    async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
+        """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
+        return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns)
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""

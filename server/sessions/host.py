@@ -28,7 +28,7 @@ from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
 from server.stream.traffic import Traffic
-from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint, stand_aside
+from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint, wait_without_turn
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -43,7 +43,9 @@ SHOWN_EVERY_S = 0.25  #: at this interval
 MAX_CANCELLING_S = (
     1.5  #: after this time without a finished map, commands no longer cancel the computation: a map must be shown
 )
-MAX_ASIDE_S = 60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
+MAX_BACKGROUND_WAIT_S = (
+    60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
+)
 
 T = TypeVar("T")
 
@@ -388,17 +390,17 @@ class SessionHost:
     def in_background(self) -> Callable[[], bool]:
         """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
 
-        It yields to other sessions, waits while this session computes something long, up to :data:`MAX_ASIDE_S` in
-        all, and returns whether the session is open.
+        It yields to other sessions, waits while this session computes something long, in all up to
+        :data:`MAX_BACKGROUND_WAIT_S`, and returns whether the session is open.
         """
-        left = MAX_ASIDE_S
+        left = MAX_BACKGROUND_WAIT_S
 
         def is_open() -> bool:
             nonlocal left
             checkpoint()
             if left > 0.0 and not self._nothing_long.is_set():
                 began = time.monotonic()
-                stand_aside(self._nothing_long, left)
+                wait_without_turn(self._nothing_long, left)
                 left -= time.monotonic() - began
             return not self.closed
 

@@ -127,20 +127,20 @@ class Scheduler:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""
         with self._lock:
             self._end_slice(turn)
-            self._wait_again(turn)
+            self._request_again(turn)
 
-    def give_back(self, turn: Turn) -> None:
+    def suspend(self, turn: Turn) -> None:
         """Yield a held turn without requesting another one."""
         with self._lock:
             self._end_slice(turn)
             self._grant_free()
 
-    def ask_again(self, turn: Turn) -> None:
-        """Request another turn after :meth:`give_back`; it may be granted at once."""
+    def resume(self, turn: Turn) -> None:
+        """Request another turn after :meth:`suspend`; it may be granted at once."""
         with self._lock:
-            self._wait_again(turn)
+            self._request_again(turn)
 
-    def _wait_again(self, turn: Turn) -> None:
+    def _request_again(self, turn: Turn) -> None:
         self._count += 1
         turn.granted, turn.number = _uncancellable(), self._count
         self._waiting.append(turn)
@@ -201,15 +201,15 @@ class Scheduler:
 _current = threading.local()
 
 
-def stand_aside(until: threading.Event, timeout_s: float) -> None:
-    """Give this thread's turn back, wait for ``until``, at most so long, and return when the job has another turn."""
+def wait_without_turn(until: threading.Event, timeout_s: float) -> None:
+    """Yield this thread's turn, wait for ``until``, at most so long, and return when the job has another turn."""
     scheduler: Scheduler | None = getattr(_current, "scheduler", None)
     turn: Turn | None = getattr(_current, "turn", None)
     if scheduler is not None and turn is not None:
-        scheduler.give_back(turn)
+        scheduler.suspend(turn)
     until.wait(timeout_s)
     if scheduler is not None and turn is not None:
-        scheduler.ask_again(turn)
+        scheduler.resume(turn)
         turn.granted.result()
 
 

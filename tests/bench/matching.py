@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -94,7 +93,9 @@ def matchers(log: ScanLog) -> Iterator[tuple[str, Matcher]]:
 
     def of(method: str) -> Matcher:
         def match(i: int, j: int, guess: Float64Array, metres: float, radians: float) -> Float64Array:
-            config = MatchConfig(method=method, window_m=metres, window_rad=radians, first_gate=max(0.3, 2.0 * metres))
+            config = MatchConfig(
+                method=method, window_m=metres, window_rad=radians, first_gate=max(0.3, 2.0 * metres), min_cosine=0.0
+            )
             if METHODS[method].search != "guess":
                 config = MatchConfig(method=method, window_m=metres, window_rad=radians)
             try:
@@ -104,7 +105,7 @@ def matchers(log: ScanLog) -> Iterator[tuple[str, Matcher]]:
 
         return match
 
-    yield from ((name, of(name)) for name in METHODS if name != "exhaustive")
+    yield from ((name, of(name)) for name in METHODS if name != "exhaustive")  # which finds what correlative does
     try:
         import small_gicp  # type: ignore[import-not-found]
     except ImportError:
@@ -171,12 +172,12 @@ def table(pairs: Pairs) -> None:
             print(f"  {name:<18}" + "".join(f"{cell:>34}" for cell in cells), flush=True)
 
 
-def matching() -> None:
-    """Print the tables, of the logs named on the command line or of all."""
+def matching(names: Sequence[str] = ()) -> None:
+    """Print the tables, of the logs that are named or of all."""
     data = Path(os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data"))
     if not (data / "relations/intel.relations").is_file():
         print("The data that GRIDBLOOM_TEST_DATA names is absent: nothing to match.")
         return
-    wanted = sys.argv[2:] or ["intel.relations", *CORRECTED]
+    wanted = names or ["intel.relations", *CORRECTED]
     for name in wanted:
         table(related(data) if name == "intel.relations" else corrected(data, name))

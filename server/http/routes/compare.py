@@ -13,7 +13,7 @@ from mapper.io.maps.images import png_pieces
 from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
 from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.maps import requester_of, snapshot, stem_of
+from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.sessions import SessionRegistry
 from server.sessions.view import Wanted
@@ -93,7 +93,7 @@ async def picture(request: Request, sessions: Sessions, downloads: FileDownloads
 
     async def make() -> Content:
         async with session.settled():
-            image = await snapshot(downloads, lambda: difference_pixels(*comparison.grids()))
+            image = await compressed_image(downloads, lambda: difference_pixels(*comparison.grids()))
         name = file_name(stem_of(session), "png", "difference")
         return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))
 

@@ -15,12 +15,12 @@ from mapper.io.maps.images import Bands, pgm_header, pgm_pieces, png_pieces
 from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, trinary_pixels
 from server.downloads import (
     SNAPSHOT_NAME,
+    CompressedImage,
     Content,
     Download,
     Downloads,
     MapSnapshot,
     MapSnapshotGoneError,
-    Snapshot,
     file_name,
     file_stem,
 )
@@ -60,12 +60,14 @@ def requester_of(request: Request, session: SessionHost) -> Requester:
     return requester(request.state.visitor, request.client and request.client.host, session.link)
 
 
-async def snapshot(downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]) -> Snapshot:
+async def compressed_image(
+    downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]
+) -> CompressedImage:
     """Return the image that ``pixels`` gives: its shape (rows, cols) and its bands. The session must be locked."""
 
-    def work(check: Callable[[], None]) -> Snapshot:
+    def work(check: Callable[[], None]) -> CompressedImage:
         shape, bands = pixels()
-        return Snapshot(shape, bands, downloads.folder, check)
+        return CompressedImage(shape, bands, downloads.folder, check)
 
     return await downloads.run(work)
 
@@ -76,7 +78,7 @@ async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | No
     async def make() -> MapSnapshot:
         async with session.settled():
             grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
-            image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
+            image = await compressed_image(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
         return MapSnapshot(stem, grid.geometry, image, frame)
 
     return await make() if at is None else await downloads.map_snapshots.get(session, at, make)
@@ -133,7 +135,7 @@ async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads
     async def make() -> Content:
         async with session.settled():
             grid = grid_of(session)
-            image = await snapshot(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
+            image = await compressed_image(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
         return Content(file_name(stem_of(session), "png"), png_pieces(image.shape, image.bands(), PROBABILITY_PALETTE))
 
     return Download(downloads, requester_of(request, session), make, "image/png")

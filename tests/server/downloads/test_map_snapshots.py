@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from mapper.grid import GridGeometry
-from server.downloads import MapSnapshot, MapSnapshots, Snapshot
+from server.downloads import CompressedImage, MapSnapshot, MapSnapshots
 from server.downloads.map_snapshots import MAX_KEPT, MAX_KEPT_BYTES, MAX_NAMES
 
 
@@ -23,7 +23,7 @@ class Session:
 
 def make(folder: Path, nbytes: int = 10) -> Callable[[], asyncio.Future[MapSnapshot]]:
     """A maker of snapshots whose images say that they have so many bytes."""
-    image = Snapshot((1, 1), [np.zeros((1, 1), np.uint8)], folder, lambda: None)
+    image = CompressedImage((1, 1), [np.zeros((1, 1), np.uint8)], folder, lambda: None)
     image.nbytes = nbytes
 
     async def made() -> MapSnapshot:

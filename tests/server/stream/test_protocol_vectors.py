@@ -44,6 +44,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
     {"type": "restart"},
+    {"type": "cancel"},
     {"type": "speed", "value": 2.5},
     {"type": "seek", "index": 0},
     {"type": "sensor", "values": {"n_beams": 360}},

@@ -23,6 +23,8 @@ import { useHealing } from "./heal/healing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
+import { ErrorPaths } from "./trajectories/ErrorPaths";
+import type { TrajectoryErrors } from "./trajectories/errors";
 
 interface ViewerProps {
   readonly session: string;
@@ -50,6 +52,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
   const notes = useNotes(session);
+  const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
   const openNotes = (): void => {
     openGroup.value = "notes";
@@ -119,6 +122,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
             }}
           />
           <BothMaps store={store} comparison={comparison} />
+          <ErrorPaths store={store} errors={trajectoryErrors} />
           <NotePins store={store} state={notes} onOpen={openNotes} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
@@ -148,7 +152,19 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, healing, notes, openGroup, sharedView })}
+        groups={groupsOf({
+          store,
+          session,
+          isGuest,
+          log,
+          comparison,
+          doctor,
+          healing,
+          notes,
+          trajectoryErrors,
+          openGroup,
+          sharedView,
+        })}
         open={openGroup}
       />
     </div>

@@ -20,7 +20,8 @@ import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
-import { TrajectoryChoice } from "./TrajectoryChoice";
+import type { TrajectoryErrors } from "./trajectories/errors";
+import { Trajectories } from "./trajectories/Trajectories";
 
 /** What the groups show. */
 export interface LogView {
@@ -36,6 +37,8 @@ export interface LogView {
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
   readonly notes: NotesState;
+  /** The errors whose paths are on the map. */
+  readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -95,7 +98,13 @@ const GROUPS: readonly Group[] = [
     title: "Frames",
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
-  { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "trajectories",
+    title: "Trajectories",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
   {
     id: "notes",
     title: "Notes",

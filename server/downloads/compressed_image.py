@@ -19,7 +19,7 @@ MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; beyond it t
 ZSTD_LEVEL = 1
 
 
-class Snapshot:
+class CompressedImage:
     """An image of ``shape`` (rows, cols), in bands of whole rows, the top ones first.
 
     Most of a large map is unobserved, so megabytes of pixels usually compress to some hundred kilobytes.
