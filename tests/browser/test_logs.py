@@ -206,3 +206,45 @@ def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: 
         one.get_by_role("button", name="Delete").click()
         page.get_by_role("dialog").get_by_role("button", name="Delete").click()
         expect(one).to_have_count(0)
+
+
+def test_the_opening_of_a_log_shows_its_progress_and_can_be_cancelled(page: Page, server: str) -> None:
+    asked: list[str] = []
+
+    def held(route: Any) -> None:  # the session is never made
+        asked.append(route.request.post_data_json["name"])
+
+    progress = {"what": "Reading the log", "fraction": 0.437, "elapsed_s": 75.2}
+    page.route("**/api/sessions", held)
+    page.route("**/api/sessions/making/*", lambda route: route.fulfill(json=progress))
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    opening = page.locator(".viewer-message")
+    expect(opening).to_contain_text("Reading the log … 43 %, 1:15")
+    assert len(asked) == 1
+    opening.get_by_role("button", name="Cancel").click()
+    expect(page.locator(".library")).to_be_visible()
+    page.unroute("**/api/sessions")
+    page.unroute("**/api/sessions/making/*")
+
+
+def test_progress_is_shown_on_the_map_and_can_be_cancelled(page: Page, server: str) -> None:
+    sent: list[str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda data: sent.append(str(data))))
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    # Again and again: the server ends what it shows itself.
+    page.evaluate(
+        "() => setInterval(() => { gridbloom.connection.store.working.value = { fraction: 0.25, elapsed_s: 3 }; }, 20)"
+    )
+    working = page.locator(".viewer-map .working")
+    expect(working).to_contain_text("Computing the map …")
+    expect(working).to_contain_text("25 %, 3 s")
+    map_box, box = page.locator(".viewer-map").bounding_box(), working.bounding_box()
+    assert map_box is not None
+    assert box is not None
+    assert map_box["x"] < box["x"]
+    assert box["y"] + box["height"] < map_box["y"] + map_box["height"]
+    working.get_by_role("button", name="Cancel").click()
+    until("the command", lambda: any('"cancel"' in data for data in sent))
