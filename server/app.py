@@ -15,7 +15,23 @@ from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import compare as comparing
-from server.http.routes import docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream
+from server.http.routes import (
+    contents,
+    docs,
+    doctor,
+    health,
+    links,
+    logs,
+    maps,
+    notes,
+    pages,
+    scenes,
+    sessions,
+    slam,
+    stream,
+    trajectories,
+    trajectory_errors,
+)
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
@@ -86,11 +102,16 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         sessions.creating(kinds),
         sessions.router,
         doctor.router,
+        contents.router,
+        notes.router,
+        trajectory_errors.router,
         comparing.router,
         maps.router,
         download_files.router,
         stream.router,
         logs.router,
+        trajectories.router,
+        slam.router,
         links.router,
         scenes.router,
         docs.router,

@@ -31,9 +31,12 @@ from mapper.matching.parameters import METHODS, MatchConfig
 from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import Target, scan_target
 from mapper.replay import Replay
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
+from mapper.slam import SlamConfig, slam_log
+from mapper.slam.kernels.agreement import count_agreement, count_common
+from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -75,6 +78,7 @@ def precompile() -> None:
     compare(grid, grid)
     map_metrics(grid)
     _match(replay.log)
+    _close_a_loop(replay.log)
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
@@ -93,6 +97,19 @@ def _match(log: ScanLog) -> None:
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
     rule = PairRule(0.5, 12, CAUCHY, 0.03, 1)
     accumulate_pairs(scans, first, first, one.poses, 0.3, rule, hessians, gradients, np.zeros((1, 4)))
+
+
+def _close_a_loop(log: ScanLog) -> None:
+    """Run SLAM over a few scans that go to and fro, and call what it calls only where a loop closes."""
+    order = np.tile(np.arange(min(3, log.n_scans)), 10)
+    poses = np.column_stack([np.arange(len(order)) * 0.2, np.zeros((len(order), 2))])
+    again = replace(log, ranges=log.ranges[order], stamps_ns=log.stamps_ns[order], trajectories={"": Trajectory(poses)})
+    slam_log(again, SlamConfig(refinement=1, submap_scans=5))
+    scans, one, three = prepare_scans(log, 0, 1), np.zeros(1, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    count_agreement(scans, 0, poses[0], one, poses[:1], 0.1, 1, three)
+    count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
+    ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
+    least_of_ranges(np.zeros(2), one, one + 1, one.copy())
 
 
 def kernels() -> dict[str, bool]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from mapper.grid import OccupancyGrid
-from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.playback import Playback
@@ -22,7 +21,8 @@ from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
-    from server.sessions.parts import Comparable, Recording, Story
+    from mapper.replay.incremental import CheckpointPrefetcher
+    from server.sessions.parts import Comparable, Graphed, Recording, Story
 
 NO_SCAN: dict[str, Any] = {}
 
@@ -46,6 +46,7 @@ class SessionModel(ABC):
 
     recording: Recording | None = None  #: the log, for a session of a log
     comparison: Comparable | None = None  #: the comparison of the map with another one
+    graph: Graphed | None = None  #: the pose graph of a log's trajectory
     story: Story | None = None  #: recorded history from which the session can be reproduced
 
     def __init__(self, playback: Playback | None = None) -> None:
@@ -161,6 +162,11 @@ class SessionModel(ABC):
         """Update the layers with the changes of the tick."""
 
     # -- long work ------------------------------------------------------------------------------------------------
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the maps are not yet those that commands requested: the next tick goes on (event loop)."""
+        return False
 
     @property
     def fraction(self) -> float | None:

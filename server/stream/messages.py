@@ -144,6 +144,7 @@ class Contribution(Part):
     hit: Annotated[bool, Meta(description="whether it raised the log-odds")]
     increment: Annotated[float, Meta(description="log-odds added")]
     log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
+    sensor: Annotated[str | None, Meta(description="its topic, where several sensors make the map")] = None
 
 
 class LayerInfo(Part):
@@ -271,6 +272,12 @@ class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
     numbers: Annotated[Numbers | None, Meta(description="the comparison")]
 
 
+class Trajectories(Struct, tag_field="type", tag="trajectories"):
+    """Log sessions: the trajectories of the log, after one was added, replaced or deleted."""
+
+    trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
+
+
 class WorldMessage(Struct, tag_field="type", tag="world"):
     """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
@@ -375,6 +382,7 @@ ServerMessage = (
     | Geometry
     | FrameMessage
     | Trajectory
+    | Trajectories
     | ParametersMessage
     | ComparisonMessage
     | WorldMessage

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
@@ -20,12 +22,15 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.log_comparison import LogComparison
+from server.sessions.models.log_graph import LogGraph
+from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.log_updates import LogUpdates
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
@@ -33,6 +38,8 @@ MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
 DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
 PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
+SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
+LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
 
 
 def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -55,6 +62,12 @@ def bounds_of(poses: NDArray[np.float64]) -> Bounds:
     return (float(x0), float(y0), float(x1), float(y1))
 
 
+def slice_is_over() -> Callable[[], bool]:
+    """Return a function that returns whether this thread has worked so long since that the map should be shown."""
+    began, used = time.monotonic(), time.thread_time()
+    return lambda: time.monotonic() - began > SHOWN_EVERY_S and time.thread_time() - used > LEAST_SLICE_S
+
+
 def _playback(times: NDArray[np.float64]) -> Playback:
     """Return the clock of a log whose scans are due at ``times``: it plays them in about :data:`FILL_S`."""
     duration = float(times[-1])
@@ -71,6 +84,7 @@ class LogModel(SessionModel):
 
     recording: LogRecording
     comparison: LogComparison
+    graph: LogGraph
 
     def __init__(
         self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
@@ -83,23 +97,27 @@ class LogModel(SessionModel):
         self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
+        self._left_at = 0  #: the index at which the map was before it was requested
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
+        self.graph = LogGraph(host, self.recording)
+        self._healing = LogHealing(self.recording)
+        self._updates = LogUpdates(self, self._healing)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
         if replay.index:
             self.playback.playing = False
-            self._go_to(replay.index)
+            self.go_to(replay.index)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second map of a comparison."""
-        return (self._map, *self.comparison.layers)
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map of a comparison, and the pose graph."""
+        return (self._map, *self.comparison.layers, *self.graph.layers)
 
     @property
     def title(self) -> str:
@@ -130,7 +148,10 @@ class LogModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the present computation that is done."""
-        return self.recording.replay.fraction
+        replay, first, last = self.recording.replay, self._left_at, self._target
+        if self.is_catching_up and first < replay.index < last:
+            return (replay.index - first) / (last - first)
+        return replay.fraction
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -184,7 +205,7 @@ class LogModel(SessionModel):
             "log": {
                 "id": recording.log_id,
                 "trajectory": recording.trajectory,
-                "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
+                "trajectories": self._trajectories_message()["trajectories"],
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
                 "duration_s": float(recording.recorded[-1]),
@@ -199,6 +220,10 @@ class LogModel(SessionModel):
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+
+    def _trajectories_message(self) -> dict[str, Any]:
+        found = self.recording.log.trajectories.items()
+        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
 
     def _trajectory_message(self) -> dict[str, Any]:
         recording = self.recording
@@ -228,13 +253,20 @@ class LogModel(SessionModel):
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, or seek the index that a command requested."""
         replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
-        if dt > 0.0 and self._target < count:
+        if dt > 0.0 and self._target < count and not self.is_catching_up:
+            self._left_at = replay.index
             self._time += dt * playback.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
-        if self._target != replay.index:
-            with self._host.cancellable():
-                result.add(replay.advance_to(self._target))
-        if playback.playing and self._target == count:
+        if self.is_catching_up:
+            try:
+                with self._host.cancellable():
+                    result.add(replay.advance_to(self._target, slice_is_over()))
+            except WorkCancelledError:
+                raise
+            except MapperError:
+                self._target = replay.index
+                raise
+        if playback.playing and replay.index == count:
             playback.playing = False
             result.changed = True
             result.notice("log.end", "The log has ended: all of its scans are in the map.")
@@ -243,6 +275,11 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the map is not yet that of the requested scan."""
+        return self._target != self.recording.replay.index
 
     @property
     def has_deferred_work(self) -> bool:
@@ -255,29 +292,39 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
-        if self._target == self.recording.log.n_scans:
-            self._go_to(0)
+        self._healing.leave()
+        if self.recording.replay.index == self.recording.log.n_scans:
+            self.go_to(0)
         super().play()
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
+        if self._updates.obey(command, result):
+            return
         count = self.recording.log.n_scans
+        if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):
+            self._healing.leave()
         match command["type"]:
             case "seek":
                 index = integer(command, "index")
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
-                self._go_to(index)
+                self.go_to(index)
             case "step":
                 self.playback.playing = False
-                self._go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
+                self.go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
             case "restart":
-                self._go_to(0)
+                self.go_to(0)
                 self.playback.playing = True
+            case "cancel":
+                self.parameters.cancel(result)
+                self.playback.playing = False
+                self.go_to(self.recording.replay.index)
             case "trajectory":
                 self.recording.choose(text(command, "name"))
+                self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
             case "compare":
@@ -290,6 +337,17 @@ class LogModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
-    def _go_to(self, index: int) -> None:
+    def updated(self, result: TickResult, *, is_new: bool) -> None:
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+        if is_new:
+            self._left_at = 0
+            result.new_grid = True
+        self.comparison.update_log(self.recording.log)
+        result.slot(self._trajectories_message())
+        result.slot(self._trajectory_message())
+
+    def go_to(self, index: int) -> None:
+        """Have the map brought to a number of scans."""
+        self._left_at = self.recording.replay.index
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])

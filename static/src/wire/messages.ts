@@ -200,6 +200,8 @@ export interface Contribution {
   readonly increment: number;
   /** log-odds of the cell afterwards, clamped */
   readonly log_odds: number;
+  /** its topic, where several sensors make the map */
+  readonly sensor?: string | null;
 }
 
 /** First message of a connection: description of the session. */
@@ -320,6 +322,13 @@ export interface Trajectory {
   readonly poses: readonly Point[];
   /** recorded time at those scans, from the first scan, s */
   readonly stamps: readonly number[];
+}
+
+/** Log sessions: the trajectories of the log, after one was added, replaced or deleted. */
+export interface Trajectories {
+  readonly type: "trajectories";
+  /** all trajectories of the log */
+  readonly trajectories: readonly TrajectoryInfo[];
 }
 
 /** Present parameters, sent after each change and after a refused change. */
@@ -545,6 +554,11 @@ export interface SeekCommand {
   readonly index: number;
 }
 
+/** Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before. */
+export interface CancelCommand {
+  readonly type: "cancel";
+}
+
 /** Change mapping parameters and recompute the map. */
 export interface ParametersCommand {
   readonly type: "parameters";
@@ -670,6 +684,7 @@ export type ServerMessage =
   | Geometry
   | FrameMessage
   | Trajectory
+  | Trajectories
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
@@ -691,6 +706,7 @@ export type Command =
   | StepCommand
   | SpeedCommand
   | SeekCommand
+  | CancelCommand
   | ParametersCommand
   | SensorCommand
   | FaultsCommand
@@ -790,6 +806,7 @@ const isContribution: Check = isObject({
   hit: isFlag,
   increment: isNumber,
   log_odds: isNumber,
+  sensor: optional(oneOf(isText, isNull)),
 });
 
 /** The check of each field of each message from the server; a message may have more fields. */
@@ -847,6 +864,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     every: isInteger,
     poses: isListOf(isPoint),
     stamps: isListOf(isNumber),
+  },
+  trajectories: {
+    trajectories: isListOf(isTrajectoryInfo),
   },
   parameters: {
     values: isValues,

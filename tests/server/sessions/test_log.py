@@ -1,4 +1,4 @@
-"""A log session: its clock, and its map against the mapper's own."""
+"""A log session: its clock, and its map against the mapper's."""
 
 from __future__ import annotations
 
@@ -23,9 +23,11 @@ from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
 from server.sessions.models.log import MAX_GAP_S, play_times
+from server.sessions.why import why_message
 from tests.server.begin import new_log
 from tests.server.service import eventually
 from tests.server.view import view_of
@@ -53,7 +55,7 @@ def test_play_times_are_the_recorded_ones_where_those_are_sound() -> None:
     assert play_times(stamps) == pytest.approx([0.0, 0.1, 0.25, 0.25, 2.25, 2.35])
 
 
-async def test_the_end_of_the_log_is_the_whole_map(
+async def test_at_the_end_of_the_log_the_map_is_complete(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await new_log(registry, "me", office_log)
@@ -69,6 +71,35 @@ async def test_the_end_of_the_log_is_the_whole_map(
             view_of(session).log_odds, whole_map(office_log, session.model.config, stop=index).log_odds
         )
         assert session.model.progress[0] == index
+
+
+async def test_several_sensors_make_one_map_and_why_says_which(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    late = replace(
+        office_log.take(slice(0, 40)),
+        ranges=office_log.ranges[:40, ::2].copy(),
+        angle_increment=2 * office_log.angle_increment,
+        mount=(-0.3, 0.0, 3.0),
+        topic="/rear",
+    )
+    joint = JointLog.of([replace(office_log.take(slice(0, 40)), topic="/front"), late])
+    session = await new_log(registry, "me", joint)
+    await obey(session, type="seek", index=joint.n_scans)
+    expected = whole_map(joint, session.model.config)
+    np.testing.assert_array_equal(view_of(session).log_odds, expected.log_odds)
+    state = session.model.recording.robot_state()
+    assert len(state.scan.ranges) == late.n_beams  # of equal stamps the first sensor's scan is first
+    assert state.sensor_pose == pytest.approx(tuple(late.sensor_poses()[-1]))
+    row, col = (int(n) for n in np.argwhere(expected.log_odds > 2.0)[0])
+    source = session.model.recording.sources()
+    told = why_message(expected, source, session.model.config, {"row": row, "col": col, "epoch": 0, "index": 0})
+    assert {one["sensor"] for one in told["contributions"]} <= {"/front", "/rear"}
+    for one in told["contributions"]:
+        part = joint.parts[int(joint.part_of_scan[one["scan"]])]
+        assert one["sensor"] == part.topic
+        assert one["bearing"] == pytest.approx(part.angles[one["beam"]], abs=1e-4)
+        assert one["pose"] == pytest.approx(joint.sensor_poses()[one["scan"]], abs=1e-3)
 
 
 async def test_parameters_remake_the_map_at_the_same_scan(
@@ -184,7 +215,7 @@ async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegis
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only there has a thread a niceness of its own")
-async def test_an_examination_steps_back_behind_what_somebody_waits_for(
+async def test_an_examination_is_deferred_to_interactive_work(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own = os.getpriority(os.PRIO_PROCESS, 0)
@@ -235,7 +266,7 @@ async def test_a_newer_command_does_not_end_an_examination(
         assert await session.model.recording.examined() == []
 
 
-async def test_an_examination_that_failed_is_made_anew(
+async def test_a_failed_examination_is_repeated(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log)
@@ -290,7 +321,7 @@ async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
 
 
 @pytest.mark.parametrize(("n_scans", "every"), [(20_000, 1), (20_001, 2), (50_000, 3)])
-async def test_the_way_of_a_long_log_is_thinned_and_says_so(
+async def test_the_path_of_a_long_log_is_thinned_and_noted(
     registry: SessionRegistry, office_log: ScanLog, n_scans: int, every: int
 ) -> None:
     log = replace(

@@ -2,7 +2,17 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import { file, inside, remedy, run, topic, trajectoryLabel } from "./describeLog";
+import {
+  file,
+  inside,
+  lidars,
+  readingText,
+  remedy,
+  run,
+  SENSOR_SEPARATOR,
+  topic,
+  trajectoryLabel,
+} from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
 /** Failures that are not, or may not be, caused by the log: reading can be tried again. */
@@ -65,8 +75,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
 
 function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
-  const pending =
-    log.source === "sample" ? "being simulated …" : log.state === "reading" ? "being read …" : "not yet read";
+  const pending = log.source === "sample" ? "being simulated …" : readingText(log);
   return (
     <>
       <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || pending}</p>
@@ -95,6 +104,7 @@ function Facts({ log, onOpen }: LogCardProps) {
 function Inside({ log, onOpen }: LogCardProps) {
   const lines = inside(log);
   if (lines.length === 0 && log.topics.length === 0) return null;
+  const together = lidars(log);
   return (
     <details class="log-notes">
       <summary>Contents</summary>
@@ -113,6 +123,11 @@ function Inside({ log, onOpen }: LogCardProps) {
           </li>
         ))}
       </ul>
+      {together.length > 1 && (
+        <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
+          Map {together.length} lidars together
+        </button>
+      )}
     </details>
   );
 }

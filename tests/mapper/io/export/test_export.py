@@ -1,4 +1,4 @@
-"""What is taken away, read back with other people's readers (rosbags', mcap's, mcap-ros2-support's) and our own."""
+"""Exported files, read with independent readers (rosbags, mcap, mcap-ros2-support) and with ours."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ from mapper.io.logs import open_log
 from mapper.io.maps import occupancy_values
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.placed_scan import placed_scan
 from mapper.sensors.scan import ScanLog
 from tests.mapper.io.logs.recorded import KINDS, SECOND, Said, estimate, odometry, scan, transform, written
+from tests.mapper.mapping.sweeping import swept
 
 
 @pytest.fixture
@@ -91,7 +93,26 @@ def test_another_reader_finds_the_map_the_poses_and_the_scans(tmp_path: Path, lo
     assert (mount.header.frame_id, mount.child_frame_id) == ("base_link", "laser")
 
 
-def test_what_is_written_is_read_again_as_the_same_log(tmp_path: Path, log: ScanLog) -> None:
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_poses_are_shifted_and_points_deskewed_as_in_the_map(tmp_path: Path, upside_down: bool) -> None:
+    log = replace(swept(8), mount=(0.2, -0.1, 0.3), upside_down=upside_down)
+    config = MappingConfig(resolution=0.1, time_offset=0.05)
+    grid = OccupancyGrid(geometry_for(log, config))
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, GrowingMap(grid, config), "true")
+    found = read(path)
+    for index in (0, 3):
+        placed = placed_scan(log, config, "true", index)
+        position = found["/pose"][index][1].pose.position
+        assert (position.x, position.y) == pytest.approx(tuple(placed.base_pose[:2]))
+        points = found["/points"][index][1].data.view(np.float32).reshape(-1, 3)
+        sign = -1.0 if upside_down else 1.0
+        ends = np.stack([np.cos(placed.scan.angles), sign * np.sin(placed.scan.angles)], axis=1)
+        np.testing.assert_allclose(points[:, :2], placed.scan.ranges[:, None] * ends, atol=1e-5)
+
+
+def test_an_exported_log_is_read_as_the_same_log(tmp_path: Path, log: ScanLog) -> None:
     path = tmp_path / "run.mcap"
     with path.open("wb") as file:
         write_mcap(file, log, None, "true")
@@ -107,7 +128,7 @@ def test_what_is_written_is_read_again_as_the_same_log(tmp_path: Path, log: Scan
     assert again.notes == ()
 
 
-def test_the_map_fills_in_as_the_scans_come(tmp_path: Path, log: ScanLog) -> None:
+def test_the_exported_map_grows_with_the_scans(tmp_path: Path, log: ScanLog) -> None:
     _, growing = map_of(log)
     part = replace(growing, n_scans=100)
     path = tmp_path / "run.mcap"
@@ -162,7 +183,7 @@ def test_maps_are_bounded_in_number_and_size(n_scans: int, n_cells: int) -> None
 
 
 def test_maps_are_made_and_written_one_by_one(log: ScanLog) -> None:
-    config = MappingConfig(resolution=0.01)
+    config = MappingConfig(resolution=0.015)
     grid = OccupancyGrid(geometry_for(log, config))
     growing, cells = GrowingMap(grid, config), grid.log_odds.size
 
@@ -178,7 +199,9 @@ def test_maps_are_made_and_written_one_by_one(log: ScanLog) -> None:
         def tell(self) -> int:
             return self.written
 
-    write_mcap(Counted(), log, growing)  # kernels are compiled, or loaded from the cache
+    coarse = MappingConfig(resolution=0.2)
+    coarse_map = GrowingMap(OccupancyGrid(geometry_for(log, coarse)), coarse)
+    write_mcap(Counted(), log, coarse_map)  # kernels are compiled, or loaded from the cache
     tracemalloc.start()
     try:
         before, _ = tracemalloc.get_traced_memory()
@@ -273,7 +296,7 @@ def test_odometry_is_stated_from_odom(tmp_path: Path, log: ScanLog, name: str, p
 
 
 @pytest.mark.parametrize("stated", [math.nan, math.inf, 1e30])
-def test_times_that_are_none_are_left_out(tmp_path: Path, stated: float) -> None:
+def test_invalid_times_are_left_out(tmp_path: Path, stated: float) -> None:
     said = [scan(i * SECOND, np.full(31, 4.0)) for i in range(3)]
     for one in said:
         one.fields.update(time_increment=stated, scan_time=stated)
@@ -350,7 +373,7 @@ def test_the_definitions_in_the_file_are_those_of_ros(log: ScanLog) -> None:
     assert {"sensor_msgs/msg/PointField", "sensor_msgs/msg/Range", "tf2_msgs/msg/TFMessage"} < seen
 
 
-def test_who_joins_a_playback_late_gets_the_map_and_the_mount(tmp_path: Path, log: ScanLog) -> None:
+def test_map_and_mount_are_latched_for_late_subscribers(tmp_path: Path, log: ScanLog) -> None:
     path = tmp_path / "run.mcap"
     with path.open("wb") as file:
         write_mcap(file, log, map_of(log)[1])

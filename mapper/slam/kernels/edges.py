@@ -1,0 +1,116 @@
+"""The edges of a pose graph, linearised, and blocks of pairs of poses summed into a sparse system."""
+
+from __future__ import annotations
+
+import math
+
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
+from mapper.core.jit import jit
+
+
+@jit
+def edge_errors(
+    poses: Float64Array, first: Int64Array, second: Int64Array, relative: Float64Array, errors: Float64Array
+) -> None:
+    """Write the error (e, 3) of each edge: the motion Z⁻¹ ∘ (Tᵢ⁻¹ ∘ Tⱼ) as x, y and wrapped angle, as g2o has it."""
+    for k in range(len(first)):
+        i, j = first[k], second[k]
+        c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
+        dx, dy = poses[j, 0] - poses[i, 0], poses[j, 1] - poses[i, 1]
+        u = c * dx + s * dy - relative[k, 0]
+        v = -s * dx + c * dy - relative[k, 1]
+        cz, sz = math.cos(relative[k, 2]), math.sin(relative[k, 2])
+        errors[k, 0] = cz * u + sz * v
+        errors[k, 1] = -sz * u + cz * v
+        angle = poses[j, 2] - poses[i, 2] - relative[k, 2]
+        errors[k, 2] = angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@jit
+def squared_errors(errors: Float64Array, information: Float64Array, chi2: Float64Array) -> None:
+    """Write eᵀ Ω e (e,) of ``errors`` (e, 3) with ``information`` (e, 3, 3)."""
+    for k in range(len(chi2)):
+        total = 0.0
+        for r in range(3):
+            for c in range(3):
+                total += errors[k, r] * information[k, r, c] * errors[k, c]
+        chi2[k] = total
+
+
+@jit
+def linearise_edges(
+    poses: Float64Array,
+    first: Int64Array,
+    second: Int64Array,
+    relative: Float64Array,
+    information: Float64Array,
+    weights: Float64Array,
+    errors: Float64Array,
+    hessians: Float64Array,
+    gradients: Float64Array,
+) -> None:
+    """Write w JᵀΩJ (e, 6, 6) and −w JᵀΩe (e, 6) of each edge over the poses of its two ends.
+
+    ``errors`` (e, 3) are those of :func:`edge_errors`, ``weights`` (e,) those of the robust kernel. Increments are
+    added to x, y and theta in the map frame. Source: Grisetti et al. 2010, A tutorial on graph-based SLAM.
+    """
+    for k in range(len(first)):
+        i, j = first[k], second[k]
+        dx, dy = poses[j, 0] - poses[i, 0], poses[j, 1] - poses[i, 1]
+        turned = poses[i, 2] + relative[k, 2]
+        # With R = R(θᵢ + θz): e = Rᵀ (tⱼ − tᵢ) − Rzᵀ tz.
+        c, s = math.cos(turned), math.sin(turned)
+        jacobian = (
+            (-c, -s, -s * dx + c * dy, c, s, 0.0),
+            (s, -c, -c * dx - s * dy, -s, c, 0.0),
+            (0.0, 0.0, -1.0, 0.0, 0.0, 1.0),
+        )
+        for a in range(6):
+            for b in range(6):
+                total = 0.0
+                for r in range(3):
+                    for t in range(3):
+                        total += jacobian[r][a] * information[k, r, t] * jacobian[t][b]
+                hessians[k, a, b] = weights[k] * total
+            total = 0.0
+            for r in range(3):
+                for t in range(3):
+                    total += jacobian[r][a] * information[k, r, t] * errors[k, t]
+            gradients[k, a] = -weights[k] * total
+
+
+@jit
+def add_pairs(
+    first: Int64Array,
+    second: Int64Array,
+    slots: Int64Array,
+    is_swapped: BoolArray,
+    hessians: Float64Array,
+    gradients: Float64Array,
+    diagonal: Float64Array,
+    upper: Float64Array,
+    right: Float64Array,
+) -> None:
+    """Add blocks (p, 6, 6) and (p, 6) over pairs of poses to a system of 3 × 3 blocks.
+
+    ``first`` and ``second`` (p,) are rows of the system, −1 for a pose that is fixed; ``slots`` (p,) the pair's block
+    of ``upper`` (u, 3, 3), −1 where an end is fixed, which ``is_swapped`` (p,) says has the second pose as its row.
+    ``diagonal`` (n, 3, 3) and ``right`` (n, 3) are the other parts of the system.
+    """
+    for k in range(len(first)):
+        i, j = first[k], second[k]
+        if i >= 0:
+            for r in range(3):
+                right[i, r] += gradients[k, r]
+                for c in range(3):
+                    diagonal[i, r, c] += hessians[k, r, c]
+        if j >= 0:
+            for r in range(3):
+                right[j, r] += gradients[k, 3 + r]
+                for c in range(3):
+                    diagonal[j, r, c] += hessians[k, 3 + r, 3 + c]
+        p = slots[k]
+        if p >= 0:
+            for r in range(3):
+                for c in range(3):
+                    upper[p, r, c] += hessians[k, 3 + r, c] if is_swapped[k] else hessians[k, r, 3 + c]

@@ -1,0 +1,46 @@
+"""Shortest ways between the nodes of a pose graph: what the uncertainty between two poses grows with."""
+
+from __future__ import annotations
+
+from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.jit import jit
+
+
+@jit
+def ways_from(start: int, way: Float64Array, first: Int64Array, second: Int64Array, out: Float64Array) -> None:
+    """Write the length (n,) of the shortest way from node ``start`` to each node, metres.
+
+    ``way`` (n,) is the distance driven until each node, so that neighbours in the chain are as far apart as it says;
+    the loops from ``first`` (l,) to ``second`` (l,) have no length. Bellman and Ford's algorithm, in sweeps along the
+    chain.
+    """
+    n = len(way)
+    for k in range(n):
+        out[k] = abs(way[start] - way[k])
+    changed = True
+    while changed:
+        changed = False
+        for k in range(len(first)):
+            i, j = first[k], second[k]
+            if out[i] < out[j]:
+                out[j] = out[i]
+                changed = True
+            elif out[j] < out[i]:
+                out[i] = out[j]
+                changed = True
+        if changed:
+            for k in range(1, n):
+                out[k] = min(out[k], out[k - 1] + way[k] - way[k - 1])
+            for k in range(n - 2, -1, -1):
+                out[k] = min(out[k], out[k + 1] + way[k + 1] - way[k])
+
+
+@jit
+def least_of_ranges(values: Float64Array, begin: Int64Array, end: Int64Array, at: Int64Array) -> None:
+    """Write where the least of ``values`` is in each range from ``begin`` (r,) to before ``end`` (r,)."""
+    for k in range(len(begin)):
+        best = begin[k]
+        for i in range(begin[k], end[k]):
+            if values[i] < values[best]:
+                best = i
+        at[k] = best

@@ -1,0 +1,47 @@
+"""How scans are aligned here: which points correspond, and the weights of the result."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule, ScanArrays
+
+Float64Array = NDArray[np.float64]
+
+NOISE = 0.03  #: metres: of a point beside the wall of another scan
+CORRELATION = 0.05  #: share of the points of a scan that are independent evidence: neighbours have errors in common
+MIN_COSINE = 0.75
+WIDEST_SEARCH = math.radians(12.0)  #: either way, for a corresponding beam
+FALSE_SHARE = 0.03  #: (10°)²
+FLOOR = np.array([0.01, 0.01, 0.005])  #: metres, metres, radians: no alignment is better than this
+FRONT_ITERATIONS = Iterations(8, 0.35, 0.12, 0.6, 5e-4, 2e-4)
+LOOP_ITERATIONS = Iterations(12, 0.4, 0.12, 0.6, 5e-4, 2e-4)
+LEAST_PAIRS = 40  #: of points, for an alignment to count
+
+
+def pair_rule(scans: ScanArrays, stride: int = 1) -> PairRule:
+    """Return which points of two scans correspond."""
+    return PairRule(MIN_COSINE, int(WIDEST_SEARCH / scans.step) + 1, CAUCHY, NOISE, stride)
+
+
+def information_of(hessian: Float64Array, heading: float, prior: Float64Array) -> Float64Array:
+    """Return the information (3, 3) of an aligned pose in its own frame, from the pairs' sums in the map frame.
+
+    ``hessian`` (3, 3) is Σ w JᵀJ of point-to-line pairs over x, y and theta, with the weights ``prior`` (3,) of a prior
+    on its diagonal; ``heading`` is the pose's, radians. Normals that are off by a few degrees make a wall resist motion
+    along itself: :data:`FALSE_SHARE` of the strongest direction's information is taken off every direction.
+    """
+    pairs = hessian - np.diag(prior)
+    values, vectors = np.linalg.eigh(pairs[:2, :2])
+    kept = np.sqrt(np.maximum(values - FALSE_SHARE * values[1], 1e-9) / np.maximum(values, 1e-9))
+    shrink = np.eye(3)
+    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
+    c, s = math.cos(heading), math.sin(heading)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * (CORRELATION / NOISE**2)
+    covariance = np.linalg.inv(own + 1e-3 * np.eye(3)) + np.diag(FLOOR**2)
+    inverse = np.linalg.inv(covariance)
+    return np.asarray(0.5 * (inverse + inverse.T))

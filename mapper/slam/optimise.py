@@ -1,0 +1,99 @@
+"""The poses of a graph that fit its edges best, with loops that contradict the rest given less weight.
+
+Source: Grisetti et al. 2010, A tutorial on graph-based SLAM, for the least squares; Yang et al. 2020, Graduated
+non-convexity for robust spatial perception, for the robust kernel: its scale starts so large that the problem is as
+good as convex, and shrinks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import wrap_angle
+from mapper.sensors.pose_graph import LOOP, PoseGraph
+from mapper.slam.kernels.edges import edge_errors, linearise_edges, squared_errors
+from mapper.slam.sparse_system import SparseSystem
+
+Float64Array = NDArray[np.float64]
+
+MAX_ITERATIONS = 60
+STOP = 1e-5  #: metres and radians: the largest step after which the poses count as found
+SHRINK = 0.5  #: of the squared scale of the kernel, from one iteration to the next
+GREATEST_TURN = 0.5  #: radians: of one step, where the linearisation holds
+
+
+def robust_weights(kernel: str, chi2: Float64Array, scale: float) -> Float64Array:
+    """Return the weight (e,), 0 … 1, that a kernel leaves to squared residuals ``chi2`` (e,) for a scale.
+
+    Source: Zhang 1997, Parameter estimation techniques, table 1.
+    """
+    ratio = chi2 / (scale * scale)
+    if kernel == "geman_mcclure":
+        return np.asarray(1.0 / (1.0 + ratio) ** 2)
+    if kernel == "cauchy":
+        return np.asarray(1.0 / (1.0 + ratio))
+    if kernel == "huber":
+        return np.asarray(1.0 / np.sqrt(np.maximum(ratio, 1.0)))
+    return np.ones_like(chi2)
+
+
+def optimise(
+    graph: PoseGraph,
+    *,
+    robust: str = "geman_mcclure",
+    robust_scale: float = 3.0,
+    fixed: int = 0,
+    max_iterations: int = MAX_ITERATIONS,
+    graduated: bool = True,
+    system: SparseSystem | None = None,
+) -> PoseGraph:
+    """Return the graph with the poses that minimise Σ ρ(eᵀ Ω e) over its edges, and their residuals and weights.
+
+    ``fixed`` is the row of the node that does not move. The robust kernel ρ (:func:`robust_weights`) applies to loops
+    that are not locked; with ``graduated`` its scale starts at the largest residual. The starting poses are the
+    graph's. ``system`` is a :class:`SparseSystem` of the graph's edges to use again. Raises :class:`ConfigError` where
+    the edges leave a pose undetermined.
+    """
+    m = len(graph.nodes)
+    if m == 0 or not len(graph.i):
+        return graph
+    if system is None:
+        system = SparseSystem(m, np.column_stack([graph.i, graph.j]), np.array([fixed]))
+    poses = graph.poses.copy()
+    e = len(graph.i)
+    errors, chi2 = np.empty((e, 3)), np.empty(e)
+    hessians, gradients = np.empty((e, 6, 6)), np.empty((e, 6))
+    is_robust = (graph.kind == LOOP) & ~graph.locked & (robust != "none")
+    weights = np.ones(e)
+    square = robust_scale * robust_scale
+    widening = 1.0
+    edges = graph.i, graph.j, graph.relative
+
+    def measure() -> None:
+        edge_errors(poses, *edges, errors)
+        squared_errors(errors, graph.information, chi2)
+
+    def weigh(scale: float) -> None:
+        weights[is_robust] = robust_weights(robust, chi2[is_robust], scale)
+
+    measure()
+    if graduated and is_robust.any():
+        widening = max(1.0, 2.0 * float(chi2[is_robust].max()) / square)
+    for _ in range(max_iterations):
+        weigh(robust_scale * np.sqrt(widening))
+        linearise_edges(poses, *edges, graph.information, weights, errors, hessians, gradients)
+        step = system.solve(hessians, gradients)
+        largest_turn = float(np.abs(step[:, 2]).max())
+        if largest_turn > GREATEST_TURN:
+            step *= GREATEST_TURN / largest_turn
+        poses += step
+        measure()
+        if widening == 1.0 and float(np.abs(step).max()) < STOP:
+            break
+        widening = max(1.0, SHRINK * widening)
+    weigh(robust_scale)
+    poses[:, 2] = wrap_angle(poses[:, 2])
+    return replace(graph, poses=poses, residual=np.sqrt(chi2), weight=weights.copy())

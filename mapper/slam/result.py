@@ -1,0 +1,65 @@
+"""What SLAM reports while it runs and returns in the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import WorkCancelledError
+from mapper.sensors.pose_graph import PoseGraph
+
+
+class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no failure
+    """The callback of :func:`mapper.slam.slam_log` returned False."""
+
+
+@dataclass(frozen=True, slots=True)
+class SlamProgress:
+    """How far SLAM is: ``fraction`` 0 … 1 of its work, and ``poses`` (k, 3), ``T_map_base``, of the scans so far.
+
+    ``stage`` is "front end", "loop closure", just after a loop moved the poses, or "refinement". ``scans_done`` is k.
+    """
+
+    fraction: float
+    stage: str
+    scans_done: int
+    poses: NDArray[np.float64]
+    n_loops: int
+
+
+@dataclass(frozen=True, slots=True)
+class LoopCandidates:
+    """The loops that were tried: from node row ``i`` (c,) to node row ``j`` (c,), the later one, of the graph.
+
+    ``score`` (c,) is the correlation's, 0 … 1 (0 where no pose reached the least score), ``inliers`` (c,) the share of
+    points in view that lie on walls of the earlier scans; ``reason`` says for each why it was refused, "" where it was
+    ``accepted`` (c,).
+    """
+
+    i: NDArray[np.int64]
+    j: NDArray[np.int64]
+    score: NDArray[np.float64]
+    inliers: NDArray[np.float64]
+    accepted: NDArray[np.bool_]
+    reason: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.i)
+
+
+@dataclass(frozen=True, slots=True)
+class SlamResult:
+    """The poses (n_scans, 3), ``T_map_base``, of all scans in the log's order, and where they come from.
+
+    ``odometry`` names the trajectory that the motions between scans came from, None for none; ``cpu_seconds`` is the
+    processor time; ``notes`` are one sentence each on what could not be used.
+    """
+
+    poses: NDArray[np.float64]
+    graph: PoseGraph
+    candidates: LoopCandidates
+    odometry: str | None
+    cpu_seconds: float
+    notes: tuple[str, ...] = ()

@@ -1,0 +1,196 @@
+"""Simultaneous localization and mapping: the front end, loops and the graph, one scan at a time; a log as a whole."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
+from mapper.sensors.scan import ScanLog
+from mapper.slam.config import SlamConfig
+from mapper.slam.front_end import FrontEnd
+from mapper.slam.loop_closure import Loop, LoopCloser
+from mapper.slam.odometry import carry, matched_scans, motions, odometry_name
+from mapper.slam.optimise import optimise
+from mapper.slam.refinement import refine
+from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
+from mapper.slam.scan_store import ScanStore
+
+Float64Array = NDArray[np.float64]
+
+MOVED, TURNED = 0.10, 0.02  #: metres, radians: a loop off by more than this makes the graph be optimised at once
+MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
+EVERY = 25  #: scans between two reports
+
+
+class Slam:
+    """SLAM of scans that come one after another.
+
+    ``log`` states the sensor: its beams, ranges and mount; its scans are not used. ``add_scan`` takes a scan,
+    ``poses`` are all so far, corrected. Not for use from two threads at once.
+    """
+
+    def __init__(self, log: ScanLog, config: SlamConfig | None = None) -> None:
+        self.config = config or SlamConfig()
+        self.store = ScanStore(log, self.config.range_max, int(self.config.n_beams))
+        self.front_end = FrontEnd(self.store, self.config)
+        self.tried: list[Loop] = []
+        self._closer = LoopCloser(self.store, self.front_end, self.config)
+        self._loops: list[Loop] = []
+        self._poses = np.zeros((512, 3))
+        self._way = np.zeros(512)
+        self._relative = np.zeros((512, 3))
+        self._information = np.zeros((512, 3, 3))
+        self._waiting = 0
+
+    def __len__(self) -> int:
+        return len(self.front_end)
+
+    @property
+    def poses(self) -> Float64Array:
+        """Return the poses so far (n, 3), ``T_map_base``; the first scan's is the start's."""
+        return self._poses[: len(self)]
+
+    @property
+    def n_loops(self) -> int:
+        """Number of loops."""
+        return len(self._loops)
+
+    def add_scan(
+        self, ranges: NDArray[np.float32], motion: Float64Array | None, start: Float64Array | None = None
+    ) -> bool:
+        """Add a scan (n_beams,); return whether a loop closed and moved earlier poses.
+
+        ``motion`` (3,) is the odometry's since the scan before, None without odometry; ``start`` (3,) is the pose of
+        the first scan.
+        """
+        n = len(self)
+        if n == len(self._poses):
+            for name in ("_poses", "_way", "_relative", "_information"):
+                old = getattr(self, name)
+                setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
+        step = self.front_end.add(ranges, motion)
+        if n == 0:
+            if start is not None:
+                self._poses[0] = start
+            return False
+        self._relative[n], self._information[n] = step.relative, step.information
+        self._poses[n] = compose(self._poses[n - 1], step.relative)
+        self._way[n] = self._way[n - 1] + float(np.hypot(*step.relative[:2]))
+        if not self.config.loop_closure:
+            return False
+        tried = self._closer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops)
+        self.tried += tried
+        closed = [loop for loop in tried if loop.accepted]
+        self._loops += closed
+        return bool(closed) and self._settle(closed[0])
+
+    def _settle(self, loop: Loop) -> bool:
+        """Optimise the graph if the new loop does not fit it, or if many that fit wait."""
+        off = compose(inverse(loop.relative), compose(inverse(self._poses[loop.i]), self._poses[loop.j]))
+        self._waiting += 1
+        if np.hypot(off[0], off[1]) < MOVED and abs(off[2]) < TURNED and self._waiting < MOST_WAITING:
+            return False
+        self._waiting = 0
+        self._poses[: len(self)] = self.optimised(8).poses
+        return True
+
+    def graph(self) -> PoseGraph:
+        """Return the graph so far; its nodes are numbered as they were added."""
+        n, loops = len(self), self._loops
+        every = np.arange(n)
+        e = max(n - 1, 0) + len(loops)
+        return PoseGraph(
+            every,
+            self.poses.copy(),
+            np.r_[every[:-1], np.array([loop.i for loop in loops], dtype=np.int64)],
+            np.r_[every[1:], np.array([loop.j for loop in loops], dtype=np.int64)],
+            np.concatenate([self._relative[1:n], np.reshape([loop.relative for loop in loops], (-1, 3))]),
+            np.concatenate([self._information[1:n], np.reshape([loop.information for loop in loops], (-1, 3, 3))]),
+            np.r_[np.full(max(n - 1, 0), ODOMETRY), np.full(len(loops), LOOP)],
+            np.zeros(e, dtype=np.bool_),
+            np.zeros(e),
+            np.ones(e),
+        )
+
+    def optimised(self, max_iterations: int = 60) -> PoseGraph:
+        """Return the graph so far, optimised."""
+        return optimise(
+            self.graph(),
+            robust=self.config.robust,
+            robust_scale=self.config.robust_scale,
+            max_iterations=max_iterations,
+        )
+
+
+def slam_log(
+    log: ScanLog,
+    config: SlamConfig | None = None,
+    *,
+    trajectory: str | None = None,
+    progress: Callable[[SlamProgress], bool | None] | None = None,
+) -> SlamResult:
+    """Return corrected poses of a log's scans.
+
+    ``trajectory`` names the odometry to begin with; without it, it is the first trajectory in a frame ``odom``, else
+    the log's first; a log without poses is matched by its scans alone. ``progress`` is called as the work goes on; if
+    it returns False, :class:`SlamCancelled` is raised. Raises :class:`ConfigError` for a log of sonars, without scans
+    or without returns, and for a trajectory that the log lacks.
+    """
+    config = config or SlamConfig()
+    began = time.process_time()
+    if log.n_scans == 0:
+        raise ConfigError("slam.no_scans", "The log has no scans.")
+    name = odometry_name(log) if trajectory is None else trajectory
+    odometry = None if name is None else log.trajectory(name).poses
+    nodes = np.arange(log.n_scans) if odometry is None else matched_scans(odometry, config)
+    moved = None if odometry is None else motions(odometry[nodes])
+    start = np.zeros(3) if odometry is None else odometry[0]
+    slam = Slam(log, config)
+    share = 0.8 if config.refinement else 1.0
+
+    def report(fraction: float, stage: str, done: int, poses: Float64Array) -> None:
+        if progress is not None and progress(SlamProgress(fraction, stage, done, poses, slam.n_loops)) is False:
+            raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
+
+    def all_poses(node_poses: Float64Array) -> Float64Array:
+        known = nodes[: len(node_poses)]
+        if odometry is None or len(known) == known[-1] + 1:
+            return node_poses.copy()
+        return carry(known, node_poses, odometry[: known[-1] + 1])
+
+    for k, scan in enumerate(nodes.tolist()):
+        moved_poses = slam.add_scan(log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], start)
+        if progress is not None and (moved_poses or k % EVERY == 0):
+            stage = "loop closure" if moved_poses else "front end"
+            report(share * (k + 1) / len(nodes), stage, scan + 1, all_poses(slam.poses))
+    graph = slam.optimised()
+
+    def refined(fraction: float, poses: Float64Array) -> None:
+        if progress is not None:
+            report(share + (1.0 - share) * fraction, "refinement", log.n_scans, all_poses(poses))
+
+    poses = refine(graph, slam.store, config, refined)
+    poses[:, 2] = wrap_angle(poses[:, 2])
+    graph = replace(graph, nodes=nodes, poses=poses)
+    tried = slam.tried
+    return SlamResult(
+        all_poses(poses),
+        graph,
+        LoopCandidates(
+            np.array([loop.i for loop in tried], dtype=np.int64),
+            np.array([loop.j for loop in tried], dtype=np.int64),
+            np.array([loop.score for loop in tried]),
+            np.array([loop.inliers for loop in tried]),
+            np.array([loop.accepted for loop in tried], dtype=np.bool_),
+            tuple(loop.reason for loop in tried),
+        ),
+        name,
+        time.process_time() - began,
+    )

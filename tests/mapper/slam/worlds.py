@@ -1,0 +1,57 @@
+"""Logs of simulated drives with drifting odometry, whose true poses are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from mapper.core.se2 import compose
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.simulation import WORLDS
+from mapper.simulation.lidar import RANGE_MIN, SensorConfig, measure
+from mapper.simulation.odometry import WORN_ALPHAS, drifting_odometry
+from mapper.simulation.worlds import World
+
+SENSOR = SensorConfig(n_beams=90, field_of_view=np.pi, range_max=8.0, range_noise=0.02)
+
+
+def drive(
+    world: World | str,
+    path: np.ndarray,
+    *,
+    sensor: SensorConfig = SENSOR,
+    turn_bias: float = 0.05,
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    seed: int = 3,
+) -> ScanLog:
+    """Return the scans along true base poses (n, 3), with the trajectories "odometry", the first, and "true"."""
+    place = WORLDS[world] if isinstance(world, str) else world
+    rng = np.random.default_rng(seed)
+    scans = [measure(place, sensor, compose(pose, mount), rng, k * 100_000_000) for k, pose in enumerate(path)]
+    odometry = drifting_odometry(path, rng, WORN_ALPHAS, turn_bias)
+    return ScanLog(
+        np.stack([scan.ranges for scan in scans]), sensor.angle_min, sensor.angle_increment, RANGE_MIN,
+        sensor.range_max, np.array([scan.stamp_ns for scan in scans]),
+        {"odometry": Trajectory(odometry, "wheels", "odom"), "true": Trajectory(path)}, mount,
+    )  # fmt: skip
+
+
+def along(corners: list[tuple[float, float]], step: float = 0.25) -> np.ndarray:
+    """Return poses (n, 3) along straight lines between corners, ``step`` metres apart, and turning at the corners."""
+    out: list[tuple[float, float, float]] = []
+    for (x0, y0), (x1, y1) in pairwise(corners):
+        heading, length = np.arctan2(y1 - y0, x1 - x0), np.hypot(x1 - x0, y1 - y0)
+        if out:
+            turn = np.mod(heading - out[-1][2] + np.pi, 2 * np.pi) - np.pi
+            n = int(abs(turn) / 0.3)
+            out += [(x0, y0, out[-1][2] + turn * k / (n + 1)) for k in range(1, n + 1)]
+        out += [(x0 + (x1 - x0) * t, y0 + (y1 - y0) * t, heading) for t in np.arange(0, 1, step / length)]
+    return np.array(out)
+
+
+def without_poses(log: ScanLog) -> ScanLog:
+    """Return the log as one without any source of poses."""
+    zeros = Trajectory(np.zeros((log.n_scans, 3)), "no poses", is_placeholder=True)
+    return replace(log, trajectories={"standing still": zeros})
