@@ -5,12 +5,13 @@ Its poses are in a frame of their own that no loop closure moves, so that it can
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import between_one, compose_one
 from mapper.matching.kernels.point_to_line import refine_pose
 from mapper.slam.config import SlamConfig
 from mapper.slam.fields import ScoreField
@@ -77,7 +78,7 @@ class FrontEnd:
             step = Step(np.zeros(3), np.eye(3), 1.0, True)
         else:
             step = self._align(i, motion)
-            self._poses[i] = compose(self._poses[i - 1], step.relative)
+            self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
         self._n += 1
         self._draw(i)
         return step
@@ -85,9 +86,9 @@ class FrontEnd:
     def _align(self, i: int, motion: Float64Array | None) -> Step:
         # Without odometry the robot is taken to move on as before.
         expected = self._motion if motion is None else motion
-        way, turned = float(np.hypot(expected[0], expected[1])), abs(float(expected[2]))
+        way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
         before = self._poses[i - 1]
-        predicted = compose(before, expected)
+        predicted = np.array(compose_one(before.tolist(), expected.tolist()))
         if motion is None:
             window, turn_window = 0.25 + 0.5 * way, 0.15 + 0.5 * turned
             spread = np.array([0.05 + 0.5 * way] * 2 + [0.03 + 0.5 * turned])
@@ -124,8 +125,7 @@ class FrontEnd:
         else:
             pose = found if score > LEAST_SCORE else predicted
             information = np.diag(1.0 / (3.0 * spread) ** 2)
-        relative = compose(inverse(before), pose)
-        relative[2] = wrap_angle(relative[2])
+        relative = np.array(between_one(before.tolist(), pose.tolist()))
         self._motion = relative if aligned else expected
         return Step(relative, information, inliers, aligned)
 
