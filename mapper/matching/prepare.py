@@ -9,21 +9,29 @@ from mapper.matching.kernels.scan_points import write_normals, write_points
 from mapper.matching.kernels.types import ScanArrays
 from mapper.sensors.scan import ScanLog
 
-HALF_WIDTH = 3  #: beams on either side of one whose points make its normal
+HALF_WIDTH = 2  #: beams on either side of one whose points make its normal, at least
+REACH = 0.10  #: m: those of beams up to so far across do too, so that dense beams give no noisy normals
+MOST_BEAMS = 20  #: on either side
 LEAST_GAP = 0.10  #: m: neighbours in bearing nearer than this are neighbours on a surface at any range
 MAX_THICKNESS = 0.02  #: m: points that scatter less than this across a line lie on it, however short it is
 FEWEST_BEAMS = 3
 
 
 def prepare_scans(
-    log: ScanLog, first: int = 0, stop: int | None = None, *, range_max: float = np.inf, half_width: int = HALF_WIDTH
+    log: ScanLog,
+    first: int = 0,
+    stop: int | None = None,
+    *,
+    range_max: float = np.inf,
+    half_width: int = HALF_WIDTH,
+    reach: float = REACH,
 ) -> ScanArrays:
     """Return the points of the scans ``first`` to ``stop`` of a log in the frame of its base, and their normals.
 
     Readings from the log's ``range_min`` up to the smaller of its ``range_max`` and the argument ``range_max``
     metres are points. The mount is applied, and the order is that of the bearing counter-clockwise; beams beyond one
-    whole turn are left out. The normal of a point is that of the line through the points of ``half_width`` beams on
-    either side, see :func:`mapper.matching.kernels.scan_points.write_normals`.
+    whole turn are left out. The normal of a point is that of the line through the points of ``half_width`` beams
+    on either side and of those within ``reach`` metres, see :func:`mapper.matching.kernels.scan_points.write_normals`.
 
     Raises :class:`ConfigError` for scans that the log lacks, for fewer than three beams, and for beams that are not
     evenly spaced.
@@ -64,5 +72,5 @@ def prepare_scans(
         scans.points,
         scans.kind,
     )
-    write_normals(scans, half_width, LEAST_GAP, MAX_THICKNESS)
+    write_normals(scans, half_width, reach, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
     return scans

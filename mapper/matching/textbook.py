@@ -52,7 +52,7 @@ def scan_points(
 
 
 def scan_normals(
-    scan: PointScan, half_width: int, least_gap: float, max_thickness: float
+    scan: PointScan, half_width: int, reach: float, most: int, least_gap: float, max_thickness: float
 ) -> tuple[Float64Array, BoolArray]:
     """Return the normals (n, 2) of a scan's points, 0 where there is none, and where there are any.
 
@@ -62,14 +62,16 @@ def scan_normals(
     n_beams = len(scan.points)
     normals, has_normal = np.zeros((n_beams, 2)), np.zeros(n_beams, dtype=np.bool_)
     for k in np.flatnonzero(scan.is_point):
-        beams = np.arange(k - half_width, k + half_width + 1)
+        r = math.sqrt(float(np.sum((scan.points[k] - scan.sensor) ** 2)))
+        half = max(half_width, int(min(reach / max(r * scan.step, 1e-9), float(most))))
+        half = min(half, (n_beams - 1) // 2)
+        beams = np.arange(k - half, k + half + 1)
         between = np.abs(beams - k)
         if scan.wraps:
             beams %= n_beams
         inside = (beams >= 0) & (beams < n_beams)
         beams, between = beams[inside], between[inside]
         off = scan.points[beams] - scan.points[k]
-        r = math.sqrt(float(np.sum((scan.points[k] - scan.sensor) ** 2)))
         gap = max(least_gap, 3.0 * r * scan.step)
         near = scan.is_point[beams] & (np.sqrt(np.sum(off**2, axis=1)) < gap * np.maximum(between, 1))
         if np.count_nonzero(near) < 3:
@@ -88,34 +90,84 @@ def scan_normals(
     return normals, has_normal
 
 
+def beam_towards(scan: PointScan, point: Float64Array) -> int:
+    """Return the beam in whose direction a point (2,) in the base frame lies, −1 outside the field of view."""
+    n_beams = len(scan.points)
+    to_x, to_y = point - scan.sensor
+    turned = (math.atan2(to_y, to_x) - scan.first) % (2.0 * math.pi)
+    beam = math.floor(turned / scan.step + 0.5)
+    if beam < n_beams:
+        return beam
+    return 0 if scan.wraps or turned > 2.0 * math.pi - 0.5 * scan.step else -1
+
+
+def beams_around(scan: PointScan, beam: int, most: int) -> Int64Array:
+    """Return the beams up to ``most`` beams from one, itself among them."""
+    n_beams = len(scan.points)
+    around = beam + np.arange(-most, most + 1)
+    return np.unique(around % n_beams) if scan.wraps else around[(around >= 0) & (around < n_beams)]
+
+
 def pairs_by_bearing(
     moving: PointScan, pose: Float64Array, fixed: PointScan, at: Float64Array, gate: float, max_beams: int
 ) -> tuple[Int64Array, Int64Array, int]:
     """Return the beams (m,) of two scans whose points correspond, and how many points lie in the field of view.
 
     Each point of ``moving`` corresponds to the nearest point with a normal of ``fixed`` among the ``max_beams`` beams
-    on either side of its bearing, if that is nearer than ``gate``.
+    on either side of its bearing, if that is nearer than ``gate``. Where that is all of them, it is the nearest point,
+    in the field of view or not.
     """
-    n_beams, tried = len(fixed.points), 0
+    tried = 0
     ours, theirs = [], []
     seen = transform_points(compose(inverse(at), pose), moving.points)
+    every = max_beams >= len(fixed.points)
     for k in np.flatnonzero(moving.is_point):
-        x, y = seen[k] - fixed.sensor
-        turned = (math.atan2(y, x) - fixed.first) % (2.0 * math.pi)
-        beam = math.floor(turned / fixed.step + 0.5)
-        if beam >= n_beams:
-            if not fixed.wraps and turned <= 2.0 * math.pi - 0.5 * fixed.step:
-                continue
-            beam = 0
+        beam = beam_towards(fixed, seen[k])
+        if beam < 0 and not every:
+            continue
         tried += 1
-        around = beam + np.arange(-max_beams, max_beams + 1)
-        around = np.unique(around % n_beams) if fixed.wraps else around[(around >= 0) & (around < n_beams)]
+        around = np.arange(len(fixed.points)) if every else beams_around(fixed, beam, max_beams)
         around = around[fixed.has_normal[around]]
         squares = np.sum((fixed.points[around] - seen[k]) ** 2, axis=1)
         if len(around) and squares.min() < gate * gate:
             ours.append(int(k))
             theirs.append(int(around[np.argmin(squares)]))
     return np.array(ours, dtype=np.int64), np.array(theirs, dtype=np.int64), tried
+
+
+def compare_views(
+    moving: PointScan, pose: Float64Array, fixed: PointScan, at: Float64Array, gate: float, max_beams: int
+) -> tuple[float, float, float, float]:
+    """Return how many points of a scan lie near points of another, in what it saw through, and behind what it saw.
+
+    The fourth number is Σ (1 − d² / gate²) over the points that are near, at the distance d.
+    """
+    near, through, behind, total = 0, 0, 0, 0.0
+    reach = np.sqrt(np.sum((fixed.points - fixed.sensor) ** 2, axis=1))
+    for point in transform_points(compose(inverse(at), pose), moving.points)[moving.is_point]:
+        beam = beam_towards(fixed, point)
+        if beam < 0:
+            continue
+        r = math.sqrt(float(np.sum((point - fixed.sensor) ** 2)))
+        around = beams_around(fixed, beam, max_beams)
+        squares = np.sum((fixed.points[around] - point) ** 2, axis=1)[fixed.is_point[around]]
+        beside = beams_around(fixed, beam, min(1, max_beams))
+        least = reach[beside][fixed.is_point[beside]].min(initial=math.inf)
+        if squares.min(initial=math.inf) < gate * gate:
+            near += 1
+            total += 1.0 - float(squares.min()) / (gate * gate)
+        elif math.isfinite(least):
+            through += least > r + gate
+            behind += least < r - gate
+    return float(near), float(through), float(behind), total
+
+
+def smallest(residuals: Float64Array, share: float) -> BoolArray:
+    """Return which residuals (n,) are among the ``share`` · n smallest, at least one. Source: Chetverikov 2002."""
+    if share >= 1.0 or not len(residuals):
+        return np.ones(len(residuals), dtype=np.bool_)
+    squares = residuals**2
+    return np.asarray(squares <= np.sort(squares)[min(max(int(share * len(squares)), 1), len(squares)) - 1])
 
 
 def weights(kind: str, scale: float, residuals: Float64Array) -> Float64Array:
@@ -143,6 +195,32 @@ def point_to_line_residuals(
     e = np.sum(normals * (placed - lines), axis=1)
     by_turn = normals[:, 1] * turned[:, 0] - normals[:, 0] * turned[:, 1]
     return e, np.column_stack([normals, by_turn])
+
+
+def point_to_point_residuals(
+    points: Float64Array, pose: Float64Array, partners: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Return e = R p + t − q (2 m,), x and y of each pair after another, and its derivative by the pose (2 m, 3).
+
+    Source: Besl & McKay 1992. ``points`` (m, 2) p are the moving scan's in its base frame, ``partners`` (m, 2) q those
+    of the map.
+    """
+    placed = transform_points(pose, points)
+    turned = placed - pose[:2]
+    jacobian = np.zeros((len(points), 2, 3))
+    jacobian[:, 0, 0] = jacobian[:, 1, 1] = 1.0
+    jacobian[:, 0, 2], jacobian[:, 1, 2] = -turned[:, 1], turned[:, 0]
+    return (placed - partners).reshape(-1), jacobian.reshape(-1, 3)
+
+
+def best_rigid_motion(points: Float64Array, partners: Float64Array) -> Float64Array:
+    """Return the pose (3,) with the least Σ |R p + t − q|² for pairs of points (n, 2), in closed form.
+
+    Source: Arun, Huang & Blostein 1987; in the plane the turn is the angle of Σ p · q and Σ p × q about the means.
+    """
+    p, q = points - points.mean(axis=0), partners - partners.mean(axis=0)
+    theta = math.atan2(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]), np.sum(p * q))
+    return np.array([*(partners.mean(axis=0) - transform_points([0.0, 0.0, theta], points.mean(axis=0))), theta])
 
 
 def normal_equations(
@@ -203,3 +281,59 @@ def scores_in_window(
             # The scores around the cell, of which the bordered grid has 2 · cells more on each side.
             volume[a] += bordered[row + cells : row + 3 * cells + 1, col + cells : col + 3 * cells + 1]
     return volume
+
+
+def field_residuals(
+    scores: NDArray[np.uint8], geometry: GridGeometry, points: Float64Array, pose: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Return e = 1 − M(R p + t) (m,) of the points (n, 2) inside, and its derivative by the pose (m, 3).
+
+    M is ``scores`` / 255, bilinear between the centres of the cells; points that are not between four centres are left
+    out. Source: Kohlbrecher et al. 2011, equations 4 to 14.
+    """
+    values = scores.astype(np.float64)
+    placed = transform_points(pose, points)
+    at = geometry.to_lattice(placed) - 0.5
+    low = np.floor(at)
+    inside = ((low >= 0) & (low < [geometry.cols - 1, geometry.rows - 1])).all(axis=1)
+    turned, at, low = (placed - pose[:2])[inside], at[inside], low[inside].astype(np.int64)
+    f_u, f_v = (at - low).T
+    col, row = low.T
+    m00, m01, m10, m11 = (values[row + r, col + c] for r in (0, 1) for c in (0, 1))
+    value = (1 - f_v) * ((1 - f_u) * m00 + f_u * m01) + f_v * ((1 - f_u) * m10 + f_u * m11)
+    by_u = (1 - f_v) * (m01 - m00) + f_v * (m11 - m10)
+    by_v = (1 - f_u) * (m10 - m00) + f_u * (m11 - m01)
+    by_xy = transform_points([0.0, 0.0, geometry.origin[2]], np.stack([by_u, by_v], axis=-1)) / geometry.resolution
+    by_turn = by_xy[:, 1] * turned[:, 0] - by_xy[:, 0] * turned[:, 1]
+    return 1.0 - value / 255.0, -np.column_stack([by_xy, by_turn]) / 255.0
+
+
+def split(points: Float64Array, thickness: float, fewest: int) -> list[tuple[int, int]]:
+    """Return the first and last index of each straight part of a run of points (n, 2).
+
+    The run is split at the point that is farthest from the line through its ends. Source: Nguyen et al. 2007.
+    """
+    if len(points) < fewest:
+        return []
+    off, along = points[1:-1] - points[0], points[-1] - points[0]
+    length = math.sqrt(along[0] * along[0] + along[1] * along[1])
+    if length > 0.0:
+        distances = np.abs(off[:, 0] * along[1] - off[:, 1] * along[0]) / length
+    else:
+        distances = np.sqrt(np.sum(off**2, axis=1))
+    if not len(distances) or distances.max() <= thickness:
+        return [(0, len(points) - 1)]
+    at = int(np.argmax(distances)) + 1
+    later = split(points[at:], thickness, fewest)
+    return split(points[: at + 1], thickness, fewest) + [(first + at, last + at) for first, last in later]
+
+
+def runs(scan: PointScan, least_gap: float) -> list[Int64Array]:
+    """Return the beams of each run of points that are near the next one; see
+    :func:`mapper.matching.kernels.segments.split_scan`.
+    """
+    used = np.flatnonzero(scan.is_point)
+    apart = np.sqrt(np.sum(np.diff(scan.points[used], axis=0) ** 2, axis=1))
+    r = np.sqrt(np.sum((scan.points[used] - scan.sensor) ** 2, axis=1))[:-1]
+    gaps = np.maximum(least_gap, 3.0 * r * scan.step) * np.diff(used)
+    return np.split(used, np.flatnonzero(apart > gaps) + 1) if len(used) else []

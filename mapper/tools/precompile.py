@@ -20,17 +20,16 @@ from numpy.typing import NDArray
 import mapper
 from mapper.grid import TILE
 from mapper.grid.compare import compare
-from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.matching.fields import gaussian_stamps
-from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
-from mapper.matching.kernels.point_to_line import accumulate_pairs, refine_pose
-from mapper.matching.kernels.score_field import add_scan, write_pyramid
-from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule
+from mapper.matching.kernels.point_to_line import accumulate_pairs
+from mapper.matching.kernels.types import CAUCHY, PairRule
+from mapper.matching.match import match_scan
+from mapper.matching.parameters import METHODS, MatchConfig
 from mapper.matching.prepare import prepare_scans
+from mapper.matching.target import Target, scan_target
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
@@ -87,26 +86,17 @@ def precompile() -> None:
 
 
 def _match(log: ScanLog) -> None:
-    """Match the first scan of a log with itself, by each kernel."""
-    scans, pose, one = prepare_scans(log, 0, 1), np.zeros(3), np.zeros(1, dtype=np.int64)
-    rule, iterations = PairRule(0.5, 12, CAUCHY, 0.03, 1), Iterations(1, 0.3, 0.1, 0.6, 1e-4, 1e-4)
-    refine_pose(
-        scans, 0, scans, one, pose[np.newaxis], pose, np.zeros(3), rule, iterations, pose.copy(), np.zeros((3, 3))
-    )
+    """Match the first two scans of a log, and a scan with both, by each method."""
+    scans, guess = prepare_scans(log, 0, 2), np.zeros(3)
+    one, both = scan_target(scans, 0), Target(scans, np.arange(2), log.trajectory().poses[:2])
+    for method in METHODS:
+        config = MatchConfig(method=method, window_m=0.2, window_rad=0.1)
+        match_scan(scans, 1, one, guess, config)
+        match_scan(scans, 1, both, guess, config)
+    first = np.zeros(1, dtype=np.int64)
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
-    accumulate_pairs(scans, one, one, pose[np.newaxis], 0.3, rule, hessians, gradients, np.zeros((1, 4)))
-    frame, scores, levels = (
-        Frame(-5.0, -5.0, 1.0, 0.0, 0.1),
-        np.zeros((100, 100), np.uint8),
-        np.zeros((3, 100, 100), np.uint8),
-    )
-    add_scan(scores, frame, gaussian_stamps(0.1, 0.1), scans, 0, pose, 1)
-    write_pyramid(scores, levels)
-    window, best = Window(2, 1, 0.1), np.zeros(4, dtype=np.int64)
-    volume = np.zeros((3, 5, 5), dtype=np.int32)
-    score_window(scores, frame, scans, 0, pose, window, 1, volume)
-    best_in_window(volume, best)
-    branch_and_bound(levels, frame, scans, 0, pose, window, 1, 1, best)
+    rule = PairRule(0.5, 12, CAUCHY, 0.03, 1)
+    accumulate_pairs(scans, first, first, one.poses, 0.3, rule, hessians, gradients, np.zeros((1, 4)))
 
 
 def _close_a_loop(log: ScanLog) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,13 @@ from mapper.grid import GridGeometry
 from mapper.matching import textbook
 from mapper.matching.fields import FINE, gaussian_stamps
 from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
-from mapper.matching.kernels.point_to_line import accumulate_pairs, refine_pose, solve_step
+from mapper.matching.kernels.likelihood_field import accumulate_field
+from mapper.matching.kernels.point_to_line import accumulate_pairs, refine_pair, refine_pose, solve_step
 from mapper.matching.kernels.score_field import add_scan, write_pyramid
-from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES, Iterations, PairRule, ScanArrays
-from mapper.matching.prepare import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, prepare_scans
+from mapper.matching.kernels.segments import split_scan
+from mapper.matching.kernels.types import CAUCHY, HUBER, LINE, POINTS, SQUARES, Iterations, PairRule, ScanArrays
+from mapper.matching.kernels.views import compare_views
+from mapper.matching.prepare import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, MOST_BEAMS, REACH, prepare_scans
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.agreement.inputs import some
 
@@ -34,6 +37,8 @@ class MatchCase:
     min_cosine: float
     weight: str
     scale: float
+    keep: float
+    to_line: bool
 
     @property
     def scans(self) -> ScanArrays:
@@ -41,7 +46,8 @@ class MatchCase:
 
     @property
     def rule(self) -> PairRule:
-        return PairRule(self.min_cosine, self.max_beams, WEIGHTS[self.weight], self.scale, 1)
+        residual = LINE if self.to_line else POINTS
+        return PairRule(self.min_cosine, self.max_beams, WEIGHTS[self.weight], self.scale, 1, self.keep, residual)
 
 
 def point_scan(scans: ScanArrays, i: int) -> textbook.PointScan:
@@ -78,8 +84,9 @@ def match_cases(draw: st.DrawFn) -> MatchCase:
         [[0, 0, 0], [draw(st.floats(-0.3, 0.3)), draw(st.floats(-0.3, 0.3)), draw(st.floats(-0.3, 0.3))]]
     )
     return MatchCase(
-        log, moved, draw(some(0.3, low=0.01, high=1.0)), draw(st.integers(0, 20)),
+        log, moved, draw(some(0.3, low=0.01, high=1.0)), draw(st.integers(0, 20) | st.just(100)),
         draw(some(-1.0, 0.7, low=-1.0, high=1.0)), draw(st.sampled_from(sorted(WEIGHTS))), draw(st.floats(0.01, 0.2)),
+        draw(some(1.0, low=0.0, high=1.0)), draw(st.booleans()),
     )  # fmt: skip
 
 
@@ -100,7 +107,7 @@ def prepared_by_textbook(case: MatchCase) -> tuple[Any, ...]:
         rounded = textbook.PointScan(
             kernel.points, used, kernel.normals, used, kernel.first, kernel.step, kernel.wraps, kernel.sensor
         )
-        normals, with_normal = textbook.scan_normals(rounded, HALF_WIDTH, LEAST_GAP, MAX_THICKNESS)
+        normals, with_normal = textbook.scan_normals(rounded, HALF_WIDTH, REACH, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
         out.append((points, normals, used.astype(np.uint8) + with_normal))
     return tuple(np.stack(part) for part in zip(*out, strict=True))
 
@@ -109,31 +116,29 @@ def equations_by_textbook(case: MatchCase, gate: float, poses: np.ndarray) -> tu
     """The normal equations (6, 6), (6,) of the second scan against the first, and the counts and sums (4,)."""
     moving, fixed = point_scan(case.scans, 1), point_scan(case.scans, 0)
     if case.min_cosine > -1.0:
-        moving = textbook.PointScan(
-            moving.points, moving.has_normal, moving.normals, moving.has_normal,
-            moving.first, moving.step, moving.wraps, moving.sensor,
-        )  # fmt: skip
+        moving = replace(moving, is_point=moving.has_normal)
+    if not case.to_line and case.min_cosine <= -1.0:
+        fixed = replace(fixed, has_normal=fixed.is_point)
     ours, theirs, tried = textbook.pairs_by_bearing(moving, poses[1], fixed, poses[0], gate, case.max_beams)
     turned = transform_points([0.0, 0.0, poses[0, 2]], fixed.normals[theirs])
     if case.min_cosine > -1.0:
         cosines = np.sum(turned * transform_points([0.0, 0.0, poses[1, 2]], moving.normals[ours]), axis=1)
         ours, theirs, turned = (part[cosines >= case.min_cosine] for part in (ours, theirs, turned))
-    lines = transform_points(poses[0], fixed.points[theirs])
-    e, jacobian = textbook.point_to_line_residuals(moving.points[ours], poses[1], lines, turned)
-    # By the other pose, the one that moves the lines: numerically, independent of the kernel's formula.
-    small = 1e-6
-
-    def moved(k: int, by: float) -> np.ndarray:
-        other = poses[0].copy()
-        other[k] += by
-        points = transform_points(other, fixed.points[theirs])
-        normals = transform_points([0.0, 0.0, other[2]], fixed.normals[theirs])
-        return textbook.point_to_line_residuals(moving.points[ours], poses[1], points, normals)[0]
-
-    by_other = np.stack([(moved(k, small) - moved(k, -small)) / (2 * small) for k in range(3)], axis=1)
-    w = textbook.weights(case.weight, case.scale, e)
-    hessian, gradient = textbook.normal_equations(np.hstack([jacobian, by_other]), e, w)
-    return hessian, gradient, np.array([len(e), tried, np.sum(e**2), np.sum(w * e**2)])
+    to = transform_points(poses[0], fixed.points[theirs])
+    if case.to_line:
+        e, jacobian = textbook.point_to_line_residuals(moving.points[ours], poses[1], to, turned)
+        lengths = np.abs(e)
+    else:
+        e, jacobian = textbook.point_to_point_residuals(moving.points[ours], poses[1], to)
+        lengths = np.hypot(*e.reshape(-1, 2).T)
+    kept = textbook.smallest(lengths, case.keep)
+    w = textbook.weights(case.weight, case.scale, lengths) * kept
+    # The other scan's step has the same effect as the opposite one of the first, taken around the other's place.
+    x, y = poses[0, :2] - poses[1, :2]
+    by_other = -np.column_stack([jacobian[:, :2], jacobian[:, 2] + y * jacobian[:, 0] - x * jacobian[:, 1]])
+    rows = np.repeat(w, len(e) // max(len(w), 1))
+    hessian, gradient = textbook.normal_equations(np.hstack([jacobian, by_other]), e, rows)
+    return hessian, gradient, np.array([kept.sum(), tried, np.sum(lengths[kept] ** 2), np.sum(w * lengths**2)])
 
 
 def equations_of_pairs_by_kernel(case: MatchCase) -> tuple[Any, ...]:
@@ -174,6 +179,33 @@ def refined_by_textbook(case: MatchCase) -> tuple[Any, ...]:
     return poses[1], hessian, ITERATIONS.most
 
 
+def refined_both_ways_by_kernel(case: MatchCase) -> tuple[Any, ...]:
+    pose, hessian = case.poses[1].copy(), np.empty((3, 3))
+    iterations = ITERATIONS._replace(most=1)
+    scans = case.scans
+    *figures, count = refine_pair(scans, 1, scans, 0, case.poses[0], case.rule, iterations, pose, hessian)
+    return hessian, np.array(figures), count
+
+
+def refined_both_ways_by_textbook(case: MatchCase) -> tuple[Any, ...]:
+    case = replace(case, scale=max(case.scale, 0.25 * ITERATIONS.first_gate))
+    there, _, figures = equations_by_textbook(case, ITERATIONS.first_gate, case.poses)
+    log = replace(case.log, ranges=case.log.ranges[::-1])
+    back, _, more = equations_by_textbook(replace(case, log=log), ITERATIONS.first_gate, case.poses[::-1])
+    return there[:3, :3] + back[3:, 3:], figures + more, 1
+
+
+def views_by_kernel(case: MatchCase) -> tuple[Any, ...]:
+    counts = compare_views(case.scans, 1, case.poses[1], case.scans, 0, case.poses[0], case.gate, case.max_beams)
+    return (np.array(counts),)
+
+
+def views_by_textbook(case: MatchCase) -> tuple[Any, ...]:
+    first, second = point_scan(case.scans, 0), point_scan(case.scans, 1)
+    counts = textbook.compare_views(second, case.poses[1], first, case.poses[0], case.gate, case.max_beams)
+    return (np.array(counts),)
+
+
 def step_by_kernel(case: MatchCase) -> tuple[Any, ...]:
     hessian, gradient, _ = equations_of_pairs_by_kernel(case)
     step = np.empty(3)
@@ -212,6 +244,36 @@ def fields_by_textbook(case: MatchCase) -> tuple[Any, ...]:
     reach = gaussian_stamps(RESOLUTION, SIGMA).shape[2] // 2
     scores = textbook.score_field(geometry, placed, SIGMA, FINE, reach)
     return (np.stack([textbook.greatest_in_squares(scores, 1 << level) for level in range(4)]),)
+
+
+def field_equations_by_kernel(case: MatchCase) -> tuple[Any, ...]:
+    geometry, scores = _field(case)
+    hessian, gradient = np.empty((3, 3)), np.empty(3)
+    figures = accumulate_field(scores, geometry.frame, case.scans, 1, case.poses[1], 1, hessian, gradient)
+    return hessian, gradient, np.array(figures)
+
+
+def field_equations_by_textbook(case: MatchCase) -> tuple[Any, ...]:
+    geometry, scores = _field(case)
+    scan = point_scan(case.scans, 1)
+    e, jacobian = textbook.field_residuals(scores, geometry, scan.points[scan.is_point], case.poses[1])
+    return *textbook.normal_equations(jacobian, e, np.ones(len(e))), np.array([len(e), np.sum(e**2)])
+
+
+def split_by_kernel(case: MatchCase) -> tuple[Any, ...]:
+    found = np.zeros((case.log.n_beams, 2), dtype=np.int64)
+    count = split_scan(case.scans, 0, case.gate, case.scale, 3, found)
+    return (found[:count],)
+
+
+def split_by_textbook(case: MatchCase) -> tuple[Any, ...]:
+    scan = point_scan(case.scans, 0)
+    found = [
+        run[list(ends)]
+        for run in textbook.runs(scan, case.gate)
+        for ends in textbook.split(scan.points[run], case.scale, 3)
+    ]
+    return (np.array(found, dtype=np.int64).reshape(-1, 2),)
 
 
 WINDOW = Window(5, 2, 0.07)

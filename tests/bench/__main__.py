@@ -26,6 +26,7 @@ from mapper.tools.bench import bench_map
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
+from tests.bench.matching import matching
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 from tests.bench.service_start import service_start
@@ -194,6 +195,9 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["reading"]:
         reading()
         sys.exit()
+    if sys.argv[1:2] == ["match"]:
+        matching()
+        return
     if sys.argv[1:] == ["doctor"]:
         doctor()
         sys.exit()

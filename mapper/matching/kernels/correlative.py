@@ -41,7 +41,7 @@ def _write_cells(
         for k in range(0, scans.points.shape[1], stride):
             if scans.kind[i, k] == NO_POINT:
                 continue
-            p_x, p_y = float(scans.points[i, k, 0]), float(scans.points[i, k, 1])
+            p_x, p_y = np.float64(scans.points[i, k, 0]), np.float64(scans.points[i, k, 1])
             u, v = _to_lattice(pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y, frame)
             # Far outside all cells are alike.
             cells[a, n, 0] = int(min(max(_cell_of(v), -1e8), 1e8))
@@ -114,6 +114,111 @@ def best_in_window(volume: Int32Array, best: Int64Array) -> None:
 
 
 @jit
+def _bound_blocks(
+    levels: UInt8Array,
+    frame: Frame,
+    scans: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    window: Window,
+    stride: int,
+    least: int,
+) -> tuple[Int32Array, int, Int32Array, Int64Array]:
+    """Return the cells of the points and their number, the bound of each block of the top level, and the order of
+    the blocks with a bound of at least ``least``, the greatest bound first.
+    """
+    side = 1 << (levels.shape[0] - 1)
+    blocks = (2 * window.cells + 1 + side - 1) // side
+    n_turns = 2 * window.turns + 1
+    cells = np.empty((n_turns, scans.points.shape[1] // stride + 1, 2), dtype=np.int32)
+    n = _write_cells(scans, i, pose, window, frame, stride, cells)
+    bounds = np.empty((n_turns, blocks, blocks), dtype=np.int32)
+    for a in range(n_turns):
+        _add_block(levels[levels.shape[0] - 1], cells[a], n, -window.cells, -window.cells, side, bounds[a])
+    flat = bounds.reshape(-1)
+    candidates = np.flatnonzero(flat >= least)
+    return cells, n, flat, candidates[np.argsort(-flat[candidates], kind="mergesort")]
+
+
+@jit
+def _excluded(found: Int64Array, count: int, apart: Window, turn: int, y: int, x: int, side: int) -> bool:
+    """Return whether all poses of a block lie near one of the first ``count`` poses of ``found`` (k, 4)."""
+    for k in range(count):
+        if (
+            abs(turn - found[k, 1]) <= apart.turns
+            and y >= found[k, 2] - apart.cells
+            and y + side - 1 <= found[k, 2] + apart.cells
+            and x >= found[k, 3] - apart.cells
+            and x + side - 1 <= found[k, 3] + apart.cells
+        ):
+            return True
+    return False
+
+
+@jit
+def _descend(
+    levels: UInt8Array,
+    cells: Int32Array,
+    n: int,
+    flat: Int32Array,
+    order: Int64Array,
+    window: Window,
+    least: int,
+    apart: Window,
+    best: Int64Array,
+    k: int,
+) -> None:
+    """Write row k of ``best`` (., 4): the best pose that is not near those of the rows before."""
+    top = levels.shape[0] - 1
+    side = 1 << top
+    size = 2 * window.cells + 1
+    blocks = (size + side - 1) // side
+    score, best_turn, best_y, best_x, found = least, window.turns + 1, 0, 0, False
+    # A stack of blocks: bound, level, row and column of the block's first pose from the window's first one.
+    stack = np.empty((4 * top + 4, 4), dtype=np.int64)
+    four = np.empty((2, 2), dtype=np.int32)
+    for at in order:
+        if flat[at] < score:
+            break
+        a = at // (blocks * blocks)
+        turn = a - window.turns
+        stack[0, 0], stack[0, 1] = flat[at], top
+        stack[0, 2], stack[0, 3] = (at // blocks) % blocks * side, at % blocks * side
+        height = 1
+        while height > 0:
+            height -= 1
+            bound, level, row, col = stack[height, 0], stack[height, 1], stack[height, 2], stack[height, 3]
+            y, x = row - window.cells, col - window.cells
+            if bound < score or _excluded(best, k, apart, turn, y, x, 1 << level):
+                continue
+            if level == 0:
+                # Of equal scores the first in the order of the window.
+                before = turn < best_turn or (turn == best_turn and (y < best_y or (y == best_y and x < best_x)))
+                if bound > score or not found or before:
+                    score, best_turn, best_y, best_x, found = bound, turn, y, x, True
+                continue
+            half = 1 << (level - 1)
+            _add_block(levels[level - 1], cells[a], n, y, x, half, four)
+            # The best of the four comes on top, to be taken first.
+            begin = height
+            for q in range(4):
+                row_q, col_q = row + (q >> 1) * half, col + (q & 1) * half
+                part = four[q >> 1, q & 1]
+                if row_q >= size or col_q >= size or part < score:
+                    continue
+                place = height
+                while place > begin and stack[place - 1, 0] > part:
+                    stack[place] = stack[place - 1]
+                    place -= 1
+                stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = part, level - 1, row_q, col_q
+                height += 1
+    if found:
+        best[k, 0], best[k, 1], best[k, 2], best[k, 3] = score, best_turn, best_y, best_x
+    else:
+        best[k, 0], best[k, 1], best[k, 2], best[k, 3] = -1, 0, 0, 0
+
+
+@jit
 def branch_and_bound(
     levels: UInt8Array,
     frame: Frame,
@@ -133,59 +238,40 @@ def branch_and_bound(
     ``least`` (at least 1) do not count: where there is no other, ``best`` (4,) is −1, 0, 0, 0. Returns the number of
     points.
     """
-    top = levels.shape[0] - 1
-    side = 1 << top
-    size = 2 * window.cells + 1
-    blocks = (size + side - 1) // side
-    n_turns = 2 * window.turns + 1
-    cells = np.empty((n_turns, scans.points.shape[1] // stride + 1, 2), dtype=np.int32)
-    n = _write_cells(scans, i, pose, window, frame, stride, cells)
-    bounds = np.empty((n_turns, blocks, blocks), dtype=np.int32)
-    for a in range(n_turns):
-        _add_block(levels[top], cells[a], n, -window.cells, -window.cells, side, bounds[a])
-    flat = bounds.reshape(-1)
-    candidates = np.flatnonzero(flat >= max(least, 1))
-    order = candidates[np.argsort(-flat[candidates], kind="mergesort")]
-    best[0], best[1], best[2], best[3] = max(least, 1), window.turns + 1, 0, 0
-    found = False
-    # A stack of blocks: bound, level, row and column of the block's first pose from the window's first one.
-    stack = np.empty((4 * top + 4, 4), dtype=np.int64)
-    four = np.empty((2, 2), dtype=np.int32)
-    for at in order:
-        if flat[at] < best[0]:
+    least = max(least, 1)
+    cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
+    _descend(levels, cells, n, flat, order, window, least, Window(-1, -1, 0.0), best.reshape(1, 4), 0)
+    return n
+
+
+@jit
+def best_modes(
+    levels: UInt8Array,
+    frame: Frame,
+    scans: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    window: Window,
+    stride: int,
+    least: int,
+    share: float,
+    apart: Window,
+    best: Int64Array,
+) -> int:
+    """Write the best pose of the window, the best one apart from it, the best one apart from both, … (k, 4).
+
+    As :func:`branch_and_bound`. A pose is apart from another by more than ``apart.cells`` in row or column or by more
+    than ``apart.turns``. Poses after the first count if they score at least its score times ``share``; rows without a
+    pose are −1, 0, 0, 0. Returns the number of points.
+    """
+    least = max(least, 1)
+    cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
+    best[:, 0] = -1
+    best[:, 1:] = 0
+    for k in range(best.shape[0]):
+        _descend(levels, cells, n, flat, order, window, least, apart, best, k)
+        if best[k, 0] < 0:
             break
-        a = at // (blocks * blocks)
-        stack[0, 0], stack[0, 1] = flat[at], top
-        stack[0, 2], stack[0, 3] = (at // blocks) % blocks * side, at % blocks * side
-        height = 1
-        while height > 0:
-            height -= 1
-            bound, level, row, col = stack[height, 0], stack[height, 1], stack[height, 2], stack[height, 3]
-            if bound < best[0]:
-                continue
-            if level == 0:
-                # Of equal scores the first in the order of the window.
-                turn, y, x = a - window.turns, row - window.cells, col - window.cells
-                before = turn < best[1] or (turn == best[1] and (y < best[2] or (y == best[2] and x < best[3])))
-                if bound > best[0] or not found or before:
-                    best[0], best[1], best[2], best[3] = bound, turn, y, x
-                    found = True
-                continue
-            half = 1 << (level - 1)
-            _add_block(levels[level - 1], cells[a], n, row - window.cells, col - window.cells, half, four)
-            # The best of the four comes on top, to be taken first.
-            begin = height
-            for q in range(4):
-                y, x = row + (q >> 1) * half, col + (q & 1) * half
-                part = four[q >> 1, q & 1]
-                if y >= size or x >= size or part < best[0]:
-                    continue
-                place = height
-                while place > begin and stack[place - 1, 0] > part:
-                    stack[place] = stack[place - 1]
-                    place -= 1
-                stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = part, level - 1, y, x
-                height += 1
-    if not found:
-        best[0], best[1], best[2], best[3] = -1, 0, 0, 0
+        if k == 0:
+            least = max(least, int(share * best[0, 0]))
     return n

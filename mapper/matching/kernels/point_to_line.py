@@ -1,14 +1,14 @@
-"""Point-to-line Gauss–Newton between scans, with correspondences by bearing.
+"""Gauss–Newton between scans, with correspondences by bearing.
 
-A point of the moving scan is seen from where the other scan was taken; the point of the other scan nearest to it is
-looked for among the beams around that bearing (projective data association: Blais & Levine 1995; of scans: Lu & Milios
-1997), and its residual is the distance to the line through that point (Censi 2008). Numba twins of
-:func:`mapper.matching.textbook.pairs_by_bearing` and of what :mod:`mapper.matching.textbook` makes of them.
+The residual of a point is its distance to the line through the corresponding point of the other scan
+(:mod:`mapper.matching.kernels.views`): Censi 2008. With the rule's residual POINTS it is the vector to that point:
+Besl & McKay 1992. Numba twins of :func:`mapper.matching.textbook.pairs_by_bearing` and of what
+:mod:`mapper.matching.textbook` makes of them.
 """
 
 from __future__ import annotations
 
-from math import atan2, cos, floor, pi, sin, sqrt
+from math import cos, floor, pi, sin, sqrt
 
 import numpy as np
 
@@ -17,12 +17,14 @@ from mapper.core.jit import jit
 from mapper.matching.kernels.types import (
     CAUCHY,
     HUBER,
-    NO_POINT,
+    LINE,
+    POINT,
     POINT_WITH_NORMAL,
     Iterations,
     PairRule,
     ScanArrays,
 )
+from mapper.matching.kernels.views import nearest_beam
 
 
 @jit
@@ -36,50 +38,21 @@ def _weight(kind: int, scale: float, e: float) -> float:
 
 
 @jit
-def _beam_of(scans: ScanArrays, x: float, y: float) -> int:
-    """Return the beam in whose direction a point (x, y) from the sensor lies, −1 where no beam points there."""
-    turned = atan2(y, x) - scans.first
-    turned -= 2.0 * pi * floor(turned / (2.0 * pi))
-    beam = int(turned / scans.step + 0.5)
-    if beam < scans.points.shape[1]:
-        return beam
-    if scans.wraps or turned > 2.0 * pi - 0.5 * scans.step:
-        return 0
-    return -1
+def _of_other(hessian: Float64Array, gradient: Float64Array, a: float, b: float) -> None:
+    """Turn the normal equations for the step of the moving scan into those for the step of the other one, in place.
 
-
-@jit
-def _nearest(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int) -> int:
-    """Return the beam of a scan whose point with a normal is nearest to (x, y), in its base frame, within ``gate``.
-
-    −1 where there is none, −2 where (x, y) is outside the field of view.
+    The other scan's step moves its lines, in x and y the opposite way, and turns them around its own place, (a, b):
+    its J is −(J_x, J_y, J_θ − a J_x − b J_y).
     """
-    to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
-    centre = _beam_of(scans, to_x, to_y)
-    if centre < 0:
-        return -2
-    points, kind = scans.points[scan], scans.kind[scan]
-    n_beams = len(kind)
-    r = sqrt(to_x * to_x + to_y * to_y)
-    best, found = gate * gate, -1
-    for k in range(max_beams + 1):
-        if k > 0:
-            # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
-            angle = min((k - 0.5) * scans.step, 0.5 * pi)
-            apart = r * (angle - angle * angle * angle / 6.0)
-            if apart * apart >= best or 2 * k > n_beams:
-                break
-        for b in (centre - k, centre + k):
-            if b < 0 or b >= n_beams:
-                if not scans.wraps:
-                    continue
-                b += n_beams if b < 0 else -n_beams  # noqa: PLW2901
-            if kind[b] == POINT_WITH_NORMAL:
-                d_x, d_y = float(points[b, 0]) - x, float(points[b, 1]) - y
-                square = d_x * d_x + d_y * d_y
-                if square < best:
-                    best, found = square, b
-    return found
+    for u in range(3):
+        hessian[u, 2] -= a * hessian[u, 0] + b * hessian[u, 1]
+    for u in range(3):
+        hessian[2, u] -= a * hessian[0, u] + b * hessian[1, u]
+    gradient[0], gradient[1], gradient[2] = (
+        -gradient[0],
+        -gradient[1],
+        -(gradient[2] - a * gradient[0] - b * gradient[1]),
+    )
 
 
 @jit
@@ -105,59 +78,95 @@ def accumulate_scan(
     turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i  # of the rotation from base i to base j
     d_x, d_y = pose[0] - at[0], pose[1] - at[1]
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
-    with_normal = rule.min_cosine > -1.0
-    least = POINT_WITH_NORMAL if with_normal else NO_POINT + 1
-    pairs, tried, squares, weighted = 0, 0, 0.0, 0.0
-    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    g0, g1, g2 = 0.0, 0.0, 0.0
+    by_normal, to_line = rule.min_cosine > -1.0, rule.residual == LINE
+    wanted = POINT_WITH_NORMAL if by_normal or to_line else POINT
+    found = np.empty((moving.points.shape[1], 6))  # of each pair: the point turned and placed, what it is paired with
+    pairs, tried = 0, 0
     for k in range(0, moving.points.shape[1], rule.stride):
-        if moving.kind[i, k] < least:
+        if moving.kind[i, k] < (POINT_WITH_NORMAL if by_normal else POINT):
             continue
-        p_x, p_y = float(moving.points[i, k, 0]), float(moving.points[i, k, 1])
+        p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
         r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
         x, y = r_x + t_x, r_y + t_y
-        q = _nearest(fixed, j, x, y, gate, rule.max_beams)
+        q = nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
         if q == -2:
             continue
         tried += 1
         if q < 0:
             continue
-        n_x, n_y = float(fixed.normals[j, q, 0]), float(fixed.normals[j, q, 1])
-        if with_normal:
-            m_x, m_y = float(moving.normals[i, k, 0]), float(moving.normals[i, k, 1])
+        n_x, n_y = np.float64(fixed.normals[j, q, 0]), np.float64(fixed.normals[j, q, 1])
+        if by_normal:
+            m_x, m_y = np.float64(moving.normals[i, k, 0]), np.float64(moving.normals[i, k, 1])
             cosine = n_x * (turn_c * m_x - turn_s * m_y) + n_y * (turn_s * m_x + turn_c * m_y)
             if cosine < rule.min_cosine:
                 continue
-        e = n_x * (x - float(fixed.points[j, q, 0])) + n_y * (y - float(fixed.points[j, q, 1]))
-        w = _weight(rule.weight, rule.scale, e)
-        j_t = n_y * r_x - n_x * r_y
+        e_x, e_y = x - np.float64(fixed.points[j, q, 0]), y - np.float64(fixed.points[j, q, 1])
+        one = found[pairs]
+        one[0], one[1], one[2], one[3] = r_x, r_y, n_x, n_y
+        if to_line:
+            one[4] = n_x * e_x + n_y * e_y
+        else:
+            one[4], one[5] = e_x, e_y
         pairs += 1
-        squares += e * e
-        weighted += w * e * e
-        h00 += w * n_x * n_x
-        h01 += w * n_x * n_y
-        h02 += w * n_x * j_t
-        h11 += w * n_y * n_y
-        h12 += w * n_y * j_t
-        h22 += w * j_t * j_t
-        g0 -= w * n_x * e
-        g1 -= w * n_y * e
-        g2 -= w * j_t * e
+    greatest = 1e300
+    if rule.keep < 1.0 and pairs > 0:
+        squares_of = found[:pairs, 4] ** 2
+        if not to_line:
+            squares_of += found[:pairs, 5] ** 2
+        squares_of.sort()
+        greatest = squares_of[min(max(int(rule.keep * pairs), 1), pairs) - 1]
+    kept, squares, weighted = 0, 0.0, 0.0
+    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    g0, g1, g2 = 0.0, 0.0, 0.0
+    for k in range(pairs):
+        r_x, r_y, n_x, n_y, e, e_y = found[k, 0], found[k, 1], found[k, 2], found[k, 3], found[k, 4], found[k, 5]
+        if to_line:
+            square = e * e
+            if square > greatest:
+                continue
+            w = _weight(rule.weight, rule.scale, e)
+            j_t = n_y * r_x - n_x * r_y
+            h00 += w * n_x * n_x
+            h01 += w * n_x * n_y
+            h02 += w * n_x * j_t
+            h11 += w * n_y * n_y
+            h12 += w * n_y * j_t
+            h22 += w * j_t * j_t
+            g0 -= w * n_x * e
+            g1 -= w * n_y * e
+            g2 -= w * j_t * e
+        else:
+            square = e * e + e_y * e_y
+            if square > greatest:
+                continue
+            w = _weight(rule.weight, rule.scale, sqrt(square))
+            h00 += w
+            h02 -= w * r_y
+            h11 += w
+            h12 += w * r_x
+            h22 += w * (r_x * r_x + r_y * r_y)
+            g0 -= w * e
+            g1 -= w * e_y
+            g2 -= w * (r_x * e_y - r_y * e)
+        kept += 1
+        squares += square
+        weighted += w * square
     # From the axes of the other scan's base to those of the map.
-    hessian[0, 0] += c_j * c_j * h00 - 2.0 * c_j * s_j * h01 + s_j * s_j * h11
     off = c_j * s_j * (h00 - h11) + (c_j * c_j - s_j * s_j) * h01
+    x_t, y_t = c_j * h02 - s_j * h12, s_j * h02 + c_j * h12
+    hessian[0, 0] += c_j * c_j * h00 - 2.0 * c_j * s_j * h01 + s_j * s_j * h11
     hessian[0, 1] += off
     hessian[1, 0] += off
     hessian[1, 1] += s_j * s_j * h00 + 2.0 * c_j * s_j * h01 + c_j * c_j * h11
-    hessian[0, 2] += c_j * h02 - s_j * h12
-    hessian[2, 0] += c_j * h02 - s_j * h12
-    hessian[1, 2] += s_j * h02 + c_j * h12
-    hessian[2, 1] += s_j * h02 + c_j * h12
+    hessian[0, 2] += x_t
+    hessian[2, 0] += x_t
+    hessian[1, 2] += y_t
+    hessian[2, 1] += y_t
     hessian[2, 2] += h22
     gradient[0] += c_j * g0 - s_j * g1
     gradient[1] += s_j * g0 + c_j * g1
     gradient[2] += g2
-    return pairs, tried, squares, weighted
+    return kept, tried, squares, weighted
 
 
 @jit
@@ -185,24 +194,19 @@ def accumulate_pairs(
         figures[k, 0], figures[k, 1], figures[k, 2], figures[k, 3] = accumulate_scan(
             scans, i, poses[i], scans, j, poses[j], gate, rule, one, right
         )
-        # The second scan's step moves its lines: in x and y the opposite of the first one's, and turning it turns the
-        # points around its own place, which is the turn of the first one less a shift.
         a, b = poses[i, 1] - poses[j, 1], poses[j, 0] - poses[i, 0]
         for u in range(3):
             gradients[k, u] = right[u]
             for v in range(3):
                 hessians[k, u, v] = one[u, v]
-        # J_second = −(J_x, J_y, J_θ − a J_x − b J_y)
-        gradients[k, 3], gradients[k, 4] = -right[0], -right[1]
-        gradients[k, 5] = -(right[2] - a * right[0] - b * right[1])
-        for u in range(3):
             hessians[k, u, 3] = hessians[k, 3, u] = -one[u, 0]
             hessians[k, u, 4] = hessians[k, 4, u] = -one[u, 1]
             hessians[k, u, 5] = hessians[k, 5, u] = -(one[u, 2] - a * one[u, 0] - b * one[u, 1])
+        _of_other(one, right, a, b)
         for u in range(3):
-            hessians[k, 3, 3 + u] = -hessians[k, 0, 3 + u]
-            hessians[k, 4, 3 + u] = -hessians[k, 1, 3 + u]
-            hessians[k, 5, 3 + u] = -(hessians[k, 2, 3 + u] - a * hessians[k, 0, 3 + u] - b * hessians[k, 1, 3 + u])
+            gradients[k, 3 + u] = right[u]
+            for v in range(3):
+                hessians[k, 3 + u, 3 + v] = one[u, v]
 
 
 @jit
@@ -235,6 +239,25 @@ def solve_step(hessian: Float64Array, gradient: Float64Array, step: Float64Array
     step[1] = (y1 - l21 * step[2]) / l11
     step[0] = (y0 - l10 * step[1] - l20 * step[2]) / l00
     return True
+
+
+@jit
+def take_step(
+    hessian: Float64Array,
+    gradient: Float64Array,
+    iterations: Iterations,
+    gate: float,
+    pose: Float64Array,
+    step: Float64Array,
+) -> bool:
+    """Add the Gauss–Newton step to ``pose``; return whether another iteration may change it further."""
+    if not solve_step(hessian, gradient, step):
+        return False
+    pose[0] += step[0]
+    pose[1] += step[1]
+    pose[2] += step[2]
+    length = sqrt(step[0] * step[0] + step[1] * step[1])
+    return gate > iterations.last_gate or length >= iterations.stop_m or abs(step[2]) >= iterations.stop_rad
 
 
 @jit
@@ -277,16 +300,51 @@ def refine_pose(
             hessian[u, u] += prior_weight[u]
             gradient[u] -= prior_weight[u] * off
         done += 1
-        if not solve_step(hessian, gradient, step):
+        if not take_step(hessian, gradient, iterations, gate, pose, step):
             break
-        pose[0] += step[0]
-        pose[1] += step[1]
-        pose[2] += step[2]
-        if (
-            gate <= iterations.last_gate
-            and sqrt(step[0] * step[0] + step[1] * step[1]) < iterations.stop_m
-            and abs(step[2]) < iterations.stop_rad
-        ):
+        gate = max(gate * iterations.shrink, iterations.last_gate)
+    pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))
+    return pairs, tried, squares, weighted, done
+
+
+@jit
+def refine_pair(
+    moving: ScanArrays,
+    i: int,
+    fixed: ScanArrays,
+    j: int,
+    at: Float64Array,
+    rule: PairRule,
+    iterations: Iterations,
+    pose: Float64Array,
+    hessian: Float64Array,
+) -> tuple[int, int, float, float, int]:
+    """Refine ``pose`` (3,) of scan i of ``moving`` against scan j of ``fixed`` at ``at`` (3,), with pairs both ways.
+
+    As :func:`refine_pose` without a prior, but the points of scan j are paired with scan i too, so that neither scan's
+    normals and holes count more. The scale of the weight is at least a quarter of the gate, so that pairs count while
+    the pose is still far off. ``hessian`` (3, 3) and the sums are those of both.
+    """
+    gradient, step, back, right = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3)
+    pairs, tried, squares, weighted, done = 0, 0, 0.0, 0.0, 0
+    gate = iterations.first_gate
+    for _ in range(iterations.most):
+        hessian[:], gradient[:], back[:], right[:] = 0.0, 0.0, 0.0, 0.0
+        scale = max(rule.scale, 0.25 * gate)
+        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, scale, rule.stride, rule.keep, rule.residual)
+        pairs, tried, squares, weighted = accumulate_scan(moving, i, pose, fixed, j, at, gate, now, hessian, gradient)
+        n, m, e, w = accumulate_scan(fixed, j, at, moving, i, pose, gate, now, back, right)
+        pairs += n
+        tried += m
+        squares += e
+        weighted += w
+        _of_other(back, right, at[1] - pose[1], pose[0] - at[0])
+        for u in range(3):
+            gradient[u] += right[u]
+            for v in range(3):
+                hessian[u, v] += back[u, v]
+        done += 1
+        if not take_step(hessian, gradient, iterations, gate, pose, step):
             break
         gate = max(gate * iterations.shrink, iterations.last_gate)
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))

@@ -32,7 +32,7 @@ def write_points(
     """
     for i in range(ranges.shape[0]):
         for k in range(ranges.shape[1]):
-            r = float(ranges[i, k])
+            r = np.float64(ranges[i, k])
             if range_min <= r <= range_max:
                 points[i, k, 0] = np.float32(sensor_x + r * beams[k, 0])
                 points[i, k, 1] = np.float32(sensor_y + r * beams[k, 1])
@@ -43,10 +43,13 @@ def write_points(
 
 
 @jit
-def write_normals(scans: ScanArrays, half_width: int, least_gap: float, max_thickness: float) -> None:
+def write_normals(
+    scans: ScanArrays, half_width: int, reach: float, most: int, least_gap: float, max_thickness: float
+) -> None:
     """Write the normal of the line through each point and its neighbours in bearing, where they lie on one.
 
-    Neighbours are the points of the ``half_width`` beams on either side that are nearer than a gap: the larger of
+    Neighbours are the points of the ``half_width`` beams on either side, or of as many as ``reach`` metres across the
+    beams at that range have, at most ``most``, if they are nearer than a gap: the larger of
     ``least_gap`` metres and three times the distance between beams at that range, for each beam between. The line is
     the major axis of their scatter. There is a normal where three points or more are neighbours and the scatter along
     the line is 8 times that across it, or that across it is below ``max_thickness``² m². ``scans.normals`` and
@@ -59,18 +62,20 @@ def write_normals(scans: ScanArrays, half_width: int, least_gap: float, max_thic
             normals[i, k, 0] = normals[i, k, 1] = np.float32(0.0)
             if kind[i, k] == NO_POINT:
                 continue
-            x, y = float(points[i, k, 0]), float(points[i, k, 1])
+            x, y = np.float64(points[i, k, 0]), np.float64(points[i, k, 1])
             to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
             r = sqrt(to_x * to_x + to_y * to_y)
             gap = max(least_gap, 3.0 * r * scans.step)
+            half = max(half_width, int(min(reach / max(r * scans.step, 1e-9), np.float64(most))))
+            half = min(half, (n_beams - 1) // 2)
             n, s_x, s_y, s_xx, s_xy, s_yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
-            for offset in range(-half_width, half_width + 1):
+            for offset in range(-half, half + 1):
                 q = k + offset
                 if scans.wraps:
                     q += n_beams if q < 0 else -n_beams if q >= n_beams else 0
                 if q < 0 or q >= n_beams or kind[i, q] == NO_POINT:
                     continue
-                d_x, d_y = float(points[i, q, 0]) - x, float(points[i, q, 1]) - y
+                d_x, d_y = np.float64(points[i, q, 0]) - x, np.float64(points[i, q, 1]) - y
                 if sqrt(d_x * d_x + d_y * d_y) < gap * max(1, abs(offset)):
                     n += 1
                     s_x += d_x

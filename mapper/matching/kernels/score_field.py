@@ -36,7 +36,7 @@ def add_scan(
     for k in range(0, scans.points.shape[1], stride):
         if scans.kind[i, k] == NO_POINT:
             continue
-        p_x, p_y = float(scans.points[i, k, 0]), float(scans.points[i, k, 1])
+        p_x, p_y = np.float64(scans.points[i, k, 0]), np.float64(scans.points[i, k, 1])
         u, v = _to_lattice(pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y, frame)
         col_at, row_at = _cell_of(u), _cell_of(v)
         if not (0.0 <= row_at < rows and 0.0 <= col_at < cols):

@@ -30,14 +30,20 @@ class ScanArrays(NamedTuple):
     sensor_y: float  #: m
 
 
+#: The residual of a pair: its distance across the line of the other scan, or the vector from point to point.
+LINE, POINTS = 0, 1
+
+
 class PairRule(NamedTuple):
     """Which points of two scans correspond, and how much a pair counts."""
 
     min_cosine: float  #: between the two normals; −1 takes all pairs, also of points without a normal
-    max_beams: int  #: by how many beams, either way, a corresponding beam may be off
+    max_beams: int  #: by how many beams, either way, a corresponding beam may be off; all of them: the nearest point
     weight: int  #: SQUARES, HUBER or CAUCHY
     scale: float  #: m, of the weight
     stride: int  #: take each stride-th beam of the moving scan
+    keep: float = 1.0  #: the share of the pairs that counts, those with the smallest residuals
+    residual: int = 0  #: LINE or POINTS
 
 
 class Iterations(NamedTuple):

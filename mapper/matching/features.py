@@ -1,0 +1,140 @@
+"""Matching by features: walls and the corners that two of them make, paired by RANSAC.
+
+A corner is an ordered pair of walls that are not parallel: the point in which their lines meet, and the direction of
+the first. Its descriptor is the angle from the first to the second, so that one pair of corners gives a whole pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.matching.kernels.segments import split_scan
+from mapper.matching.kernels.types import NO_POINT, ScanArrays
+from mapper.matching.target import Target
+from mapper.matching.task import Task
+
+GAP, THICKNESS, FEWEST = 0.3, 0.06, 5  #: m, m, points: of the walls that are looked for
+SHORTEST = 0.3  #: m: walls that are shorter are left out
+LEAST_ANGLE = np.deg2rad(25.0)  #: between the walls of a corner
+FARTHEST = 30.0  #: m from the sensor: corners beyond, of lines that are nearly parallel, are uncertain
+SAME_ANGLE = np.deg2rad(8.0)  #: corners whose angles differ more, and walls whose directions do, are others
+SAME_M = 0.2  #: walls that lie farther apart are others
+DRAWS = 400  #: at most so many pairs of corners are drawn
+SEED = 14  #: of the draws
+APART_M, APART_RAD = 0.4, 0.25  #: hypotheses that are nearer than both are one
+
+
+@dataclass(frozen=True, slots=True)
+class Walls:
+    """Line segments: ``ends`` (n, 2, 2), the first and the last point, counter-clockwise as the sensor sees them."""
+
+    ends: Float64Array
+
+    @property
+    def directions(self) -> Float64Array:
+        """Angles (n,) from the first end to the last, radians."""
+        d = self.ends[:, 1] - self.ends[:, 0]
+        return np.asarray(np.arctan2(d[:, 1], d[:, 0]))
+
+    @property
+    def lengths(self) -> Float64Array:
+        """Lengths (n,), metres."""
+        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+
+def walls_of(scans: ScanArrays, i: int) -> Walls:
+    """Return the walls of scan i in its base frame: the runs of split and merge, each on its own principal axis."""
+    runs = np.empty((scans.points.shape[1], 2), dtype=np.int64)
+    count = split_scan(scans, i, GAP, THICKNESS, FEWEST, runs)
+    ends = [_fitted(scans, i, run) for run in runs[:count]]
+    walls = Walls(np.array(ends, dtype=np.float64).reshape(-1, 2, 2))
+    return Walls(walls.ends[walls.lengths >= SHORTEST])
+
+
+def _fitted(scans: ScanArrays, i: int, run: Int64Array) -> Float64Array:
+    """Return the first and last point (2, 2) of a run on the line with the least squared distances to its points."""
+    beams = slice(run[0], run[1] + 1)
+    points = scans.points[i, beams][scans.kind[i, beams] != NO_POINT].astype(np.float64)
+    mean = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - mean, full_matrices=False)
+    along = (points[[0, -1]] - mean) @ axes[0]
+    return np.asarray(mean + along[:, np.newaxis] * axes[0])
+
+
+def corners_of(walls: Walls) -> tuple[Float64Array, Float64Array]:
+    """Return the corners' poses (n, 3), the point and the first wall's direction, and their angles (n,), radians."""
+    directions, starts = walls.directions, walls.ends[:, 0]
+    n = len(directions)
+    first, second = (part.ravel() for part in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    angles = wrap_angle(directions[second] - directions[first])
+    clear = np.abs(np.sin(angles)) > np.sin(LEAST_ANGLE)
+    first, second, angles = first[clear], second[clear], angles[clear]
+    c, s = np.cos(directions[first]), np.sin(directions[first])
+    off = starts[second] - starts[first]
+    d = directions[second]
+    t = (off[:, 0] * np.sin(d) - off[:, 1] * np.cos(d)) / np.sin(angles)
+    at = starts[first] + t[:, np.newaxis] * np.stack([c, s], axis=-1)
+    near = np.hypot(*at.T) < FARTHEST
+    return np.column_stack([at, directions[first]])[near], angles[near]
+
+
+def support(walls: Walls, others: Walls, poses: Float64Array) -> Float64Array:
+    """Return the length (k,) of ``walls`` at each of ``poses`` (k, 3) that lies on one of ``others``, metres."""
+    lengths, found = walls.lengths, np.zeros(len(poses))
+    directions = others.directions
+    along = np.stack([np.cos(directions), np.sin(directions)], axis=-1)
+    for k, pose in enumerate(poses):
+        ends = transform_points(pose, walls.ends)
+        off = ends[:, np.newaxis] - others.ends[:, 0][np.newaxis, :, np.newaxis]
+        at = np.einsum("mnec,nc->mne", off, along)
+        across = np.abs(off[..., 0] * along[:, np.newaxis, 1] - off[..., 1] * along[:, np.newaxis, 0]).max(axis=2)
+        turned = np.abs(wrap_angle(walls.directions[:, np.newaxis] + pose[2] - directions))
+        shared = np.minimum(at.max(axis=2), others.lengths) - np.maximum(at.min(axis=2), 0.0)
+        shared = np.where((across < SAME_M) & (turned < SAME_ANGLE), np.maximum(shared, 0.0), 0.0)
+        found[k] = np.minimum(shared.sum(axis=1), lengths).sum()
+    return found
+
+
+def walls_of_target(target: Target) -> Walls:
+    """Return the walls of all scans of a target in its frame. Raises :class:`ConfigError` for a map."""
+    if target.is_map:
+        raise ConfigError("matching.method", "The method features looks for walls in scans, and the target is a map.")
+    placed = [transform_points(target.poses[j], walls_of(target.scans, int(j)).ends) for j in target.indices]
+    return Walls(np.concatenate(placed))
+
+
+def poses_by_features(task: Task) -> Float64Array:
+    """Return the poses (k, 3) in the window on which most of the walls agree, the best first; perhaps none.
+
+    Source: Fischler & Bolles 1981 (RANSAC): pairs of corners of equal angle are drawn, at most :data:`DRAWS`, each
+    gives a pose, and the pose counts by the length of the walls that then lie on walls of the target.
+    """
+    walls, others = walls_of(task.source, task.index), walls_of_target(task.target)
+    ours, our_angles = corners_of(walls)
+    theirs, their_angles = corners_of(others)
+    alike = np.abs(wrap_angle(our_angles[:, np.newaxis] - their_angles)) < SAME_ANGLE
+    a, b = np.nonzero(alike)
+    poses = compose(theirs[b], inverse(ours[a]))
+    off = poses - task.guess
+    config = task.config
+    inside = (np.abs(off[:, :2]) <= config.window_m).all(axis=1) & (np.abs(wrap_angle(off[:, 2])) <= config.window_rad)
+    poses = poses[inside]
+    if len(poses) > DRAWS:
+        poses = poses[np.sort(np.random.default_rng(SEED).choice(len(poses), DRAWS, replace=False))]
+    found = support(walls, others, poses)
+    chosen: list[Float64Array] = []
+    for k in np.argsort(-found, kind="stable"):
+        if len(chosen) == int(config.modes) or found[k] <= 0.0:
+            break
+        apart = [
+            np.hypot(*(poses[k] - one)[:2]) > APART_M or abs(float(wrap_angle(poses[k, 2] - one[2]))) > APART_RAD
+            for one in chosen
+        ]
+        if all(apart):
+            chosen.append(poses[k])
+    return np.array(chosen).reshape(-1, 3)

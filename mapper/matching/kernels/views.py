@@ -1,0 +1,126 @@
+"""Which points of two scans correspond, by the bearing in which one scan would have seen the points of the other.
+
+The point of the other scan nearest to a point is looked for among the beams around that bearing (projective data
+association: Blais & Levine 1995), outwards, until no farther beam can have a nearer point (Censi 2008, section IV).
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, floor, pi, sin, sqrt
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array
+from mapper.core.jit import jit
+from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
+
+
+@jit
+def beam_of(scans: ScanArrays, x: float, y: float) -> int:
+    """Return the beam in whose direction a point (x, y) from the sensor lies, −1 where no beam points there."""
+    turned = atan2(y, x) - scans.first
+    turned -= 2.0 * pi * floor(turned / (2.0 * pi))
+    beam = int(turned / scans.step + 0.5)
+    if beam < scans.points.shape[1]:
+        return beam
+    if scans.wraps or turned > 2.0 * pi - 0.5 * scans.step:
+        return 0
+    return -1
+
+
+@jit
+def nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
+    """Return the beam of a scan whose point is nearest to (x, y), in its base frame, within ``gate``.
+
+    Points of a kind below ``least`` do not count, nor those more than ``max_beams`` beams off the bearing of (x, y).
+    −1 where there is none, −2 where (x, y) is outside the field of view; where all beams are asked, that is no matter.
+    """
+    points, kind = scans.points[scan], scans.kind[scan]
+    n_beams = len(kind)
+    to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
+    centre = beam_of(scans, to_x, to_y)
+    if centre < 0:
+        if max_beams < n_beams:
+            return -2
+        middle = scans.first + 0.5 * (n_beams - 1) * scans.step
+        centre = 0 if sin(atan2(to_y, to_x) - middle) < 0.0 else n_beams - 1
+    r = sqrt(to_x * to_x + to_y * to_y)
+    best, found = gate * gate, -1
+    last = min(max_beams, n_beams // 2 if scans.wraps else n_beams)
+    for k in range(last + 1):
+        if k > 0:
+            # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
+            angle = min((k - 0.5) * scans.step, 0.5 * pi)
+            apart = r * (angle - angle * angle * angle / 6.0)
+            if apart * apart >= best:
+                break
+        for b in (centre - k, centre + k):
+            if b < 0 or b >= n_beams:
+                if not scans.wraps:
+                    continue
+                b += n_beams if b < 0 else -n_beams  # noqa: PLW2901
+            if kind[b] >= least:
+                d_x, d_y = np.float64(points[b, 0]) - x, np.float64(points[b, 1]) - y
+                square = d_x * d_x + d_y * d_y
+                if square < best:
+                    best, found = square, b
+    return found
+
+
+@jit
+def compare_views(
+    moving: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    fixed: ScanArrays,
+    j: int,
+    at: Float64Array,
+    gate: float,
+    max_beams: int,
+) -> tuple[int, int, int, float]:
+    """Return how what scan i of ``moving`` at ``pose`` saw agrees with what scan j of ``fixed`` at ``at`` saw.
+
+    Returned are the number of points nearer than ``gate`` to a point of the other scan; of those that the other scan
+    saw through: farther than ``gate`` in front of what it measured in that direction and on either side; of those
+    behind what it measured; and Σ (1 − d² / gate²) over the first, where d is the distance.
+    """
+    c_i, s_i, c_j, s_j = cos(pose[2]), sin(pose[2]), cos(at[2]), sin(at[2])
+    turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i
+    d_x, d_y = pose[0] - at[0], pose[1] - at[1]
+    t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
+    near, through, behind, total = 0, 0, 0, 0.0
+    n_beams = fixed.points.shape[1]
+    for k in range(moving.points.shape[1]):
+        if moving.kind[i, k] == NO_POINT:
+            continue
+        p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
+        x, y = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
+        to_x, to_y = x - fixed.sensor_x, y - fixed.sensor_y
+        centre = beam_of(fixed, to_x, to_y)
+        if centre < 0:
+            continue
+        r = sqrt(to_x * to_x + to_y * to_y)
+        q = nearest_beam(fixed, j, x, y, gate, max_beams, POINT)
+        if q >= 0:
+            o_x, o_y = np.float64(fixed.points[j, q, 0]) - x, np.float64(fixed.points[j, q, 1]) - y
+            near += 1
+            total += 1.0 - (o_x * o_x + o_y * o_y) / (gate * gate)
+            continue
+        least = 1e300
+        for beam in range(centre - min(1, max_beams), centre + min(1, max_beams) + 1):
+            b = beam
+            if b < 0 or b >= n_beams:
+                if not fixed.wraps:
+                    continue
+                b += n_beams if b < 0 else -n_beams
+            if fixed.kind[j, b] != NO_POINT:
+                o_x, o_y = (
+                    np.float64(fixed.points[j, b, 0]) - fixed.sensor_x,
+                    np.float64(fixed.points[j, b, 1]) - fixed.sensor_y,
+                )
+                least = min(least, sqrt(o_x * o_x + o_y * o_y))
+        if least > r + gate and least < 1e300:
+            through += 1
+        elif least < r - gate:
+            behind += 1
+    return near, through, behind, total

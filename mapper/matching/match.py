@@ -1,0 +1,140 @@
+"""A match: a pose, how certain it is, how well both sides agree, and what it does not know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import wrap_angle
+from mapper.matching.kernels.types import ScanArrays
+from mapper.matching.kernels.views import compare_views
+from mapper.matching.parameters import MatchConfig
+from mapper.matching.refine import REFINEMENTS, Refined
+from mapper.matching.search import SEARCHES
+from mapper.matching.target import Target
+from mapper.matching.task import MOST_BEAMS, Task
+
+FEW_POINTS = 20.0  #: so many points that agree with nothing are added, so that a few points alone score low
+LEAST_VARIANCE = 1e-8  #: of a residual, where all of them are 0
+NOT_KNOWN = 1e6  #: the greatest variance, m² or rad²
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The result of a match.
+
+    ``pose`` (3,) is ``T_target_base``, metres and radians. ``covariance`` (3, 3) of x, y and θ is s² H⁻¹, the inverse
+    of the Gauss–Newton Hessian times the variance of the weighted residuals, s² = Σ w e² / (n − 3) (Press et al. 2007,
+    Numerical Recipes, 15.4; it holds for independent residuals and the right basin, so it is a lower bound).
+    ``score``, 0 to 1, says how well the two sides agree; see :func:`agreement`. ``is_degenerate`` says that some
+    direction is not known, as along a corridor; ``unknown_direction`` (3,) is it then: the motion (x, y, θ) in the
+    target's frame that changes the residuals least. ``information`` is the share of the information that it has, 0 to
+    ½ (Zhang, Kaess & Singh 2016 take the least eigenvalue too). ``candidates`` (k, 3) are the refined poses among
+    which the best was taken, and ``scores`` (k,) theirs.
+    """
+
+    pose: Float64Array
+    covariance: Float64Array
+    score: float
+    is_degenerate: bool
+    unknown_direction: Float64Array | None
+    information: float
+    rms: float
+    pairs: int
+    iterations: int
+    candidates: Float64Array
+    scores: Float64Array
+    method: str
+
+
+def match_scan(
+    source: ScanArrays, index: int, target: Target, guess: Float64Array, config: MatchConfig | None = None
+) -> Match:
+    """Return the pose of scan ``index`` of ``source`` in the frame of ``target``, beginning at ``guess`` (3,).
+
+    Raises :class:`ConfigError` and :class:`LimitError` as :class:`Task` does, and :class:`ConfigError` where nothing
+    of the scan lies near the target anywhere in the window.
+    """
+    task = Task(source, index, target, guess, MatchConfig() if config is None else config)
+    parts = task.config.parts
+    begins = SEARCHES[parts.search](task)
+    if not len(begins):
+        raise ConfigError("matching.apart", "No point of the scan lies near the target at any pose of the window.")
+    refined = [REFINEMENTS[parts.refinement](task, pose) for pose in begins]
+    scores = np.array([agreement(task, one.pose) for one in refined])
+    best = int(np.argmax(scores))
+    one = refined[best]
+    one.pose[2] = wrap_angle(one.pose[2])
+    information, direction = _least_known(task, one.hessian)
+    is_degenerate = information < task.config.least_information
+    return Match(
+        one.pose,
+        covariance(one),
+        float(scores[best]),
+        is_degenerate,
+        direction if is_degenerate else None,
+        information,
+        float(np.sqrt(one.cost / max(one.pairs, 1))),
+        one.pairs,
+        sum(found.iterations for found in refined),
+        np.array([found.pose for found in refined]),
+        scores,
+        task.config.method,
+    )
+
+
+def agreement(task: Task, pose: Float64Array) -> float:
+    """Return how well a scan at ``pose`` (3,) agrees with the target, 0 to 1.
+
+    Each point counts 1 − d² / gate² where a point of the other side is nearer than the gate, at d. The score is the sum
+    of this over the points that both sides should have seen, both ways: those that agree, those that the other side saw
+    through, and those behind what it measured; 20 are added to their number. Of a map the share of the points that
+    agree counts, one way.
+    """
+    source, target, gate = task.source, task.target, task.config.score_gate
+    if target.is_map:
+        geometry, scores = task.score_field(task.config.field_resolution, max(gate / 2.0, task.config.field_resolution))
+        x, y = source.points[task.index, source.kind[task.index] > 0].T
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        cells = geometry.world_to_cell(np.stack([pose[0] + c * x - s * y, pose[1] + s * x + c * y], axis=-1))
+        cells = cells[geometry.contains(cells)]
+        return float(scores[cells[:, 0], cells[:, 1]].sum(dtype=np.int64) / 255.0 / (len(x) + FEW_POINTS))
+    seen, total = 0, 0.0
+    for j in target.indices:
+        at = target.poses[j]
+        for one in (
+            compare_views(source, task.index, pose, target.scans, int(j), at, gate, MOST_BEAMS),
+            compare_views(target.scans, int(j), at, source, task.index, pose, gate, MOST_BEAMS),
+        ):
+            seen += one[0] + one[1] + one[2]
+            total += one[3]
+    return float(total / (seen + FEW_POINTS * len(target.indices)))
+
+
+def covariance(refined: Refined) -> Float64Array:
+    """Return s² H⁻¹ (3, 3); directions without information have the variance :data:`NOT_KNOWN`."""
+    variance = max(refined.cost / max(refined.pairs - 3, 1), LEAST_VARIANCE)
+    values, vectors = np.linalg.eigh(refined.hessian)
+    variances = variance / np.maximum(values, variance / NOT_KNOWN)
+    return np.asarray((vectors * variances) @ vectors.T)
+
+
+def _least_known(task: Task, hessian: Float64Array) -> tuple[float, Float64Array]:
+    """Return the least share of the information that a direction has, and that direction (3,).
+
+    The angle is scaled by the root mean square distance of the points, so that a radian and a metre compare; the shares
+    are eigenvalues of the scaled Hessian over the trace of its translation, which is Σ w.
+    """
+    points = task.source.points[task.index, task.source.kind[task.index] > 0].astype(np.float64)
+    lever = max(float(np.sqrt(np.mean(np.sum(points**2, axis=1)))), 1e-3)
+    scale = np.array([1.0, 1.0, 1.0 / lever])
+    total = hessian[0, 0] + hessian[1, 1]
+    if not total > 0.0:
+        return 0.0, np.array([1.0, 0.0, 0.0])
+    values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
+    direction = vectors[:, 0] * scale
+    first = direction[np.argmax(np.abs(direction))]
+    return float(max(values[0], 0.0) / total), direction / np.linalg.norm(direction) * np.sign(first)

@@ -1,0 +1,162 @@
+"""The one table of parameters of scan matching, and the axes that a method is made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A method: how poses to begin with are searched for, and how each of them is refined.
+
+    ``search`` is a name of :data:`mapper.matching.search.SEARCHES`, ``refinement`` one of
+    :data:`mapper.matching.refine.REFINEMENTS`.
+    """
+
+    name: str
+    search: str
+    refinement: str
+    sentence: str
+
+
+METHODS: Mapping[str, Method] = {
+    method.name: method
+    for method in (
+        Method(
+            "global", "modes", "point_to_line", "The best modes of the correlation, each refined point to line; the "
+            "one on which both scans agree best.",
+        ),
+        Method("point_to_line", "guess", "point_to_line", "ICP with the distance to the line (Censi 2008)."),
+        Method("point_to_point", "guess", "point_to_point", "ICP with the distance to the point (Besl & McKay 1992)."),
+        Method("likelihood_field", "guess", "likelihood_field", "Gauss-Newton on a smooth field (Kohlbrecher 2011)."),
+        Method("correlative", "branch_and_bound", "none", "The best cell of the window (Olson 2009; Hess 2016)."),
+        Method("exhaustive", "exhaustive", "none", "As correlative, but every pose of the window is scored."),
+        Method("features", "features", "point_to_line", "Corners and walls, drawn by RANSAC, then point to line."),
+    )
+}  # fmt: skip
+
+WEIGHTS: Mapping[str, int] = {"cauchy": CAUCHY, "huber": HUBER, "squares": SQUARES}
+CORRESPONDENCES = ("bearing", "nearest")
+_SEARCHING = tuple(name for name, method in METHODS.items() if method.search != "guess")
+_PAIRING = tuple(name for name, method in METHODS.items() if method.refinement.startswith("point"))
+_FIELDS = ("global", "likelihood_field", "correlative", "exhaustive")
+
+PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("method", "Method", "method", "choice", "global", "How the match is found.", choices=tuple(METHODS)),
+    Parameter(
+        "window_m", "Window", "search", "number", 1.0, "How far from the guess, along each axis, poses are searched.",
+        "m", 0.0, 50.0, 0.05, only_for=_SEARCHING,
+    ),
+    Parameter(
+        "window_rad", "Window of angles", "search", "number", math.radians(60.0),
+        "By how much from the guess, either way, poses are turned.", "rad", 0.0, math.pi, 0.01, only_for=_SEARCHING,
+    ),
+    Parameter(
+        "field_resolution", "Cell of the field", "search", "number", 0.1, "Side of a cell of the score field.",
+        "m", 0.01, 1.0, 0.01, only_for=_FIELDS,
+    ),
+    Parameter(
+        "field_sigma", "Width of the field", "search", "number", 0.1,
+        "Standard deviation of the score around a point.", "m", 0.01, 2.0, 0.01, only_for=_FIELDS,
+    ),
+    Parameter(
+        "turn_step", "Step of angles", "search", "number", math.radians(2.0), "Between two angles that are searched.",
+        "rad", 0.001, 0.5, 0.001, only_for=_FIELDS,
+    ),
+    Parameter(
+        "modes", "Modes", "search", "number", 4, "At most so many separate poses of the search are refined.",
+        "", 1, 32, 1, only_for=("global", "features"),
+    ),
+    Parameter(
+        "mode_share", "Least mode", "search", "number", 0.7,
+        "A pose that scores less than this share of the best one is no mode.", "", 0.0, 1.0, 0.05, only_for=("global",),
+    ),
+    Parameter(
+        "correspondence", "Correspondence", "pairs", "choice", "bearing",
+        "The other point is looked for around the bearing in which it would be seen, or it is the nearest one.",
+        choices=CORRESPONDENCES, only_for=_PAIRING,
+    ),
+    Parameter(
+        "first_gate", "First gate", "pairs", "number", 0.3, "Points farther apart make no pair at the beginning.",
+        "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
+    ),
+    Parameter(
+        "last_gate", "Last gate", "pairs", "number", 0.12, "The same at the end.", "m", 0.01, 20.0, 0.01,
+        only_for=_PAIRING,
+    ),
+    Parameter(
+        "keep", "Kept pairs", "rejection", "number", 1.0, "Only this share of the pairs, the nearest ones, counts.",
+        "", 0.05, 1.0, 0.05, only_for=_PAIRING,
+    ),
+    Parameter(
+        "min_cosine", "Least cosine of normals", "rejection", "number", 0.5,
+        "Pairs whose normals differ more do not count; -1: all count.", "", -1.0, 1.0, 0.05, only_for=_PAIRING,
+    ),
+    Parameter(
+        "weight", "Weight", "rejection", "choice", "cauchy", "How much less a pair with a large residual counts.",
+        choices=tuple(WEIGHTS), only_for=_PAIRING,
+    ),
+    Parameter(
+        "scale", "Scale of the weight", "rejection", "number", 0.03, "The residual from which a pair counts less.",
+        "m", 0.001, 1.0, 0.001, only_for=_PAIRING,
+    ),
+    Parameter(
+        "iterations", "Iterations", "minimiser", "number", 30, "At most so many Gauss-Newton steps.", "", 1, 500, 1,
+    ),
+    Parameter(
+        "score_gate", "Gate of the score", "score", "number", 0.15,
+        "Points nearer than this to what the other scan measured agree with it.", "m", 0.01, 2.0, 0.01,
+    ),
+    Parameter(
+        "least_information", "Least information", "score", "number", 0.03,
+        "A direction with a smaller share of the information is not known: the match is degenerate.",
+        "", 0.0, 0.5, 0.005,
+    ),
+)  # fmt: skip
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
+
+
+@dataclass(frozen=True, slots=True)
+class MatchConfig:
+    """One value for each row of :data:`PARAMETERS`. Raises :class:`ConfigError` for an invalid one."""
+
+    method: str = "global"
+    window_m: float = 1.0
+    window_rad: float = math.radians(60.0)
+    field_resolution: float = 0.1
+    field_sigma: float = 0.1
+    turn_step: float = math.radians(2.0)
+    modes: float = 4
+    mode_share: float = 0.7
+    correspondence: str = "bearing"
+    first_gate: float = 0.3
+    last_gate: float = 0.12
+    keep: float = 1.0
+    min_cosine: float = 0.5
+    weight: str = "cauchy"
+    scale: float = 0.03
+    iterations: float = 30
+    score_gate: float = 0.15
+    least_information: float = 0.03
+
+    def __post_init__(self) -> None:
+        check_fields(self, PARAMETERS)
+
+    def with_values(self, values: Mapping[str, Any]) -> MatchConfig:
+        """Return the config with some values changed; raise :class:`ConfigError` for unknown names too."""
+        check_names(values, PARAMETERS)
+        return replace(self, **values)
+
+    @property
+    def parts(self) -> Method:
+        """What the method is made of."""
+        return METHODS[self.method]
+
+
+check_table(MatchConfig, PARAMETERS)
