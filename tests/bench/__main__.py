@@ -197,7 +197,7 @@ if __name__ == "__main__":
         sys.exit()
     if sys.argv[1:2] == ["match"]:
         matching()
-        return
+        sys.exit()
     if sys.argv[1:] == ["doctor"]:
         doctor()
         sys.exit()
