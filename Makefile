@@ -14,6 +14,10 @@ LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork
 WORKERS ?= 4
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
+# Bytecode is kept, whatever the environment says: compiling the tests with pytest's assertions takes each worker 5 s,
+# and each service that a test starts would be compiled anew.
+export PYTHONDONTWRITEBYTECODE =
+
 .PHONY: serve setup lock docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`

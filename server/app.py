@@ -15,7 +15,21 @@ from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import compare as comparing
-from server.http.routes import docs, doctor, health, links, logs, maps, pages, scenes, sessions, stream
+from server.http.routes import (
+    contents,
+    docs,
+    doctor,
+    health,
+    links,
+    logs,
+    maps,
+    notes,
+    pages,
+    scenes,
+    sessions,
+    stream,
+    trajectories,
+)
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
@@ -86,11 +100,14 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         sessions.creating(kinds),
         sessions.router,
         doctor.router,
+        contents.router,
+        notes.router,
         comparing.router,
         maps.router,
         download_files.router,
         stream.router,
         logs.router,
+        trajectories.router,
         links.router,
         scenes.router,
         docs.router,

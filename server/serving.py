@@ -18,10 +18,11 @@ from typing import NoReturn
 import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
+from mapper.core.lazy_imports import hidden_modules
 from server.app import create_app
 from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
-from server.imports import without_garbage_collection
+from server.imports import UNUSED_BY_ROUTES, fast_imports
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
 from server.sessions import KINDS, Kind
@@ -112,13 +113,14 @@ def run(settings: Settings) -> None:
     settings = settings.with_token()
     configure_logging(settings.log_format, settings.log_level)
     with contextlib.ExitStack() as held:
+        held.enter_context(hidden_modules(*UNUSED_BY_ROUTES))
         with _or_exit(f"cannot keep data in {settings.data_dir}", "Choose another folder with --data-dir."):
             settings.data_dir.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=settings.data_dir):
                 pass
             held.enter_context(claimed(settings.data_dir))
         try:
-            with without_garbage_collection():  # it imports SQLAlchemy
+            with fast_imports():  # it imports SQLAlchemy
                 check_stores(settings)
         except StorageError as error:
             print(f"gridbloom: {error.message}", file=sys.stderr)

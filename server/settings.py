@@ -78,7 +78,12 @@ class Settings(BaseSettings):
         gt=0.0,
         description="Estimated computing time that replaying a world from a link may take, seconds.",
     )
-    max_upload_bytes: int = Field(default=1 << 30, ge=1, description="Maximum size of one uploaded log, bytes.")
+    max_upload_bytes: int = Field(
+        default=1 << 30,
+        ge=1,
+        description="Maximum size of one uploaded log, bytes. One visitor's logs have room for two of this size, all "
+        "for four, if that is more than 10 and 20 GiB.",
+    )
     max_connections: int = Field(
         default=4096,
         ge=1,

@@ -1,4 +1,4 @@
-"""What all tests share: the real logs where they lie, how Hypothesis runs, and that nothing is skipped in CI."""
+"""Shared by all tests: the folder of real logs, the settings of Hypothesis, and that CI skips no test."""
 
 from __future__ import annotations
 

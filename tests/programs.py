@@ -1,4 +1,4 @@
-"""The programs that the tests need beside Python: whether they must be there, and how they are installed."""
+"""The programs that the tests need besides Python: whether they are required, and how they are installed."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class MissingProgramError(RuntimeError):
     """A program is missing; the message is one sentence on what to do."""
 
 
-def apt_install(package: str, purpose: str, advice: str) -> None:
-    """Install a Debian package with apt-get, as root or with a sudo that asks for no password.
+def apt_install(packages: tuple[str, ...], purpose: str, advice: str) -> None:
+    """Install the first of some Debian packages that apt-get can, as root or with a sudo that asks for no password.
 
     ``purpose`` begins the error's sentence, as in "The browser tests need Chromium", and ``advice`` ends it.
-    Raises :class:`MissingProgramError` where the package cannot be installed.
+    Raises :class:`MissingProgramError` where none of them can be installed.
     """
     if shutil.which("apt-get") is None:
         raise MissingProgramError(f"{purpose}, and there is no apt-get here: {advice}.")
@@ -34,8 +34,13 @@ def apt_install(package: str, purpose: str, advice: str) -> None:
         prefix = ["sudo", "-n"]
     else:
         raise MissingProgramError(f"{purpose}, and only root can install it: {advice}.")
-    for arguments in (["update"], ["install", "--yes", "--no-install-recommends", package]):
+
+    def apt_get(*arguments: str) -> bool:
         command = [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", *arguments]
         # apt's own words go to standard error: standard output holds the path and nothing else.
-        if subprocess.run(command, stdout=sys.stderr, check=False).returncode != 0:
-            raise MissingProgramError(f"{purpose}, and apt-get {arguments[0]} failed: {advice}.")
+        return subprocess.run(command, stdout=sys.stderr, check=False).returncode == 0
+
+    if not apt_get("update"):
+        raise MissingProgramError(f"{purpose}, and apt-get update failed: {advice}.")
+    if not any(apt_get("install", "--yes", "--no-install-recommends", package) for package in packages):
+        raise MissingProgramError(f"{purpose}, and apt-get install failed: {advice}.")

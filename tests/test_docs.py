@@ -1,4 +1,4 @@
-"""The README says what the code does: its tables are written from the code. ``python tests/test_docs.py --write``."""
+"""The README agrees with the code: its tables are written from it. ``python tests/test_docs.py --write``."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_every_public_route_is_named() -> None:
 
 
 @pytest.mark.parametrize("command", re.findall(r"^    curl (.+)$", README.read_text(), re.MULTILINE))
-def test_every_address_that_the_readme_gives_curl_is_a_route(command: str) -> None:
+def test_every_curl_address_of_the_readme_is_a_route(command: str) -> None:
     (address,) = re.findall(r"http://127\.0\.0\.1:8000(/[^\s\"?]*)", command)
     method = "PUT" if " -T " in f" {command}" else "POST" if " --json " in f" {command}" else "GET"
     routes = _routes(create_app(Settings()))
@@ -110,7 +110,7 @@ def test_every_address_that_the_readme_gives_curl_is_a_route(command: str) -> No
 
 
 @pytest.mark.parametrize("name", Settings.model_fields)
-def test_every_setting_says_what_it_means(name: str) -> None:
+def test_every_setting_is_documented(name: str) -> None:
     description = Settings.model_fields[name].description or ""
     assert description.endswith(".")
 
@@ -164,12 +164,13 @@ def test_the_library_is_used_as_the_readme_shows_it(tmp_path: Path, monkeypatch:
     assert all(np.abs(near - cell).max(axis=1).min() <= 6 for cell in np.argwhere(walls))
 
 
-def test_what_is_left_to_the_long_tests_is_listed() -> None:
+def test_the_long_tests_are_listed() -> None:
     root = README.parent
     marked = {
         str(path.relative_to(root))
-        for path in (root / "tests").rglob("test_*.py")
-        if re.search(r"pytest\.mark\.(long|sampled)\b", path.read_text())
+        for path in (root / "tests").rglob("*.py")
+        if path.name.startswith(("test_", "conftest"))
+        and re.search(r"pytest\.mark\.(long|sampled)\b|\balso_long\(", path.read_text())
     }
     assert set(re.findall(r"^\| `(tests/[^`]+)`", TESTING.read_text(), flags=re.MULTILINE)) == marked
 

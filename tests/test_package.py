@@ -1,4 +1,4 @@
-"""What a wheel states about itself: types for both packages, and one version everywhere."""
+"""The metadata of a wheel: types for both packages, and one version everywhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The lock of Python packages: all that pyproject.toml asks for, each with hashes, for every Python, and no address."""
+"""The lock of Python packages: all of pyproject.toml's, each with hashes, for every Python, without addresses."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def versions(name: str, python: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("python", PYTHONS)
 @pytest.mark.parametrize("name", LOCKED)
-def test_all_that_is_asked_for_is_locked(name: str, python: str) -> None:
+def test_every_dependency_is_locked(name: str, python: str) -> None:
     locked = versions(name, python)
     for wanted in map(Requirement, LOCKED[name]):
         assert locked[canonicalize_name(wanted.name)] in wanted.specifier, f"{wanted}: run make lock"
@@ -51,7 +51,7 @@ def test_all_files_have_the_versions_that_are_tested(name: str) -> None:
 
 
 @pytest.mark.parametrize("python", PYTHONS)
-def test_what_builds_the_documentation_changes_no_version(python: str) -> None:
+def test_the_documentation_requirements_do_not_change_versions(python: str) -> None:
     """Both files are installed into one environment."""
     tested = versions("dev", python)
     assert {

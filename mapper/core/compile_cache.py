@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import importlib
 import re
-import sys
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -19,6 +18,8 @@ from pathlib import Path
 
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
+
+from mapper.core.lazy_imports import hidden_modules
 
 _ROOT = Path(__file__).parents[1]
 _IMPORTED = re.compile(r"^from mapper\.(\w+)\.kernels", re.MULTILINE)
@@ -33,13 +34,8 @@ def _start_without_blas() -> None:
     To look for it takes a fifth of all the time from the start of a process to its first kernel, and no kernel here
     multiplies matrices. SciPy itself stays as it is.
     """
-    if "scipy.linalg" in sys.modules:
-        return
-    sys.modules["scipy.linalg"] = None  # type: ignore[assignment] # which makes an import fail
-    try:
+    with hidden_modules("scipy.linalg"):
         importlib.import_module("numba.np.arraymath")
-    finally:
-        del sys.modules["scipy.linalg"]
 
 
 def _imported_by(packages: frozenset[str]) -> frozenset[str]:

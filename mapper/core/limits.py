@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+LEAST_RECORD_BYTES = 256  #: mean size of the records of a recording that has more of them than messages are kept
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
     """Caps on what is read and built. Exceeding one raises :class:`mapper.core.errors.LimitError`.
 
-    The defaults let a 16,384-cell-a-side map and an hour of a 1,080-beam lidar through, and stop a gzip bomb.
+    The defaults let a 16,384-cell-a-side map and two hours of a 1,080-beam lidar at 40 Hz through, and stop a gzip
+    bomb. The size of a file has no limit: of a recording only what a map needs is read and kept.
     """
 
-    max_log_bytes: int = 1 << 30  #: bytes of a log after decompression
+    max_unpacked_bytes: int = 1 << 30  #: bytes that a file's compressed data may expand to, whatever its size,
+    max_expansion: int = 100  #: and more of them for a file that is not so many times smaller
     max_line_bytes: int = 1 << 20  #: bytes of one line of a text log
     max_lines: int = 5_000_000  #: lines of a text log: a day of odometry at 50 Hz
     max_chunk_bytes: int = 1 << 28  #: bytes of one record of a bag, and of what a compressed one expands to
-    max_messages: int = 10_000_000  #: messages of a bag: IMU at 400 Hz for seven hours
+    max_messages: int = 10_000_000  #: messages that are kept: poses at 400 Hz for seven hours
     max_archive_files: int = 10_000  #: files in a tar archive, or in a folder, that is one log
     max_topics: int = 2000  #: topics of a bag
     max_scans: int = 500_000
@@ -28,6 +32,14 @@ class Limits:
     max_yaml_bytes: int = 1 << 16  #: bytes of a map's yaml
     max_added_solids: int = 100  #: walls and boxes drawn into one world
     max_pose: float = 1e6  #: metres: a pose farther out than this is a defect in the log
+
+    def unpacked_bytes(self, size: int) -> int:
+        """Return how many bytes the compressed data in a file of ``size`` bytes may expand to."""
+        return max(self.max_unpacked_bytes, self.max_expansion * size)
+
+    def records(self, size: int) -> int:
+        """Return how many records a recording of ``size`` bytes may have: its real ones have some hundred bytes."""
+        return max(self.max_messages, size // LEAST_RECORD_BYTES)
 
 
 DEFAULT_LIMITS = Limits()

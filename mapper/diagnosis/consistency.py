@@ -66,12 +66,7 @@ def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
     name = trajectory or log.default_trajectory
     used = max(1, min(log.n_scans, MOST_READINGS // max(1, log.n_beams)))
     scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
-    thinned = replace(
-        log,
-        ranges=log.ranges[scans],
-        stamps_ns=log.stamps_ns[scans],
-        trajectories={name: Trajectory(log.trajectory(name).poses[scans])},
-    )
+    thinned = replace(log, trajectories={name: Trajectory(log.trajectory(name).poses)}, odometry=None).take(scans)
     span = float(np.ptp(thinned.trajectory().poses[:, :2], axis=0).max()) + 2.0 * min(log.range_max, 30.0)
     resolution = min(1.0, max(RESOLUTION, span / LARGEST_SIDE))
     config = MappingConfig(model="hit_counting", resolution=resolution, range_max=min(30.0, max(0.5, log.range_max)))

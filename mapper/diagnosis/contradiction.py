@@ -21,7 +21,6 @@ from scipy.spatial import KDTree
 from mapper.diagnosis.consistency import Examined
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
-from mapper.sensors.scan import Trajectory
 
 PARTS = 24  #: of the whole log
 FAR = 3  #: parts: from here on two parts are far apart in time
@@ -125,13 +124,8 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
 
 def cut(seen: Examined, start: int, stop: int) -> Examined:
     """Return scans ``start`` up to ``stop`` alone."""
-    log = replace(
-        seen.log,
-        ranges=seen.log.ranges[start:stop],
-        stamps_ns=seen.log.stamps_ns[start:stop],
-        trajectories={seen.trajectory: Trajectory(seen.log.trajectory(seen.trajectory).poses[start:stop])},
-    )
-    return replace(seen, log=log, scans=seen.scans[start:stop])
+    part = slice(start, stop)
+    return replace(seen, log=seen.log.take(part), scans=seen.scans[part])
 
 
 def _far_apart(i: int, j: int) -> bool:

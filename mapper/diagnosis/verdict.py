@@ -109,11 +109,12 @@ def judge(
 ) -> Verdict:
     """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
 
-    ``config`` gives a correction of the mount; all else of it is left aside, for sharpness is judged in the map of the
-    sensor's default parameters. What cannot be judged does not pass. ``progress`` is called with the share that is
-    done. Raises :class:`ConfigError` for a trajectory that the log lacks and, where drift or findings are asked for,
-    for a log too short to judge; :class:`LimitError` for a map that is too large.
+    ``config`` gives a correction of the mount and of the clock; all else of it is left aside, for sharpness is judged
+    in the map of the sensor's default parameters. What cannot be judged does not pass. ``progress`` is called with the
+    share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks and, where drift or findings
+    are asked for, for a log too short to judge; :class:`LimitError` for a map that is too large.
     """
+    time_offset = 0.0 if config is None else config.time_offset
     if config is not None:
         over = log.upside_down != config.mount_upside_down
         x, y, yaw = (float(value) for value in compose(log.mount, config.mount))
@@ -121,9 +122,9 @@ def judge(
     findings: tuple[Finding, ...] | None = None
     compared: list[Contradiction] = []
     if limits.max_drift is not None or limits.no_findings:
-        findings = tuple(examine(log, trajectory, progress, compared=compared.append))
+        findings = tuple(examine(log, trajectory, progress, time_offset=time_offset, compared=compared.append))
     drift = compared[0].offset() if compared and limits.max_drift is not None else None
-    sharpness = None if limits.min_sharpness is None else _sharpness(log, trajectory)
+    sharpness = None if limits.min_sharpness is None else _sharpness(log, trajectory, time_offset)
     reasons = []
     if limits.max_drift is not None:
         why = _why_unmeasured(log, trajectory, findings or ()) if drift is None else ""
@@ -135,8 +136,8 @@ def judge(
     return Verdict(tuple(reasons), drift, sharpness, findings)
 
 
-def _sharpness(log: ScanLog, trajectory: str | None) -> float:
-    config = MappingConfig().with_values(sensor_defaults(log.beam_width))
+def _sharpness(log: ScanLog, trajectory: str | None, time_offset: float) -> float:
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)
     return wall_contrast(grid)

@@ -17,8 +17,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.evaluation.pose_error import magnitudes
 from mapper.evaluation.record_order import poses_at_records, records_at, records_of_relations
 from mapper.evaluation.statistics import ErrorSeries
-from mapper.sensors.scan import check_poses
-from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 Float64Array = NDArray[np.float64]
 MOST = 0.9  #: of the stamps must be those of records, for the relations to be in record order

@@ -1,5 +1,6 @@
 """Occupancy grids: their geometry, the log-odds of each cell, and what is computed from whole grids."""
 
+from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import (
     FREE,
     FREE_THRESHOLD,
@@ -20,6 +21,7 @@ __all__ = [
     "OCCUPIED_THRESHOLD",
     "TILE",
     "UNKNOWN",
+    "CellBox",
     "GridGeometry",
     "OccupancyGrid",
     "log_odds",

@@ -8,10 +8,8 @@ order of the log: scans one after another, and beams of a scan from the first to
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from operator import or_
 from typing import TypeAlias
 
 import numpy as np
@@ -19,40 +17,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
+from mapper.mapping.joint_scans import SensorOrder, planned_batches
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.mapping.update import update_grid
 from mapper.mapping.update_plan import UpdatePlan, plan_update
-from mapper.sensors.scan import RangeScan, ScanLog, check_poses
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import RangeScan, ScanLog
+from mapper.sensors.timed_poses import check_poses
 
 Bounds: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  #: least and greatest x, y (2,), metres
 BoundsFunction: TypeAlias = Callable[[ScanLog, MappingConfig, str | None], Bounds]
 
-_CHUNK_READINGS = 1 << 20  # between two calls of ``progress``
+CHUNK_READINGS = 1 << 20  #: between two calls of ``progress``
 PART_S = 0.02  #: processor time of the calling thread that one part of a log takes
-
-
-@dataclass(frozen=True, slots=True)
-class CellBox:
-    """The cells [row0, row1) × [col0, col1)."""
-
-    row0: int
-    row1: int
-    col0: int
-    col1: int
-
-    def __or__(self, other: CellBox) -> CellBox:
-        """Return the smallest box that holds both."""
-        return CellBox(
-            min(self.row0, other.row0),
-            max(self.row1, other.row1),
-            min(self.col0, other.col0),
-            max(self.col1, other.col1),
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +58,17 @@ def _add(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> Change:
 
 def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:
     """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
+    if isinstance(log, JointLog):
+        return bounds_of_logs(log.parts, config, trajectory)
     plan = plan_update(config, log.range_min, log.range_max)
     batches = scan_batches_of_log(log, plan, trajectory, 0, log.n_scans)
     bounds = [batch.bounds(plan.reading_filter, fields=plan.sees_fields) for batch in batches]
+    return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
+
+
+def bounds_of_logs(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str | None = None) -> Bounds:
+    """Return the least and the greatest x, y (2,), metres, of all that the logs see with ``config``."""
+    bounds = [bounds_of_log(log, config, trajectory) for log in logs if log.n_scans]
     return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
 
 
@@ -172,16 +162,27 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    return _integrate(grid, log, plan_update(config, log.range_min, log.range_max), trajectory, start, stop)
+    if isinstance(log, JointLog):
+        return integrate_order(grid, SensorOrder.of(log), config, trajectory, start, stop)
+    plan = plan_update(config, log.range_min, log.range_max)
+    return _all(_add(grid, batch, plan) for batch in scan_batches_of_log(log, plan, trajectory, start, stop))
 
 
-def _integrate(
-    grid: OccupancyGrid, log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
+def integrate_order(
+    grid: OccupancyGrid, order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
-    changes = [_add(grid, batch, plan) for batch in scan_batches_of_log(log, plan, trajectory, start, stop)]
-    boxes = [change.box for change in changes if change.box is not None]
-    box = reduce(or_, boxes) if boxes else None
-    return Change(box, geometry_changed=False, cells_updated=sum(change.cells_updated for change in changes))
+    """Add the scans [start, stop) of several sensors, as :func:`integrate_scans`."""
+    batches = planned_batches(order, config, trajectory, start, stop)
+    return _all(_add(grid, one.batch, one.plan) for one in batches)
+
+
+def _all(changes: Iterable[Change]) -> Change:
+    """Return several changes as one."""
+    box, count = None, 0
+    for change in changes:
+        count += change.cells_updated
+        box = change.box if box is None else box if change.box is None else box | change.box
+    return Change(box, geometry_changed=False, cells_updated=count)
 
 
 def integrate_parts(
@@ -192,12 +193,11 @@ def integrate_parts(
     Yield after each part the number of scans of the log that are in the map, and the change that the part made. The
     map is the same as that of :func:`integrate_scans`, bit for bit.
     """
-    plan = plan_update(config, log.range_min, log.range_max)
     count = 1  # a scan of sonar cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()
-        change = _integrate(grid, log, plan, trajectory, start, last)
+        change = integrate_scans(grid, log, config, trajectory, start, last)
         count = scans_at_once(last - start, time.thread_time() - began)
         start = last
         yield start, change
@@ -228,11 +228,10 @@ def integrate_log(
         raise ConfigError("log.scans", f"The log has no scans {start} to {stop}; it has {log.n_scans}.")
     if progress is None:
         return integrate_scans(grid, log, config, trajectory, start, stop).cells_updated
-    plan = plan_update(config, log.range_min, log.range_max)
     count = 0
-    step = max(1, _CHUNK_READINGS // max(1, log.n_beams))
+    step = max(1, CHUNK_READINGS // max(1, log.n_beams))
     for first in range(start, stop, step):
         last = min(first + step, stop)
-        count += _integrate(grid, log, plan, trajectory, first, last).cells_updated
+        count += integrate_scans(grid, log, config, trajectory, first, last).cells_updated
         progress(last - start, stop - start)
     return count

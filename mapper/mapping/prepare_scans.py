@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from mapper.core.se2 import compose
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.update_plan import UpdatePlan
+from mapper.sensors.beam_fields import cones
 from mapper.sensors.motion import Motion, can_deskew, seconds
-from mapper.sensors.scan import RangeScan, ScanLog, cones
+from mapper.sensors.scan import RangeScan, ScanLog
 
 _DESKEWED_READINGS = 1 << 18  # in one batch: each has a pose of its own, some 200 bytes with what is computed from it
 

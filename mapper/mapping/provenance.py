@@ -6,8 +6,10 @@ Recomputed from the log and the parameters at each request, so the map stores no
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +20,16 @@ from mapper.mapping.cell_statistics import begin, shown
 from mapper.mapping.certainty_update import update_certainties
 from mapper.mapping.contributions import contributions
 from mapper.mapping.integrate import scans_at_once
+from mapper.mapping.joint_scans import SensorOrder, planned_batches
 from mapper.mapping.kernels.contributions import running_sum
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_log
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
+
+_Named: TypeAlias = Callable[[NDArray[np.int64]], NDArray[np.int64]]
 
 _FIRST_READINGS = 1 << 11  # of the first part, before it is known how long it takes to look through a scan
 
@@ -83,7 +89,7 @@ def provenance(
     if not 0 <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans 0 to {stop}; it has {log.n_scans}.")
     plan = plan_update(config, log.range_min, log.range_max)
-    batches = _Batches(log, plan, trajectory, stop, pause)
+    batches = _Batches(log, config, trajectory, stop, pause)
     if before is None:
         before = _nothing(config.log_odds_prior if prior is None else prior)
     if plan.strategy.statistics != "none":
@@ -91,7 +97,7 @@ def provenance(
         touches, log_odds, cell_statistics = of_statistics(batches, geometry, plan, (row, col), before)
         increments = np.diff(log_odds, prepend=np.float32(before.after))
     else:
-        touches, increments = batches.joined(lambda batch: contributions(batch, geometry, plan, (row, col)))
+        touches, increments = batches.joined(lambda batch, plan: contributions(batch, geometry, plan, (row, col)))
         log_odds, cell_statistics = np.empty_like(increments), None
         low, high = plan.log_odds_update.low, plan.log_odds_update.high
         running_sum(increments, np.float32(before.after), low, high, log_odds)
@@ -111,13 +117,13 @@ class _Batches:
     """The first ``stop`` scans of a log, in parts; ``pause`` is called after each."""
 
     log: ScanLog
-    plan: UpdatePlan
+    config: MappingConfig
     trajectory: str | None
     stop: int
     pause: Callable[[], object]
 
     def joined(
-        self, look: Callable[[ScanBatch], tuple[NDArray[np.int64], NDArray[np.float32]]]
+        self, look: Callable[[ScanBatch, UpdatePlan], tuple[NDArray[np.int64], NDArray[np.float32]]]
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         """Return what ``look`` returns of each part, touches and a value for each, as of the whole log."""
         touches: list[NDArray[np.int64]] = []
@@ -126,14 +132,26 @@ class _Batches:
         while start < self.stop or not touches:  # of a log without scans one part, to have the right shapes
             last = min(start + count, self.stop)
             began = time.thread_time()
-            part, value = look(scan_batch_of_log(self.log, self.plan, self.trajectory, start, last))
+            for batch, plan, named in self._batches(start, last):
+                part, value = look(batch, plan)
+                part[:, 0] = named(part[:, 0])
+                touches.append(part)
+                values.append(value)
             count = scans_at_once(max(1, last - start), time.thread_time() - began)
-            part[:, 0] += start * self.log.n_beams
-            touches.append(part)
-            values.append(value)
             start = last
             self.pause()
         return np.concatenate(touches), np.concatenate(values)
+
+    def _batches(self, start: int, stop: int) -> Iterator[tuple[ScanBatch, UpdatePlan, _Named]]:
+        """Yield scans [start, stop) with their plan, and what numbers a batch's readings as those of the log."""
+        log, n_beams = self.log, self.log.n_beams
+        if isinstance(log, JointLog):
+            for one in planned_batches(SensorOrder.of(log), self.config, self.trajectory, start, stop):
+                yield one.batch, one.plan, partial(one.named, n_beams=n_beams)
+            return
+        plan = plan_update(self.config, log.range_min, log.range_max)
+        batch = scan_batch_of_log(log, plan, self.trajectory, start, stop)
+        yield batch, plan, lambda readings: readings + start * n_beams
 
 
 def _of_certainties(
@@ -148,7 +166,7 @@ def _of_certainties(
     if before.cell_statistics is not None:
         grid.cell_statistics = before.cell_statistics.copy()
     box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-    touches, certainties = batches.joined(lambda batch: update_certainties(grid, batch, plan, box, number)[1:])
+    touches, certainties = batches.joined(lambda batch, plan: update_certainties(grid, batch, plan, box, number)[1:])
     assert grid.cell_statistics is not None  # noqa: S101 - begun above
     return touches, shown(plan, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
 
@@ -157,7 +175,7 @@ def _of_counts(
     batches: _Batches, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int], before: Provenance
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
     """Return the touches (n, 2), the log-odds (n,) after each, and the hits and misses (2,) at the end."""
-    touches, _ = batches.joined(lambda batch: contributions(batch, geometry, plan, cell))
+    touches, _ = batches.joined(lambda batch, plan: contributions(batch, geometry, plan, cell))
     counted = np.zeros(2, dtype=np.float32) if before.cell_statistics is None else before.cell_statistics
     counts = counted[:, np.newaxis] + np.array([np.cumsum(touches[:, 1] == kind) for kind in (1, 0)], dtype=np.float32)
     log_odds = shown(plan, counts[0], counts[1], before.prior)

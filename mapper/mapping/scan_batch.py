@@ -22,7 +22,7 @@ class ScanBatch:
     ranges: NDArray[np.float32]  #: (n_scans, n_beams), m
     sensor_poses: NDArray[np.float64]  #: (n_scans, 3), T_map_laser
     angles: NDArray[np.float64]  #: (n_beams,), rad in the laser frame
-    fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.scan.beam_fields
+    fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields
     range_min: float  #: m
     range_max: float  #: m
 

@@ -2,40 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
-
-import numpy as np
+from collections.abc import Callable, Sequence
 
 from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import Bounds, bounds_of_log, integrate_log, integrate_scans
+from mapper.mapping.integrate import CHUNK_READINGS, integrate_log, integrate_order
+from mapper.mapping.joint_scans import SensorOrder
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-
-
-def stretches(logs: Sequence[ScanLog], count: int | None = None) -> Iterator[tuple[int, int, int]]:
-    """Yield (log number, start, stop): the first ``count`` scans (None: all) of all logs in the order of their stamps.
-
-    Scans [start, stop) of one log follow one another without one of another log in between. Within a log the order is
-    the file's, also where the time runs backwards; of equal stamps the first log's comes first.
-    """
-    stamps = [np.maximum.accumulate(log.stamps_ns) for log in logs]
-    numbers = np.repeat(np.arange(len(logs)), [log.n_scans for log in logs])
-    numbers = numbers[np.argsort(np.concatenate(stamps), kind="stable")][:count]
-    edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), len(numbers)]
-    done = [0] * len(logs)
-    for first, last in pairwise(edges):
-        if first < last:
-            number = int(numbers[first])
-            yield number, done[number], done[number] + last - first
-            done[number] += last - first
-
-
-def bounds_of_logs(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str | None = None) -> Bounds:
-    """Return the least and the greatest x, y (2,), metres, of all that the logs see with ``config``."""
-    bounds = [bounds_of_log(log, config, trajectory) for log in logs if log.n_scans]
-    return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
 
 
 def integrate_logs(
@@ -58,10 +32,12 @@ def integrate_logs(
     total = have if count is None else count
     if not 0 <= total <= have:
         raise ConfigError("log.scans", f"The logs have no scans 0 to {total}; they have {have}.")
-    updated = done = 0
-    for number, start, stop in stretches(logs, total):
-        updated += integrate_scans(grid, logs[number], config, trajectory, start, stop).cells_updated
-        done += stop - start
+    order = SensorOrder.of_logs(logs)
+    step = max(1, CHUNK_READINGS // max(1, *(log.n_beams for log in logs)))
+    updated = 0
+    for first in range(0, total, step):
+        last = min(first + step, total)
+        updated += integrate_order(grid, order, config, trajectory, first, last).cells_updated
         if progress is not None:
-            progress(done, total)
+            progress(last, total)
     return updated

@@ -10,7 +10,7 @@ from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
-from mapper.sensors.scan import check_poses
+from mapper.sensors.timed_poses import check_poses
 
 FEWEST_POINTS = 3
 MOST_MAP_POINTS = 20_000  #: occupied cells of a map beyond which only each n-th is taken

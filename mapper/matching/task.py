@@ -16,7 +16,7 @@ from mapper.matching.kernels.score_field import add_scan
 from mapper.matching.kernels.types import LINE, POINTS, Iterations, PairRule, ScanArrays
 from mapper.matching.parameters import WEIGHTS, MatchConfig
 from mapper.matching.target import Target, check_points
-from mapper.sensors.scan import check_poses
+from mapper.sensors.timed_poses import check_poses
 
 MOST_BLOCKS = 1 << 24  #: of a window that is searched: 64 MB of bounds
 TOP_LEVEL = 3  #: blocks of 8 × 8 cells are bounded first

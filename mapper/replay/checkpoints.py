@@ -14,9 +14,9 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.grid import TILE, OccupancyGrid
+from mapper.core.zstd import compressed
+from mapper.grid import TILE, CellBox, OccupancyGrid
 from mapper.mapping import cell_statistics
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 
 BUDGET_BYTES = 8 << 20  #: of all moments of one map
@@ -86,7 +86,7 @@ class Checkpoints:
         """
         compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
         tiles = _listed(touched)
-        packed = [compressor.compress(_packed(grid, _cells_of(tile))) for tile in tiles]
+        packed = [compressed(compressor, _packed(grid, _cells_of(tile))) for tile in tiles]
         with self._lock:
             if self._moments and index <= self._moments[-1]:
                 return index in self._moments

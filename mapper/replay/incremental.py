@@ -9,8 +9,8 @@ import numpy as np
 
 from mapper.core.errors import WorkCancelledError
 from mapper.core.parallel import single_threaded
-from mapper.grid import TILE, OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, integrate_scans, scans_at_once
+from mapper.grid import TILE, CellBox, OccupancyGrid
+from mapper.mapping.integrate import Change, integrate_scans, scans_at_once
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay.checkpoints import Checkpoints
 from mapper.sensors.scan import ScanLog
@@ -50,8 +50,10 @@ class IncrementalReplay:
         self._updates_since = 0
         self._touched = np.zeros(tiles, dtype=np.bool_)  # tiles that may have changed since
 
-    def go_to(self, index: int, wanted: Callable[[], bool] = lambda: True) -> Change:
-        """Bring the map to ``index`` scans.
+    def go_to(
+        self, index: int, wanted: Callable[[], bool] = lambda: True, enough: Callable[[], bool] = lambda: False
+    ) -> Change:
+        """Bring the map to ``index`` scans, or on the way there up to the step after which ``enough`` returns True.
 
         Raises :class:`WorkCancelledError` where ``wanted``, called between steps, returns False.
         """
@@ -64,6 +66,8 @@ class IncrementalReplay:
             change = self.step(index)
             count += change.cells_updated
             box = change.box if box is None else box if change.box is None else box | change.box
+            if enough():
+                break
         return Change(box, geometry_changed=False, cells_updated=count)
 
     def _restore(self, moment: int) -> CellBox | None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, grid_for
+from mapper.grid import CellBox, OccupancyGrid
+from mapper.mapping.integrate import Change, grid_for
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.replay.bounds import BoundsCache
@@ -66,20 +68,22 @@ class Replay:
         """Scans in the map."""
         return self._replay.index
 
-    def advance_to(self, index: int) -> Change:
+    def advance_to(self, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
         """Bring the map to ``index`` scans, from where it is or from a checkpoint, whichever is less work.
 
-        Raises :class:`ConfigError` for an index that the log does not have, and
-        :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns False.
+        ``enough`` is called after each step, some hundredths of a second's work: where it returns True the map stays
+        where it is by then, that of fewer scans, and another call goes on. Raises :class:`ConfigError` for an index
+        that the log does not have, and :class:`mapper.core.errors.WorkCancelledError` where :attr:`wanted` returns
+        False.
         """
         if not 0 <= index <= self.log.n_scans:
             raise ConfigError("replay.index", f"The log has {self.log.n_scans} scans; there is no map after {index}.")
-        return self._go(self._replay, index)
+        return self._go(self._replay, index, enough)
 
-    def _go(self, replay: IncrementalReplay, index: int) -> Change:
+    def _go(self, replay: IncrementalReplay, index: int, enough: Callable[[], bool] = lambda: False) -> Change:
         self._under_way = (replay, index)
         try:
-            return replay.go_to(index, self.wanted)
+            return replay.go_to(index, self.wanted, enough)
         finally:
             self._under_way = None
 
@@ -99,6 +103,25 @@ class Replay:
         self._replay = replay
         rows, cols = replay.grid.geometry.shape
         return Change(CellBox(0, rows, 0, cols), geometry_changed, change.cells_updated)
+
+    def adopt(self, log: ScanLog) -> bool:
+        """Go on with ``log``, the same scans with other trajectories, if the map of the present scans stays as it is.
+
+        It does where the poses that it and its checkpoints were made with are equal in both, and where the grid holds
+        all that the log sees. Return whether it does; otherwise nothing changes.
+        """
+        old, new = self.log.trajectory(self.trajectory).poses, log.trajectory(self.trajectory).poses
+        if not np.array_equal(old, new):
+            used = max(self.index, self._replay.checkpoints.reached) + 1  # deskewing uses the pose of the next scan
+            if not np.array_equal(old[:used], new[:used]):
+                return False
+            bounds = BoundsCache()
+            low, high = bounds(log, self.config, self.trajectory)
+            if not self.grid.geometry.contains(self.grid.geometry.world_to_cell(np.stack([low, high]))).all():
+                return False
+            self._bounds = bounds
+        self._replay.log = log
+        return True
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return a prefetcher of the checkpoints that this replay lacks; None where that is not worth while."""

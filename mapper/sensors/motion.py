@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import interpolate
 from mapper.sensors.scan import MAX_STATED_S, ScanLog
+from mapper.sensors.timed_poses import TimedPoses, number_before, poses_at, poses_between
 
 Float64Array = NDArray[np.float64]
 
@@ -27,47 +27,29 @@ class Motion:
 
     @classmethod
     def of(cls, log: ScanLog, trajectory: str | None = None) -> Motion:
-        """Return the motion along a trajectory (None: the default), which has a pose at each scan's stamp.
+        """Return the motion along a trajectory (None: the default).
 
-        Where stamps run backwards they are sorted. Raises :class:`ConfigError` for a trajectory that the log lacks.
+        That is between the poses as their source states them, where the trajectory has them with stamps of their own,
+        else between the poses at the scans' stamps. Where stamps run backwards they are sorted. Raises
+        :class:`ConfigError` for a trajectory that the log lacks.
         """
-        times, poses = seconds(log), log.trajectory(trajectory).poses
-        if not (np.diff(times) >= 0.0).all():
-            order = np.argsort(times, kind="stable")
-            times, poses = times[order], poses[order]
-        return cls(times, poses)
+        found = log.trajectory(trajectory)
+        timed = found.timed if found.timed is not None and len(found.timed) else TimedPoses(log.stamps_ns, found.poses)
+        timed = timed.in_order()
+        return cls(timed.stamps_ns.astype(np.float64) * 1e-9, timed.poses)
 
     def at(self, times: Float64Array) -> Float64Array:
-        """Return the poses (..., 3) at ``times`` (...), seconds.
-
-        Linear in position, the short way round in angle. Before the first and after the last pose it is that pose;
-        nothing is extrapolated.
-        """
-        if len(self.times) == 1:
-            return np.broadcast_to(self.poses[0], (*times.shape, 3))
-        return self._between(self._before(times), times)
+        """Return the poses (..., 3) at ``times`` (...), seconds, as :func:`mapper.sensors.timed_poses.poses_at`."""
+        return poses_at(self.times, self.poses, times)
 
     def along(self, sweeps: Float64Array) -> Float64Array:
         """Return :meth:`at` the times of ``sweeps`` (n, b), seconds, faster where each rises or falls along its row."""
-        if len(self.times) == 1:
-            return self.at(sweeps)
-        low = self._before(sweeps[:, 0])
-        poses = self._between(low[:, np.newaxis], sweeps)
-        others = low != self._before(sweeps[:, -1])  # sweeps in the middle of which a pose lies
+        low = number_before(self.times, sweeps[:, 0])
+        poses = poses_between(self.times, self.poses, low[:, np.newaxis], sweeps)
+        others = low != number_before(self.times, sweeps[:, -1])  # sweeps in the middle of which a pose lies
         if others.any():
             poses[others] = self.at(sweeps[others])
         return poses
-
-    def _before(self, times: Float64Array) -> NDArray[np.int64]:
-        """Return the number of the pose before each of ``times``, of the first or the last but one outside of all."""
-        return np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
-
-    def _between(self, low: NDArray[np.int64], times: Float64Array) -> Float64Array:
-        """Return the poses at ``times`` (...) between the poses number ``low`` and the next; they broadcast."""
-        start, span = self.times[low], self.times[low + 1] - self.times[low]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            weight = np.where(span > 0.0, np.clip((times - start) / span, 0.0, 1.0), 0.0)
-        return interpolate(self.poses[low], self.poses[low + 1], weight)
 
     def covers(self, times: Float64Array) -> NDArray[np.bool_]:
         """Return whether ``times`` (...), seconds, lie between the first and the last pose."""
@@ -114,7 +96,7 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
     if log.n_scans and (sweep or time_offset):
         motion = Motion.of(log, name)
         dense = motion.is_dense(times, times + sweep)
-        way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)))
+        way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)), timed=None)
         if time_offset:
             ranges = np.where(motion.covers(times)[:, np.newaxis], ranges, np.float32(np.nan))
     return replace(log, ranges=ranges, trajectories={name: way}, time_increment=0.0)

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
+from mapper.sensors.beam_fields import beam_fields, uneven_fields
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
@@ -45,71 +47,6 @@ def _check_beams(angle_min: float, angle_increment: float, range_min: float, ran
             "scan.range_limits",
             f"Range limits must satisfy 0 ≤ range_min < range_max, not {range_min!r}, {range_max!r}.",
         )
-
-
-def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
-    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
-    if poses.shape != shape:
-        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
-    bad = ~np.isfinite(poses).all(axis=-1)
-    if np.any(bad):
-        raise ConfigError(
-            "scan.pose",
-            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
-        )
-    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
-        raise ConfigError("scan.pose_far", f"A pose is more than {limits.max_pose:g} m from the origin.")
-
-
-def beam_fields(
-    angle_min: float, angle_increment: float, n_beams: int, widest: float = np.pi / 4.0
-) -> NDArray[np.float64]:
-    """Return each beam's perceptual field (n_beams, 4): cosine and sine of its right edge, then of its left edge.
-
-    A beam sees the bearings nearer to it than to its neighbours: half an increment to either side, at most ``widest``,
-    the right edge included and the left one not. Neighbours share an edge to the last bit, so no bearing is seen twice;
-    beams that go on beyond one full turn see nothing more. Radians in. Source: Probabilistic Robotics, table 9.2
-    (β, the opening angle).
-    """
-    turned = abs(angle_increment) * np.arange(n_beams + 1)
-    half = min(abs(angle_increment) / 2.0, widest)
-    if half < widest:
-        edges = angle_min + angle_increment * (np.arange(n_beams + 1) - 0.5)
-        edges[turned > 2.0 * np.pi - 1e-6 * abs(angle_increment)] = edges[0]
-        ends = np.stack([edges[:-1], edges[1:]] if angle_increment > 0.0 else [edges[1:], edges[:-1]])
-    else:
-        angles = angle_min + angle_increment * np.arange(n_beams)
-        ends = np.stack([angles - half, angles + half])
-        ends[:, turned[:-1] > 2.0 * np.pi - 2.0 * half] = angle_min
-    return _as_fields(*ends)
-
-
-def uneven_fields(bearings: NDArray[np.float64], widest: float = np.pi / 4.0) -> NDArray[np.float64]:
-    """Return what :func:`beam_fields` returns, for bearings (n_beams,) in any order and at any distance.
-
-    Of beams with the same bearing, to a nanoradian, the first sees all and the others nothing.
-    """
-    turn = round(2.0 * np.pi * 1e9)
-    places = np.round(np.mod(bearings, 2.0 * np.pi) * 1e9).astype(np.int64) % turn
-    places, first = np.unique(places, return_index=True)
-    right, left = bearings.copy(), bearings.copy()
-    right[first] -= widest
-    left[first] += widest
-    for n, k in enumerate(first):
-        following = first[(n + 1) % len(first)]
-        gap = ((places[(n + 1) % len(first)] - places[n]) % turn) * 1e-9
-        if len(first) > 1 and gap < 2.0 * widest:
-            left[k] = right[following] = bearings[k] + gap / 2.0
-    return _as_fields(right, left)
-
-
-def cones(bearings: NDArray[np.float64], opening: float) -> NDArray[np.float64]:
-    """Return the edges (n_beams, 4) of cones of ``opening`` radians, which may overlap, as :func:`beam_fields` does."""
-    return _as_fields(bearings - opening / 2.0, bearings + opening / 2.0)
-
-
-def _as_fields(right: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.stack([np.cos(right), np.sin(right), np.cos(left), np.sin(left)], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +152,9 @@ class Trajectory:
     ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
     stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base
     (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
-    can be mapped.
+    can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
+    where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
+    better than between the poses at the scans.
     """
 
     poses: NDArray[np.float64]
@@ -223,6 +162,7 @@ class Trajectory:
     frame_id: str | None = None
     child_frame_id: str = "base_link"
     is_placeholder: bool = False
+    timed: TimedPoses | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
@@ -233,9 +173,10 @@ class Trajectory:
 class Topic:
     """One stream of messages in the file that a log was read from.
 
-    The figures after ``count`` are those of a range sensor, None of anything else: ``frame`` is the one that its
-    scans are stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor
-    whose scans the log holds.
+    ``frame`` to ``mount`` are those of a range sensor, None of anything else: ``frame`` is the one that its scans are
+    stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor whose scans
+    the log holds. ``first_stamp_ns`` and ``last_stamp_ns`` are when its first and its last message were recorded, and
+    ``bytes`` is the size of all its messages; None for formats that do not say it.
     """
 
     name: str
@@ -247,6 +188,9 @@ class Topic:
     rate_hz: float | None = None
     mount: tuple[float, float, float] | None = None
     chosen: bool = False
+    first_stamp_ns: int | None = None
+    last_stamp_ns: int | None = None
+    bytes: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,8 +202,10 @@ class ScanLog:
     ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
     A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
     and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
-    ``frame_id`` is the sensor's frame. ``time_increment`` is the time from one beam to the next and ``scan_time`` from
-    one scan to the next, seconds, 0 where the file does not state them; where scans state different ones, the median.
+    ``topic`` is the sensor's name in its file, empty for formats of one stream, and ``frame_id`` its frame.
+    ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
+    where the file does not state them; where scans state different ones, the median.
+    ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     """
 
     ranges: NDArray[np.float32]
@@ -275,11 +221,13 @@ class ScanLog:
     beam_width: float = 0.0
     name: str = ""
     format: str = ""
+    topic: str = ""
     topics: tuple[Topic, ...] = ()  #: all that the file holds, the sensors first; empty for formats of one stream
     frame_id: str = "laser"
     time_increment: float = 0.0
     scan_time: float = 0.0
     notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
+    odometry: OdometryRecords | None = None
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -303,6 +251,12 @@ class ScanLog:
             raise ConfigError("log.no_trajectory", "A log needs at least one trajectory.")
         for trajectory in self.trajectories.values():
             check_poses(trajectory.poses, (len(self.ranges), 3), self.limits)
+        if self.odometry is not None and len(self.odometry.before_scan) != len(self.ranges):
+            raise ConfigError(
+                "log.odometry",
+                f"The odometry stands beside {len(self.odometry.before_scan)} scans, and the log has "
+                f"{len(self.ranges)}.",
+            )
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
         _check_width(self.beam_width)
         if not np.isfinite([self.time_increment, self.scan_time]).all():
@@ -370,6 +324,16 @@ class ScanLog:
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""
         return compose(self.trajectory(trajectory).poses, np.array(self.mount))
+
+    def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> ScanLog:
+        """Return the log of some of its scans: a mask (n_scans,), their indices, or a slice."""
+        return replace(
+            self,
+            ranges=self.ranges[scans],
+            stamps_ns=self.stamps_ns[scans],
+            trajectories={name: replace(one, poses=one.poses[scans]) for name, one in self.trajectories.items()},
+            odometry=None if self.odometry is None else self.odometry.take(scans),
+        )
 
     def scan(self, index: int) -> RangeScan:
         """Return scan ``index``, negative from the end; bearings as seen from above, also of an upside-down laser."""

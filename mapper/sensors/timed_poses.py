@@ -8,8 +8,49 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import interpolate
-from mapper.sensors.scan import check_poses
+
+Times = NDArray[np.int64] | NDArray[np.float64]
+
+
+def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
+    if poses.shape != shape:
+        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
+    bad = ~np.isfinite(poses).all(axis=-1)
+    if np.any(bad):
+        raise ConfigError(
+            "scan.pose",
+            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
+        )
+    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
+        raise ConfigError("scan.pose_far", f"A pose is more than {limits.max_pose:g} m from the origin.")
+
+
+def poses_at(times: Times, poses: NDArray[np.float64], wanted: Times) -> NDArray[np.float64]:
+    """Return the poses (..., 3) at the times ``wanted`` (...), from n ≥ 1 ``poses`` (n, 3) at ``times`` (n,).
+
+    The times are ascending, and of one unit with those wanted. Linear in position, the short way round in angle.
+    Nothing is extrapolated: before the first and after the last pose it is that pose.
+    """
+    return poses_between(times, poses, number_before(times, wanted), wanted)
+
+
+def number_before(times: Times, wanted: Times) -> NDArray[np.int64]:
+    """Return the index of the last of ``times`` (n,), ascending, at or before each of ``wanted``; 0 before all."""
+    return np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, None)
+
+
+def poses_between(
+    times: Times, poses: NDArray[np.float64], low: NDArray[np.int64], wanted: Times
+) -> NDArray[np.float64]:
+    """Return the poses (..., 3) at ``wanted``, between the poses number ``low`` and the next; the two broadcast."""
+    high = np.minimum(low + 1, len(times) - 1)
+    start, span = times[low], times[high] - times[low]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weight = np.where(span > 0, np.clip((wanted - start) / span, 0.0, 1.0), 0.0)
+    return interpolate(poses[low], poses[high], weight)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,21 +87,20 @@ class TimedPoses:
         return np.asarray((stamps_ns >= self.stamps_ns.min()) & (stamps_ns <= self.stamps_ns.max()))
 
     def at(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the poses (n, 3) at the times (n,), ns.
+        """Return the poses (n, 3) at the times (n,), ns, as :func:`poses_at`.
 
-        Linear in position, the short way round in angle, between the two poses around a time in the order of the
-        stamps. Nothing is extrapolated: outside of them it is the nearest pose. Raises :class:`ConfigError` where there
-        is no pose.
+        Raises :class:`ConfigError` where there is no pose.
         """
         if not len(self):
             raise ConfigError("poses.empty", "There are no poses to interpolate.")
-        order = np.argsort(self.stamps_ns, kind="stable")
-        stamps, poses = self.stamps_ns[order], self.poses[order]
-        after = np.searchsorted(stamps, stamps_ns, side="right")
-        low, high = np.clip(after - 1, 0, len(stamps) - 1), np.clip(after, 0, len(stamps) - 1)
-        span = stamps[high] - stamps[low]
-        weight = np.clip((stamps_ns - stamps[low]) / np.where(span > 0, span, 1), 0.0, 1.0)
-        return interpolate(poses[low], poses[high], np.where(span > 0, weight, 0.0))
+        one = self.in_order()
+        return poses_at(one.stamps_ns, one.poses, stamps_ns)
+
+    def in_order(self) -> TimedPoses:
+        """Return the poses in the order of their stamps."""
+        if (self.stamps_ns[1:] >= self.stamps_ns[:-1]).all():
+            return self
+        return self.take(np.argsort(self.stamps_ns, kind="stable"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +108,25 @@ class OdometryRecords:
     """The odometry messages of a log in the order of its records, and where the scans stand among them.
 
     ``messages`` are the n messages; ``before_scan`` (n_scans,) int64 is the index of the last message before each scan,
-    −1 where there is none. Raises :class:`ConfigError` for an index of no message.
+    −1 where there is none. ``at_scans`` (n_scans, 3) float64 is the odometry's pose at each scan, ``T_odom_base``: what
+    a scan's own record states, in logs whose scans do (CARMEN), so that no stamp is needed; else between the messages
+    around the scan's stamp. None where it is not known. Raises :class:`ConfigError` for an index of no message.
     """
 
     messages: TimedPoses
     before_scan: NDArray[np.int64]
+    at_scans: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "before_scan", np.ascontiguousarray(self.before_scan, dtype=np.int64))
         outside = (self.before_scan < -1) | (self.before_scan >= len(self.messages))
         if self.before_scan.ndim != 1 or outside.any():
             raise ConfigError("poses.records", "The indices before the scans must be those of messages, or −1.")
+        if self.at_scans is not None:
+            object.__setattr__(self, "at_scans", np.ascontiguousarray(self.at_scans, dtype=np.float64))
+            check_poses(self.at_scans, (len(self.before_scan), 3))
+
+    def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> OdometryRecords:
+        """Return all messages beside some of the scans."""
+        at_scans = None if self.at_scans is None else self.at_scans[scans]
+        return OdometryRecords(self.messages, self.before_scan[scans], at_scans)

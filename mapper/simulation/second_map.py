@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change
+from mapper.grid import CellBox, OccupancyGrid
+from mapper.mapping.integrate import Change
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation.edits import gone
 from mapper.simulation.forgetting import Forgetting, cells_of

@@ -153,7 +153,11 @@ def slam_log(
     odometry = None if name is None else log.trajectory(name).poses
     nodes = np.arange(log.n_scans) if odometry is None else matched_scans(odometry, config)
     moved = None if odometry is None else motions(odometry[nodes])
-    start = np.zeros(3) if odometry is None else odometry[0]
+    if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max)).any():
+        raise ConfigError(
+            "slam.no_returns", "There is nothing to align: no scan has a reading within the range limits."
+        )
+    start = log.trajectory(name).poses[0]
     slam = Slam(log, config)
     share = 0.8 if config.refinement else 1.0
 

@@ -28,7 +28,7 @@ FAILED = 1  #: exit status
 
 
 @app.command()
-@with_parameter_options("mount_upside_down")
+@with_parameter_options("mount_upside_down", "time_offset")
 def check(
     log: LogPath,
     max_drift: Annotated[

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -15,6 +15,8 @@ import typer
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
+from mapper.sensors.planar.options import PlanarCut
 
 if TYPE_CHECKING:
     from mapper.sensors.scan import ScanLog
@@ -94,12 +96,17 @@ def _option(row: Parameter) -> inspect.Parameter:
     return inspect.Parameter(row.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
-def with_parameter_options(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command an option for each named row of the parameter table, in place of its ``**parameters``."""
+def with_parameter_options(
+    *names: str, more: Sequence[Parameter] = ()
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command an option for each named row of the parameter table, in place of its ``**parameters``.
+
+    It gets one for each of the rows ``more`` of another table as well.
+    """
 
     def widened(command: Callable[..., None]) -> Callable[..., None]:
         own = [p for p in inspect.signature(command, eval_str=True).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        options = [_option(BY_NAME[name]) for name in names]
+        options = [_option(row) for row in (*(BY_NAME[name] for name in names), *more)]
         signature = inspect.Signature([p.replace(kind=p.KEYWORD_ONLY) for p in own] + options)
         command.__signature__ = signature  # type: ignore[attr-defined]
         command.__annotations__ = {p.name: p.annotation for p in signature.parameters.values()}
@@ -134,6 +141,18 @@ def configured(given: dict[str, Any]) -> MappingConfig:
     """Return the parameters with the given ones replaced, or end the command with an error."""
     try:
         return MappingConfig().with_values(given)
+    except MapperError as error:
+        fail(error.message)
+
+
+def given_cut(values: dict[str, Any]) -> PlanarCut:
+    """Take the options of planar cuts out of ``values``; return the cut, or end the command with an error."""
+    typed = {name: values.pop(name) for name in CUT_BY_NAME if name in values}
+    given: dict[str, Any] = {
+        name: value_of(CUT_BY_NAME[name], text) for name, text in typed.items() if text is not None
+    }
+    try:
+        return PlanarCut(**given)
     except MapperError as error:
         fail(error.message)
 
@@ -173,6 +192,23 @@ def read_log(path: Path, topic: str | None = None, tum: Path | None = None) -> S
 
     with refusing(path), progress_bar("Reading") as progress:
         log = open_log(path, topic=topic, progress=progress)
+    return _with_tum(log, tum)
+
+
+def read_sensors(path: Path, topics: Sequence[str], tum: Path | None, cut: PlanarCut) -> tuple[ScanLog, ...]:
+    """Return the named sensors of a log, or those that make one map where none is named; otherwise as :func:`read_log`.
+
+    ``cut`` says how scans are cut out of clouds and depth images.
+    """
+    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
+    from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
+
+    with refusing(path), progress_bar("Reading") as progress:
+        robot = open_robot_log(path, selection=Selection(tuple(topics), cut), progress=progress)
+    return tuple(_with_tum(log, tum) for log in robot.sensors.values())
+
+
+def _with_tum(log: ScanLog, tum: Path | None) -> ScanLog:
     if tum is None:
         return log
     from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up

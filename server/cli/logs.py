@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -25,11 +26,19 @@ from server.cli.common import (
 
 
 @app.command()
-def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None:
+def info(
+    log: LogPath,
+    topic: TopicName = None,
+    contents: Annotated[
+        bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
+    ] = True,
+    as_json: AsJson = False,
+) -> None:
     """Print the contents of a log."""
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     facts = asdict(summarise(read_log(log, topic)))
+    facts["contents"] = _contents(log) if contents else []
     if as_json:
         print_json(facts)
         return
@@ -47,10 +56,34 @@ def info(log: LogPath, topic: TopicName = None, as_json: AsJson = False) -> None
     )
     for trajectory in facts["trajectories"]:
         typer.echo(f"  trajectory {trajectory['name']}: {trajectory['length_m']:.1f} m, {trajectory['description']}")
+    held = {one["name"]: one for one in facts["contents"]}
     for one in facts["topics"]:
-        typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}")
+        more = held.pop(one["name"], None)
+        size = "" if more is None else _size_line(more, with_rate=one["rate_hz"] is None)
+        typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}{size}")
+    for one in held.values():
+        typer.echo(f"    {one['name']}: {one['messages']} × {one['type']}{_size_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _contents(log: Path) -> list[dict[str, Any]]:
+    """Return every topic of a recording with its messages, bytes, rate and span."""
+    from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - start-up
+
+    with refusing(log), progress_bar("Counting") as bar:
+        topics = inspect(log, progress=bar).topics
+    return [asdict(topic) | {"span_s": topic.span_s, "rate_hz": topic.rate_hz} for topic in topics]
+
+
+def _size_line(topic: dict[str, Any], *, with_rate: bool = True) -> str:
+    """Say how large a topic is, over which time, and how often it comes."""
+    size, unit = float(topic["bytes"]), "B"
+    for larger in ("kB", "MB", "GB"):
+        if size >= 1000.0:
+            size, unit = size / 1000.0, larger
+    rate = f", {topic['rate_hz']:.1f} Hz" if with_rate and topic["rate_hz"] is not None else ""
+    return f"{rate}, {size:.{0 if unit == 'B' else 1}f} {unit} in {topic['span_s']:.1f} s"
 
 
 def _time_line(time: dict[str, Any]) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from server.cli.app import app
 from server.cli.common import (
     MOUNT,
@@ -22,10 +23,11 @@ from server.cli.common import (
     TumTrajectory,
     configured,
     fail,
+    given_cut,
     given_parameters,
     print_json,
     progress_bar,
-    read_log,
+    read_sensors,
     refusing,
     with_parameter_options,
 )
@@ -34,12 +36,16 @@ from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mapper.io.export import GrowingMap
     from mapper.sensors.scan import ScanLog
 
 
 @app.command("map")
-@with_parameter_options(*(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")))
+@with_parameter_options(
+    *(row.name for row in PARAMETERS if row.name not in (*MOUNT, "log_odds_prior")), more=CUT_PARAMETERS
+)
 def map_log(
     log: LogPath,
     topic: TopicNames = None,
@@ -61,14 +67,15 @@ def map_log(
 ) -> None:
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.several import bounds_of_logs, integrate_logs  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.several import integrate_logs  # noqa: PLC0415 - start-up
 
+    cut = given_cut(parameters)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
-    _check_one_sensor(topics, given, mcap)
-    logs = [read_log(log, one, tum_trajectory) for one in (topics or (None,))]
+    logs = read_sensors(log, topics, tum_trajectory, cut)
+    _check_one_sensor(logs, given, mcap)
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
@@ -123,9 +130,7 @@ def map_log(
         "notes": notes,
     }
     if len(logs) > 1:
-        facts["sensors"] = [
-            {"topic": name, "scans": one.n_scans, "beams": one.n_beams} for name, one in zip(topics, logs, strict=True)
-        ]
+        facts["sensors"] = [{"topic": one.topic, "scans": one.n_scans, "beams": one.n_beams} for one in logs]
     if not quiet:
         facts["drift"] = drift
     if as_json:
@@ -153,9 +158,9 @@ def map_log(
         typer.echo(f"  note: {note}")
 
 
-def _check_one_sensor(topics: list[str], given: dict[str, Any], mcap: Path | None) -> None:
-    """End the command where what was asked for concerns one sensor, and several were named."""
-    if len(topics) < 2:
+def _check_one_sensor(logs: Sequence[ScanLog], given: dict[str, Any], mcap: Path | None) -> None:
+    """End the command where what was asked for concerns one sensor, and several are mapped."""
+    if len(logs) < 2:
         return
     moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
     if moved:
@@ -164,7 +169,7 @@ def _check_one_sensor(topics: list[str], given: dict[str, Any], mcap: Path | Non
         fail("--mcap writes the scans of one sensor; give one --topic with it.")
 
 
-def _frame_of(logs: list[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
+def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
     """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
     ways = [one.trajectory(trajectory) for one in logs]
     frames = dict.fromkeys(way.frame_id for way in ways)
@@ -175,7 +180,7 @@ def _frame_of(logs: list[ScanLog], trajectory: str) -> tuple[str | None, list[st
     return ways[0].frame_id, ["Where these sensors sit on the robot is not known; all are taken to be in one place."]
 
 
-def _deskewed(logs: list[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
+def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
     from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
     from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
@@ -189,7 +194,7 @@ def _deskewed(logs: list[ScanLog], config: MappingConfig, trajectory: str) -> tu
     return deskewed, [note] if left_out else []
 
 
-def _config_for(logs: list[ScanLog], given: dict[str, Any]) -> MappingConfig:
+def _config_for(logs: Sequence[ScanLog], given: dict[str, Any]) -> MappingConfig:
     """Return the parameters that suit all sensors; end the command where they need different ones."""
     from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
 

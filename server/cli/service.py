@@ -9,7 +9,7 @@ import typer
 
 from server.cli.app import app
 from server.cli.common import AsJson, fail, print_json, progress_bar, refusing
-from server.imports import without_garbage_collection
+from server.imports import fast_imports
 
 
 @app.command()
@@ -27,7 +27,7 @@ def serve(
     ] = False,
 ) -> None:
     """Run the service. Every option can also be set in the environment, for example GRIDBLOOM_PORT."""
-    with without_garbage_collection():
+    with fast_imports():
         from pydantic import ValidationError  # noqa: PLC0415 - start-up
 
         from server.serving import run  # noqa: PLC0415 - start-up

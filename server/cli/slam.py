@@ -10,7 +10,17 @@ import typer
 
 from mapper.core.errors import MapperError
 from server.cli.app import app
-from server.cli.common import AsJson, LogPath, TopicName, TrajectoryName, fail, print_json, progress_bar, read_log, refusing
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    TrajectoryName,
+    fail,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+)
 from server.cli.map_files import save
 
 if TYPE_CHECKING:
@@ -19,6 +29,7 @@ if TYPE_CHECKING:
     from mapper.slam import SlamConfig, SlamProgress, SlamResult
 
 SLAM = "slam"  #: name of the trajectory
+WORTH_SAYING_S = 10.0  #: seconds of processor time that are announced
 
 
 @app.command()
@@ -41,14 +52,18 @@ def slam(
     as_json: AsJson = False,
 ) -> None:
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
-    from mapper.slam import slam_log, slam_seconds  # noqa: PLC0415 - start-up
+    from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
 
     config = _configured(values or [])
     scans = read_log(log, topic)
     with refusing(log):
-        expected = slam_seconds(scans, config)
-        if expected > 10.0 and not as_json:
-            typer.echo(f"{scans.n_scans} scans: this takes about {expected:.0f} s of processor time.", err=True)
+        expected = estimate(scans, config, trajectory)
+        if expected.seconds > WORTH_SAYING_S and not as_json:
+            typer.echo(
+                f"{scans.n_scans} scans, of which {expected.n_matched} are matched: about {expected.seconds:.0f} s of "
+                f"processor time and {expected.n_bytes / 1e6:.0f} MB of memory.",
+                err=True,
+            )
         with progress_bar("SLAM") as bar:
 
             def report(done: SlamProgress) -> None:
@@ -137,7 +152,7 @@ def _map_and_sharpness(log: ScanLog, trajectory: str) -> tuple[OccupancyGrid, fl
 
 
 def _write(prefix: Path, log: ScanLog, found: SlamResult) -> list[Path]:
-    from mapper.core.atomic_file import writing  # noqa: PLC0415 - start-up
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
     from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
     from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
 
@@ -145,7 +160,10 @@ def _write(prefix: Path, log: ScanLog, found: SlamResult) -> list[Path]:
     paths = []
     for ending, text in texts.items():
         path = prefix.with_name(prefix.name + ending)
-        with writing(path) as file:
-            file.write(text.encode())
+        try:
+            with atomic_write(path) as file:
+                file.write(text.encode())
+        except OSError as error:
+            fail(f"{path}: the file cannot be written: {error.strerror}.")
         paths.append(path)
     return paths

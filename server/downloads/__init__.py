@@ -1,15 +1,16 @@
 """Downloads: bounded in number and memory, streamed, and stopped if the client disconnects."""
 
+from server.downloads.compressed_image import CompressedImage
 from server.downloads.download_slots import BusyError, DownloadSlots
 from server.downloads.downloads import Content, Downloads
 from server.downloads.map_snapshots import MapSnapshot, MapSnapshotGoneError, MapSnapshots
 from server.downloads.names import SNAPSHOT_NAME, file_name, file_stem
 from server.downloads.response import Download
-from server.downloads.snapshot import Snapshot
 
 __all__ = [
     "SNAPSHOT_NAME",
     "BusyError",
+    "CompressedImage",
     "Content",
     "Download",
     "DownloadSlots",
@@ -17,7 +18,6 @@ __all__ = [
     "MapSnapshot",
     "MapSnapshotGoneError",
     "MapSnapshots",
-    "Snapshot",
     "file_name",
     "file_stem",
 ]

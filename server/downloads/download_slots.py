@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from mapper.core.errors import LimitError
+from server.network_address import network_of
 
 MAX_AT_ONCE = 8  #: running downloads of all visitors
 MAX_OF_GUESTS = 4  #: running downloads of all guests
-MAX_OF_PARTY = 2  #: of one visitor, of one address, of one link
-MAX_LINE = 8  #: requests of one party that wait for a slot
+MAX_PER_KEY = 2  #: of one visitor, of one address, of one link
+MAX_WAITING = 8  #: waiting requests with one key
 WAIT_S = 30.0  #: a request waits no longer than this
 
 
@@ -23,33 +23,21 @@ class BusyError(LimitError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Asker:
-    """The requester of a download. The limit holds for each of ``parties`` (a visitor, an address, a link)."""
+class Requester:
+    """Who requests a download. The limit holds for each of ``keys`` (a visitor, an address, a link)."""
 
-    parties: tuple[str, ...]
+    keys: tuple[str, ...]
     is_guest: bool
 
 
-def asker(visitor: str, address: str | None, link: str | None) -> Asker:
+def requester(visitor: str, address: str | None, link: str | None) -> Requester:
     """Return a requester: by visitor and by address, since cookies can be dropped, and for a guest by link."""
-    parties = [f"visitor {visitor}"]
+    keys = [f"visitor {visitor}"]
     if address is not None:
-        parties.append(f"address {_network(address)}")
+        keys.append(f"address {network_of(address)}")
     if link is not None:
-        parties.append(f"link {link}")
-    return Asker(tuple(parties), link is not None)
-
-
-def _network(address: str) -> str:
-    """Return an address, for IPv6 its /64 network: one machine can use all addresses of it."""
-    try:
-        found = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if found.version == 4:
-        return str(found)
-    mapped = found.ipv4_mapped
-    return str(mapped or ipaddress.ip_network((found, 64), strict=False))
+        keys.append(f"link {link}")
+    return Requester(tuple(keys), link is not None)
 
 
 class DownloadSlots:
@@ -59,7 +47,7 @@ class DownloadSlots:
         self._wait_s = wait_s
         self._taken: Counter[str] = Counter()
         self._all = self._guests = 0
-        self._line: list[tuple[Asker, asyncio.Future[None]]] = []
+        self._waiting: list[tuple[Requester, asyncio.Future[None]]] = []
 
     @property
     def taken(self) -> int:
@@ -67,10 +55,10 @@ class DownloadSlots:
         return self._all
 
     @asynccontextmanager
-    async def hold(self, who: Asker) -> AsyncIterator[None]:
+    async def hold(self, who: Requester) -> AsyncIterator[None]:
         """Wait for a slot (first come, first served) and hold it during the block.
 
-        Raises :class:`BusyError` if none becomes free in time, or too many requests of one party wait already.
+        Raises :class:`BusyError` if none becomes free in time, or too many requests with one of its keys wait already.
         """
         if self._fits(who):
             self._take(who)
@@ -79,57 +67,57 @@ class DownloadSlots:
         try:
             yield
         finally:
-            self._give_back(who)
+            self._release(who)
 
-    async def _wait(self, who: Asker) -> None:
-        for party in who.parties:
-            if sum(party in other.parties for other, _ in self._line) >= MAX_LINE:
+    async def _wait(self, who: Requester) -> None:
+        for key in who.keys:
+            if sum(key in other.keys for other, _ in self._waiting) >= MAX_WAITING:
                 raise BusyError(
                     "download.too_many",
-                    f"{MAX_LINE} of your downloads are waiting already; try again when they are finished.",
+                    f"{MAX_WAITING} of your downloads are waiting already; try again when they are finished.",
                 )
         entry = (who, asyncio.get_running_loop().create_future())
-        self._line.append(entry)
+        self._waiting.append(entry)
         try:
             await asyncio.wait([entry[1]], timeout=self._wait_s)
         except asyncio.CancelledError:
             if entry[1].done():
-                self._give_back(who)
+                self._release(who)
             raise
         finally:
-            if entry in self._line:
-                self._line.remove(entry)
+            if entry in self._waiting:
+                self._waiting.remove(entry)
         if not entry[1].done():
             raise self._refusal(who)
 
-    def _refusal(self, who: Asker) -> BusyError:
-        if any(self._taken[party] >= MAX_OF_PARTY for party in who.parties):
+    def _refusal(self, who: Requester) -> BusyError:
+        if any(self._taken[key] >= MAX_PER_KEY for key in who.keys):
             return BusyError(
                 "download.too_many",
-                f"{MAX_OF_PARTY} downloads of yours, of your address or by this link run, as many as may at one time; "
+                f"{MAX_PER_KEY} downloads of yours, of your address or by this link run, as many as may at one time; "
                 "try again when one of them is done.",
             )
         return BusyError("download.busy", "Too many downloads are running; try again in a minute.")
 
-    def _fits(self, who: Asker) -> bool:
+    def _fits(self, who: Requester) -> bool:
         return (
             self._all < MAX_AT_ONCE
             and not (who.is_guest and self._guests >= MAX_OF_GUESTS)
-            and all(self._taken[party] < MAX_OF_PARTY for party in who.parties)
+            and all(self._taken[key] < MAX_PER_KEY for key in who.keys)
         )
 
-    def _take(self, who: Asker) -> None:
+    def _take(self, who: Requester) -> None:
         self._all += 1
         self._guests += who.is_guest
-        self._taken.update(who.parties)
+        self._taken.update(who.keys)
 
-    def _give_back(self, who: Asker) -> None:
+    def _release(self, who: Requester) -> None:
         self._all -= 1
         self._guests -= who.is_guest
-        self._taken -= Counter(who.parties)  # drops parties with none left
-        for entry in (*self._line,):
+        self._taken -= Counter(who.keys)  # removes keys with none left
+        for entry in (*self._waiting,):
             waiting, turn = entry
             if self._fits(waiting):
                 self._take(waiting)
                 turn.set_result(None)
-                self._line.remove(entry)
+                self._waiting.remove(entry)

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from mapper.core.errors import MapperError
 from mapper.grid import GridGeometry
-from server.downloads.snapshot import Snapshot
+from server.downloads.compressed_image import CompressedImage
 
 MAX_KEPT_BYTES = 64 << 20  #: of all sessions
 MAX_KEPT = 4  #: maps of one session
@@ -26,7 +26,7 @@ class MapSnapshot:
 
     stem: str
     geometry: GridGeometry
-    image: Snapshot | None  #: None once it is no longer kept
+    image: CompressedImage | None  #: None once it is no longer kept
     frame: str | None = None
 
 

@@ -10,7 +10,7 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from server.downloads.download_slots import Asker
+from server.downloads.download_slots import Requester
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
 
@@ -26,7 +26,7 @@ class Download(Response):
     Errors before the first byte, :class:`server.downloads.BusyError` among them, are answered as JSON errors.
     """
 
-    def __init__(self, downloads: Downloads, who: Asker, make: Make, media_type: str) -> None:
+    def __init__(self, downloads: Downloads, who: Requester, make: Make, media_type: str) -> None:
         self.status_code, self.media_type, self.background = 200, media_type, None
         self.init_headers({"Cache-Control": "no-store"})
         self._downloads, self._who, self._make = downloads, who, make

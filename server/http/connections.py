@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import ipaddress
 import os
 import resource
 import socket
@@ -20,6 +19,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import structlog
+
+from server.network_address import network_of
 
 BATCH = 32  #: connections accepted in one pass of the event loop
 SAY_EVERY_S = 10.0  #: minimum seconds between two log lines on refused connections
@@ -64,7 +65,7 @@ class Connections:
 
     def admit(self, descriptor: int, address: str) -> bool:
         """Count a new connection; return False if the limit is reached."""
-        network = _network(address)
+        network = network_of(address)
         if self._count[network] >= self._most_of_network and not self._end_one(self._waiting[network]):
             self.refuse("as many connections as one address may have")
             return False
@@ -125,17 +126,6 @@ class Connections:
         if end is not None:
             end()
         return True
-
-
-def _network(address: str) -> str:
-    """Return the key under which an address is counted: itself, or its /64 network for IPv6."""
-    try:
-        found = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if isinstance(found, ipaddress.IPv4Address):
-        return address
-    return str(found.ipv4_mapped or ipaddress.ip_network((found, 64), strict=False))
 
 
 class _Connection(socket.socket):

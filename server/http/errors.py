@@ -15,7 +15,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.downloads import MapSnapshotGoneError
-from server.library import LinkGoneError, LogNotFoundError, LogReadOnlyError, StorageError
+from server.library import (
+    LinkGoneError,
+    LogNotFoundError,
+    LogReadOnlyError,
+    StorageError,
+    TrajectoryNotFoundError,
+)
+from server.library.notes import NoteNotFoundError, NoteReadOnlyError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
 
@@ -27,7 +34,10 @@ _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (LinkGoneError, 404),
     (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
+    (TrajectoryNotFoundError, 404),
     (LogReadOnlyError, 403),
+    (NoteNotFoundError, 404),
+    (NoteReadOnlyError, 403),
     (SessionBudgetError, 429),
     (StorageError, 503),
     (LimitError, 413),
@@ -47,9 +57,12 @@ _STATUS_OF_CODE = {
     "library.too_many": 409,
     "link.read_only": 403,
     "link.too_many": 409,
+    "note.pin": 422,
+    "note.too_many": 409,
     "log.gone": 410,
     "log.stalled": 408,
     "log.storage": 507,
+    "trajectory.too_many": 409,
 }
 
 

@@ -1,5 +1,6 @@
 """Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
 
+from server.library.added import TrajectoryNotFoundError
 from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError, check_stores
 from server.library.link import Link, LinkGoneError
 from server.library.records import Record
@@ -18,6 +19,7 @@ __all__ = [
     "Part",
     "Record",
     "StorageError",
+    "TrajectoryNotFoundError",
     "check_stores",
     "claimed",
 ]

@@ -1,4 +1,4 @@
-"""The bytes of uploaded logs, through obstore: a folder, or a bucket of S3. Each file is kept once, by its digest.
+"""The bytes of uploaded logs, stored through obstore in a folder or an S3 bucket, once for each SHA-256 digest.
 
 An upload is written under a random name and moved to ``blobs/SHA-256`` when it is complete: by a rename in a folder, by
 a copy on the server's side in a bucket. Incomplete files are never visible and are removed at the next start.
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 BLOBS, INCOMING, IDENTITY = "blobs", "incoming", "identity"
 LOCAL_PART_BYTES = 1 << 18  #: bytes of an upload that are held back in memory
-REMOTE_PART_BYTES = 5 << 20  #: S3 takes no smaller parts
-HASHED_AT_ONCE = 1 << 16  #: bytes that are not worth another thread
+REMOTE_PART_BYTES = 5 << 20  #: the smallest part that S3 accepts
+HASHED_AT_ONCE = 1 << 16  #: bytes that are hashed without another thread
 PIECE_BYTES = 1 << 20
-RETRY: RetryConfig = {"max_retries": 3, "retry_timeout": timedelta(seconds=30)}  #: what S3 did not answer
+RETRY: RetryConfig = {"max_retries": 3, "retry_timeout": timedelta(seconds=30)}  #: of requests to S3
 
 _log = structlog.get_logger(__name__)
 
@@ -61,7 +61,7 @@ class Incoming:
         """Append ``data``, which must not be changed afterwards. Raises :class:`StorageError`."""
         if self._ended:
             return  # late data of an upload that was cancelled
-        with _told(away=not isinstance(self._store, LocalStore)):
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
             if len(data) <= HASHED_AT_ONCE:
                 self._digest.update(data)
                 await self._writer.write(data)
@@ -73,24 +73,24 @@ class Incoming:
                     await hashing
         self.size += len(data)
 
-    async def place(self) -> None:
-        """Move the bytes to their final name. Raises :class:`StorageError`; then they are removed."""
+    async def commit(self) -> None:
+        """Move the bytes to their final name. If that fails they are removed, and :class:`StorageError` is raised."""
         try:
-            with _told(away=not isinstance(self._store, LocalStore)):
+            with _storage_errors(remote=not isinstance(self._store, LocalStore)):
                 await self._writer.close()
                 await obstore.rename_async(self._store, self._key, f"{BLOBS}/{self.sha256}")
         except BaseException:
-            await self.drop()
+            await self.discard()
             raise
         self._ended = True
 
-    async def drop(self) -> None:
+    async def discard(self) -> None:
         """Discard the bytes."""
         if self._ended:
             return
         self._ended = True
         writer, reason = self._writer, RuntimeError("the upload was given up")
-        del self._writer  # with it goes what it has written, also where closing it failed
+        del self._writer  # which removes the written bytes, also if closing it failed
         with contextlib.suppress(OSError, BaseError):  # what cannot be removed now is removed at the next start
             if not await writer.closed():
                 await writer.__aexit__(RuntimeError, reason, None)
@@ -100,32 +100,43 @@ class Incoming:
 
 
 class Blobs:
-    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies."""
+    """A store of blobs; ``folder`` is where it is if that is a folder of this machine, ``scratch`` one for copies.
 
-    def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path) -> None:
+    ``kind`` is the folder of the store in which the blobs are.
+    """
+
+    def __init__(self, store: ObjectStore, folder: Path | None, scratch: Path, kind: str = BLOBS) -> None:
         self._store = store
         self._folder = folder
         self._scratch = scratch
+        self._kind = kind
 
     @classmethod
     def at(cls, place: str | None, root: Path) -> Blobs:
         """Return the store at ``place``, a folder or ``s3://BUCKET/PREFIX``; None is the folder ``root``."""
         scratch = root / INCOMING
         if place is not None and place.startswith("s3://"):
-            with _told(away=True):
+            with _storage_errors(remote=True):
                 return cls(S3Store.from_url(place, retry_config=RETRY), None, scratch)
         folder = root if place is None else Path(place)
-        with _told(away=False):
+        with _storage_errors(remote=False):
             for name in (BLOBS, INCOMING):
                 private_folder(folder / name)
             return cls(LocalStore(prefix=folder), folder, scratch)
+
+    def beside(self, kind: str) -> Blobs:
+        """Return the files of another ``kind`` in the same store, whose names their users choose."""
+        if self._folder is not None:
+            with _storage_errors(remote=False):
+                private_folder(self._folder / kind)
+        return Blobs(self._store, self._folder, self._scratch, kind)
 
     def identity(self) -> str:
         """Return the id of this store, which is created on the first call.
 
         Blocks. Raises :class:`StorageError`.
         """
-        with _told(away=not isinstance(self._store, LocalStore)):
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
             try:
                 return bytes(obstore.get(self._store, IDENTITY).bytes()).decode("ascii", "replace")[:64]
             except FileNotFoundError:
@@ -140,15 +151,15 @@ class Blobs:
     async def names(self) -> set[str]:
         """Return the digests of all blobs. Raises :class:`StorageError`."""
         found: set[str] = set()
-        with _told(away=not isinstance(self._store, LocalStore)):
-            async for entries in obstore.list(self._store, BLOBS):
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
+            async for entries in obstore.list(self._store, self._kind):
                 found |= {entry["path"].rsplit("/", 1)[-1] for entry in entries}
         return found
 
     async def delete(self, name: str) -> None:
-        """Remove a blob; one that is not there is no error, and one that stays is removed at the next start."""
+        """Remove a blob. A missing one is no error; one that cannot be removed is removed at the next start."""
         try:
-            await obstore.delete_async(self._store, f"{BLOBS}/{name}")
+            await obstore.delete_async(self._store, f"{self._kind}/{name}")
         except FileNotFoundError:
             pass
         except (OSError, BaseError) as error:
@@ -156,13 +167,13 @@ class Blobs:
 
     @asynccontextmanager
     async def file(self, name: str) -> AsyncIterator[Path]:
-        """Yield a path at which a blob can be read: its own in a folder, that of a copy otherwise."""
+        """Yield a path at which a blob can be read: of the blob in a folder, of a copy otherwise."""
         if self._folder is not None:
-            yield self._folder / BLOBS / name
+            yield self._folder / self._kind / name
             return
         copy = self._scratch / f"{uuid.uuid4().hex}.copy"
         try:
-            with _told(away=not isinstance(self._store, LocalStore)):
+            with _storage_errors(remote=not isinstance(self._store, LocalStore)):
                 await self._copy(name, copy)
             yield copy
         finally:
@@ -170,27 +181,27 @@ class Blobs:
 
     async def _copy(self, name: str, path: Path) -> None:
         try:
-            answer = await obstore.get_async(self._store, f"{BLOBS}/{name}")
+            answer = await obstore.get_async(self._store, f"{self._kind}/{name}")
         except FileNotFoundError:
             raise StorageError("log.gone", "The bytes of this log are no longer in the server's store.") from None
         with path.open("xb") as file:
             async for piece in answer.stream(PIECE_BYTES):
                 await asyncio.to_thread(file.write, piece)
 
-    async def take(self, path: Path, name: str) -> None:
-        """Move a file of this machine into the store. Raises :class:`StorageError`."""
-        with _told(away=not isinstance(self._store, LocalStore)):
+    async def move_in(self, path: Path, name: str) -> None:
+        """Move a local file into the store. Raises :class:`StorageError`."""
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
             if self._folder is not None:
-                await asyncio.to_thread(path.replace, self._folder / BLOBS / name)
+                await asyncio.to_thread(path.replace, self._folder / self._kind / name)
                 return
-            await obstore.put_async(self._store, f"{BLOBS}/{name}", path)
+            await obstore.put_async(self._store, f"{self._kind}/{name}", path)
             await asyncio.to_thread(path.unlink)
 
-    async def sweep(self, keep: Collection[str]) -> None:
-        """Remove incomplete files of an earlier run, and the blobs that are not among ``keep``."""
+    async def remove_unreferenced(self, keep: Collection[str]) -> None:
+        """Remove incomplete files of an earlier run, and all blobs except those named in ``keep``."""
         for name in await self.names() - set(keep):
             await self.delete(name)
-        with _told(away=not isinstance(self._store, LocalStore)):
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
             async for entries in obstore.list(self._store, INCOMING):
                 await obstore.delete_async(self._store, [entry["path"] for entry in entries])
         folders = {self._scratch} if self._folder is None else {self._scratch, self._folder / INCOMING}
@@ -199,18 +210,18 @@ class Blobs:
 
 
 def _empty(folder: Path) -> None:
-    for path in folder.iterdir():  # not by obstore: it does not list the parts of an upload
+    for path in folder.iterdir():  # obstore does not list the parts of an upload
         path.unlink(missing_ok=True)
 
 
 @contextmanager
-def _told(*, away: bool) -> Iterator[None]:
-    """Raise a store's error as one sentence, ``away`` for a remote store; the cause goes to the service's log."""
+def _storage_errors(*, remote: bool) -> Iterator[None]:
+    """Raise errors of a store as :class:`StorageError` and log the cause; ``remote`` says that it is not a folder."""
     try:
         yield
     except (OSError, BaseError) as error:
         _log.warning("the store of blobs failed", error=str(error).partition("\n")[0])
-        if away:
+        if remote:
             message = "The server cannot reach its store of logs just now; try again later."
             raise StorageError("log.store", message) from error
         raise disk_full() from error

@@ -1,7 +1,7 @@
-"""The catalogue: every record in memory, with its row, blob and pack. Removing a record removes all of them.
+"""The catalogue: all records in memory, each with its row, blob and pack. Deleting a record deletes all of them.
 
-All methods run on the event loop. Equal uploads of several visitors share one blob, which stays as long as one of
-them keeps it.
+All methods run on the event loop. Equal uploads of several visitors share one blob, which is deleted
+with the last of them.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ import structlog
 from server.library.blobs import Blobs, Incoming
 from server.library.cache import LogCache
 from server.library.folder import FolderLog
-from server.library.legacy_import import take_over
+from server.library.legacy_import import import_legacy_records
 from server.library.records import Record, Records
 from server.library.storage import StorageError
 
@@ -29,65 +29,77 @@ INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading w
 
 
 class Catalogue:
-    """The records of one library, kept in ``store``; ``root`` is the folder of its packs."""
+    """The records of one library, kept in ``store``; ``root`` is the folder of its packs.
 
-    def __init__(self, store: Records, blobs: Blobs, cache: LogCache, root: Path) -> None:
+    ``forgotten`` is called with the id of each log whose record was removed.
+    """
+
+    def __init__(
+        self,
+        store: Records,
+        blobs: Blobs,
+        cache: LogCache,
+        root: Path,
+        forgotten: Callable[[str], Awaitable[None]] | None = None,
+    ) -> None:
         self._store = store
         self._blobs = blobs
         self._cache = cache
+        self._forgotten = forgotten
         self._root = root
         self._packs = root / "packs"
         self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
-        self._shelving = asyncio.Lock()  #: held while a blob comes or goes
+        self._blob_lock = asyncio.Lock()  #: held while a blob is added or deleted
         self.folder_logs: dict[str, FolderLog] = {}
 
-    async def start(self, *, is_ours: bool = True) -> None:
-        """Load what an earlier run left, and remove its unfinished files. Raises ``StorageError``.
+    async def start(self, *, stores_match: bool = True) -> None:
+        """Load the records of an earlier run and remove its unfinished files. Raises ``StorageError``.
 
-        Unless it is known that the blobs are those of these records (``is_ours``), all of both stay.
+        Unless ``stores_match`` (the blobs are those of these records), no record and no blob is removed.
         """
-        await take_over(self._root, self._store, self._blobs)
+        await import_legacy_records(self._root, self._store, self._blobs)
         found = await self._store.load()
         there: set[str] = set()
         try:
             there = await self._blobs.names()
-        except StorageError:  # a bucket that is unreachable for a short time must not cost a log
-            is_ours = False
+        except StorageError:  # an unreachable bucket must not cause the deletion of records
+            stores_match = False
         for record in found:
-            if record.source == "sample":  # of it there is a row where there is a link to it
+            if record.source == "sample":  # it has a row only if there is a link to it
                 continue
             if record.source == "folder":
                 is_gone = record.id not in self.folder_logs
             else:
-                is_gone = is_ours and record.sha256 not in there
+                is_gone = stores_match and record.sha256 not in there
             if is_gone:
                 await self._store.delete(record.id)
             else:
                 self._records[record.id] = record
-        if is_ours:
-            await self._sweep(is_new=not found)
-        await asyncio.to_thread(self._sweep_packs)
+        if stores_match:
+            await self._remove_unreferenced_blobs(is_new=not found)
+        await asyncio.to_thread(self._remove_unreferenced_packs)
 
-    async def _sweep(self, *, is_new: bool) -> None:
-        """Remove half uploads, and blobs that belong to no record."""
+    async def _remove_unreferenced_blobs(self, *, is_new: bool) -> None:
+        """Remove incomplete uploads, and blobs that belong to no record."""
         try:
             names = await self._blobs.names()
-            if is_new and names:  # perhaps the database is another than the one that knows them
+            if is_new and names:  # they may belong to another database
                 _log.warning("the database knows none of the blobs: they are left alone", blobs=len(names))
-            await self._blobs.sweep(names if is_new else {record.sha256 for record in self.uploaded()})
+            await self._blobs.remove_unreferenced(names if is_new else {record.sha256 for record in self.uploaded()})
         except StorageError:
             _log.warning("the store of blobs could not be tidied")
 
-    def _sweep_packs(self) -> None:
+    def _remove_unreferenced_packs(self) -> None:
         """Remove half packs, and those that belong to no record."""
         for path in self._packs.iterdir():
-            if path.suffix != ".npz" or not (path.stem in self._records or path.stem in self.folder_logs):
+            log_id = path.name.partition(".")[0]
+            if path.suffix != ".npz" or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
 
     # -- looking ------------------------------------------------------------------------------------------------
 
     def get(self, log_id: str) -> Record | None:
-        """Return a record, None where there is none."""
+        """Return a record, None if there is none."""
         return self._records.get(log_id)
 
     def all(self) -> Sequence[Record]:
@@ -113,8 +125,12 @@ class Catalogue:
         return sum({one.sha256: one.bytes for one in uploads}.values()) + sum(one.packed_bytes for one in uploads)
 
     def pack(self, log_id: str) -> Path:
-        """Return where the pack of a log is, or will be."""
+        """Return the path of the pack of a log."""
         return self._packs / f"{log_id}.npz"
+
+    def contents(self, log_id: str) -> Path:
+        """Return where the contents of a log's recording are, or will be."""
+        return self._packs / f"{log_id}.contents.npz"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
@@ -131,55 +147,58 @@ class Catalogue:
 
         Raises ``StorageError``; then there is nothing of it.
         """
-        async with self._shelving:
+        async with self._blob_lock:
             for known in self.uploaded():
                 if known.owner == record.owner and known.sha256 == record.sha256:
                     return known
-            await incoming.place()
+            await incoming.commit()
             try:
                 await self._store.put(record)
             except BaseException:
-                await self._drop_blob(record.sha256)
+                await self._delete_unused_blob(record.sha256)
                 raise
             self._records[record.id] = record
         return record
 
     def save(self, record: Record) -> None:
-        """Store a changed record; if it cannot be written, it is valid until the next start."""
+        """Store a changed record. If it cannot be written, the change is lost at the next start."""
         self._records[record.id] = record
         # Of the folder's logs only what was found out is worth keeping: all else is found out again.
         if record.source == "upload" or record.state == "ready":
-            asyncio.ensure_future(self._store.put(record)).add_done_callback(_noted)
+            asyncio.ensure_future(self._store.put(record)).add_done_callback(_ignore_error)
 
-    async def forget(self, log_id: str) -> None:
+    async def delete(self, log_id: str) -> None:
         """Remove a log's record, pack and, unless it is another's too, blob. Raises ``StorageError``."""
         record = self._records.get(log_id)
-        async with self._shelving:
+        async with self._blob_lock:
             await self._store.delete(log_id)
             self._records.pop(log_id, None)
             self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
             self.pack(log_id).unlink(missing_ok=True)
+            self.contents(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
-                await self._drop_blob(record.sha256)
+                await self._delete_unused_blob(record.sha256)
+        if self._forgotten is not None:
+            await self._forgotten(log_id)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
         """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""
         for record in self.uploaded():
             if record.used_s < oldest_s and record.id not in busy:
                 with contextlib.suppress(StorageError):  # another time
-                    await self.forget(record.id)
+                    await self.delete(record.id)
 
-    def used(self, record: Record) -> Record:
-        """Note that an upload is in use."""
+    def mark_used(self, record: Record) -> Record:
+        """Record that an upload is in use."""
         record = replace(record, used_s=time.time())
         self.save(record)
         return record
 
-    async def _drop_blob(self, sha256: str) -> None:
+    async def _delete_unused_blob(self, sha256: str) -> None:
         if all(record.sha256 != sha256 for record in self.uploaded()):
             await self._blobs.delete(sha256)
 
 
-def _noted(written: asyncio.Future[None]) -> None:
+def _ignore_error(written: asyncio.Future[None]) -> None:
     if not written.cancelled():
         written.exception()  # it stands in the service's log already, and a full disk must not stop a log in memory

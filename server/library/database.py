@@ -1,13 +1,12 @@
 """The database of the records, through SQLAlchemy: SQLite in a file, or PostgreSQL by its URL.
 
-One writer: whatever is asked of it runs on one thread, one after the other in the order in which it was asked, each in
-a transaction of its own. Its tables are brought up to date by alembic when it is opened.
+One writer: all work runs on one thread in the order of the calls, each call in a transaction of its own. The tables are
+brought up to date when the database is opened (:mod:`server.library.schema`).
 """
 
 from __future__ import annotations
 
 import asyncio
-import logging
 import sqlite3
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,14 +14,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import structlog
-from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
-from server.library.migrations import HEAD
+from server.library.schema import bring_up_to_date
 from server.library.storage import StorageError, disk_full
 
 BUSY_S = 5.0  #: how long to wait for a lock that another program holds
-MIGRATIONS = Path(__file__).parent / "migrations"
 
 T = TypeVar("T")
 
@@ -45,7 +43,7 @@ class Database:
         engine = _engine(url, folder)
         try:
             _attempt(engine, _check)
-            _attempt(engine, _migrate)
+            _attempt(engine, bring_up_to_date)
         except BaseException:
             engine.dispose()
             raise
@@ -100,11 +98,11 @@ def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
         with engine.begin() as connection:
             return work(connection)
     except SQLAlchemyError as error:
-        raise _told(error) from error
+        raise _storage_error(error) from error
 
 
-def _told(error: SQLAlchemyError) -> StorageError:
-    """Return an error as one sentence; the cause goes to the service's log."""
+def _storage_error(error: SQLAlchemyError) -> StorageError:
+    """Log an error and return it as a :class:`StorageError`."""
     reason = str(error.orig if isinstance(error, DBAPIError) else error).partition("\n")[0]
     _log.warning("the database of records failed", error=reason)
     if "disk is full" in reason or "disk I/O error" in reason or "No space left" in reason:
@@ -124,28 +122,3 @@ def _check(connection: Connection) -> None:
             raise StorageError(
                 "library.damaged", "The database of the records is damaged; put its backup in its place."
             )
-
-
-def _migrate(connection: Connection) -> None:
-    if connection.dialect.name == "postgresql":
-        connection.execute(text("SELECT pg_advisory_xact_lock(1196574018)"))  # two services that start at once
-    known = inspect(connection).has_table("alembic_version")
-    version = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
-    if version == HEAD:
-        return
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each step
-    from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
-    from alembic.config import Config  # noqa: PLC0415
-    from alembic.script import ScriptDirectory  # noqa: PLC0415
-
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
-    revisions = {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
-    if version is not None and version not in revisions:
-        raise StorageError(
-            "library.newer",
-            f"The records were written by a newer Gridbloom (their revision is {version}, this one knows {HEAD}): "
-            "install the newer one, or choose another database.",
-        )
-    config.attributes["connection"] = connection
-    command.upgrade(config, "head")

@@ -17,10 +17,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
+from typing import TypeVar
 
 from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary, summarise
 from server.library.log_pack import write_pack
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,8 @@ def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
 
 
-def _note_progress(fraction: float) -> None:
+def note_progress(fraction: float) -> None:
+    """Report the progress of this process's job, from 0 to 1."""
     if _report is not None:
         _report(min(max(float(fraction), 0.0), 1.0))
 
@@ -79,6 +83,8 @@ class _OutOfTime(BaseException):
 
 
 def _out_of_time(number: int, _: object) -> None:
+    for other in (signal.SIGALRM, signal.SIGPROF):  # the other one may be due as well, while this one is handled
+        signal.signal(other, signal.SIG_IGN)
     raise _OutOfTime(number)
 
 
@@ -110,32 +116,39 @@ def read_job(job: Job) -> LogSummary:
 
     Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
     """
-    _note_progress(0.0)
+    return bounded(job.timeout_s, job.cpu_s, lambda: _read(job))
+
+
+def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T]) -> T:
+    """Return what ``work`` returns; raise :class:`LimitError` where it needs more time or memory than it may have."""
+    note_progress(0.0)
     try:
-        with _timed(job.timeout_s, job.cpu_s):
-            return _read(job)
+        with _timed(timeout_s, cpu_s):
+            return work()
     except MemoryError:
         raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
 
 
 def _read(job: Job) -> LogSummary:
-    from mapper.io.logs import open_log  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
-    log = open_log(Path(job.source), topic=job.topic, progress=_note_progress)
-    _note_progress(1.0)  # a cancelled job ends here and leaves no pack
+    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic)
+    log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
+    note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:
         try:
             write_pack(log, Path(job.pack))
         except OSError as error:
             message = "What was read of the log could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
-    return summarise(log)
+    return summarise(log.first)
 
 
 def time_error(timeout_s: float) -> LimitError:
     """Return the error for a job that took too long."""
-    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:g} s that the server allows.")
+    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:.3g} s that the server allows.")
 
 
 def _cpu_error(cpu_s: float) -> LimitError:
-    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:g} s of processor time it may have.")
+    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:.3g} s of processor time it may have.")

@@ -17,17 +17,17 @@ from server.library.records import Failure, Record, Records, summary_from_json
 _log = structlog.get_logger(__name__)
 
 
-async def take_over(root: Path, records: Records, blobs: Blobs) -> None:
-    """Move the records and blobs in ``root`` to where they are kept now. Cut short, it goes on at the next start.
+async def import_legacy_records(root: Path, records: Records, blobs: Blobs) -> None:
+    """Move the records and blobs in ``root`` to the present stores. If interrupted, it continues at the next start.
 
-    Files that are no records, and records whose bytes are nowhere, are left alone. Raises ``StorageError``.
+    Files that are not records, and records without a blob, are left alone. Raises ``StorageError``.
     """
     count = 0
     for path, record in list(_records(root / "records")):
         blob = root / BLOBS / record.id
         if record.source == "upload":
             if blob.is_file():
-                await blobs.take(blob, record.sha256)
+                await blobs.move_in(blob, record.sha256)
             elif record.sha256 not in await blobs.names():
                 continue
         await records.put(record)

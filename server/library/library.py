@@ -11,12 +11,15 @@ import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.io.contents.model import Contents
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
+from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
@@ -30,6 +33,10 @@ from server.library.upload_receiver import Part, Received, UploadReceiver, too_l
 from server.library.upload_slots import UploadSlots
 from server.library.workers import worker_at
 from server.settings import Settings
+
+if TYPE_CHECKING:
+    from server.library.added import Added
+    from server.library.trajectories import NewTrajectory
 
 DAY_S = 86_400.0
 
@@ -53,10 +60,18 @@ class LibraryLimits:
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0
-    read_cpu_s: float = 100.0  #: seconds of processor time
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
+        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
+        return replace(
+            self,
+            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
+            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
+        )
 
 
 def check_stores(settings: Settings) -> None:
@@ -88,8 +103,10 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.notes import Notes  # noqa: PLC0415
+        from server.library.trajectories import Trajectories  # noqa: PLC0415
 
-        self._limits = limits or LibraryLimits()
+        self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
@@ -111,10 +128,18 @@ class Library:
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
+        self.notes = Notes(self._database)
+        self.trajectories = Trajectories(self._database, blobs, scratch)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
-        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
+        self._inspections = Inspections(
+            self._catalogue,
+            timeout_s=self._limits.read_timeout_s,
+            cpu_s=self._limits.read_cpu_s,
+            memory_bytes=memory,
+        )
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -122,12 +147,14 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.store_identity import is_sure_to_belong  # noqa: PLC0415
+        from server.library.store_identity import belong_together  # noqa: PLC0415
 
         await self._folder.look()
-        is_ours = await asyncio.to_thread(is_sure_to_belong, self._database, self._blobs)
-        await self._catalogue.start(is_ours=is_ours)
+        stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
+        await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
+        # As with blobs: the files may belong to another database, or this database may be new.
+        await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
@@ -139,6 +166,7 @@ class Library:
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
+        await self._inspections.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -149,13 +177,17 @@ class Library:
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return self._limits.max_total_bytes - self._catalogue.bytes
+        return self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
     def uploaded(self, owner: str, key: str) -> int:
         """Return how many bytes of the upload ``key`` of ``owner`` have arrived: the next part begins there."""
         return self._intake.offset(owner, key)
+
+    def forget_upload(self, owner: str, key: str) -> None:
+        """Forget what has arrived of the upload ``key`` of ``owner``; an unknown one is no error."""
+        self._intake.forget(owner, key)
 
     async def put(
         self,
@@ -256,7 +288,7 @@ class Library:
         record = self.get(owner, log_id)
         if record.source != "upload":
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
-        await self._catalogue.forget(record.id)
+        await self._catalogue.delete(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
             self._catalogue.pack(record.id).unlink(missing_ok=True)
 
@@ -291,12 +323,13 @@ class Library:
         uploads = sorted(
             (r for r in self._catalogue.uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True
         )
-        return [*map(self._with_progress, [*uploads, *self._folder.records()]), self._sample.record]
+        found = [*uploads, *self._folder.records(), self._sample.record]
+        return [self._as_seen_by(owner, record) for record in found]
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
         if log_id == SAMPLE_ID:
-            return self._sample.record
+            return self._as_seen_by(owner, self._sample.record)
         record = self._catalogue.get(log_id)
         if log_id in self._catalogue.folder_logs:
             record = self._folder.record(self._catalogue.folder_logs[log_id])
@@ -304,22 +337,29 @@ class Library:
             record = None
         if record is None:
             raise LogNotFoundError("log.not_found", "There is no such log.")
-        return self._with_progress(record)
+        return self._as_seen_by(owner, record)
 
-    def _with_progress(self, record: Record) -> Record:
-        return replace(record, progress=self._reader.progress) if record.state == "reading" else record
+    def _as_seen_by(self, owner: str, record: Record) -> Record:
+        """Return a record with the present progress, and with what ``owner`` has added to the log."""
+        is_read = record.state == "reading"
+        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
+        added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
+        return replace(record, progress=progress, reading_s=reading_s, added=added)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
     async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
-        """Return a log, from memory, from its pack, or after it has been read; waits for a job that is under way.
+        """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
-        ``topic`` names the sensor where the log has several. Raises :class:`LogNotFoundError`, and what the reader
-        raised (:class:`ReadError`, :class:`LimitError`).
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several.
+        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
         """
+        return await self.trajectories.joined(owner, log_id, await self._load(owner, log_id, topic))
+
+    async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = self._catalogue.used(record)
+            record = self._catalogue.mark_used(record)
         if record.source == "sample":
             return await self._sample.load()
         if topic is not None:
@@ -336,6 +376,52 @@ class Library:
             except StalePackError:
                 self._jobs.queue(self.get(owner, log_id))
         raise unstored()
+
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self._catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self._reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
+
+    async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
+        """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
+
+        Each call keeps it going, and counts as ``visitor``'s. The sample is no recording and holds nothing. Raises
+        :class:`LogNotFoundError`, and what the reader raised.
+        """
+        record = self.get(owner, log_id)
+        return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
+
+    async def add_trajectory(
+        self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
+    ) -> tuple[Added, Sequence[str]]:
+        """Add the TUM file that ``chunks`` are to a log, as one more trajectory of it; return its record, and notes.
+
+        It replaces the owner's trajectory of the same name. Raises :class:`LimitError` for a file over the cap and for
+        one trajectory too many, and as :meth:`load` and :meth:`server.library.trajectories.Trajectories.put`.
+        """
+        from server.library.trajectories import MAX_BYTES, NewTrajectory  # noqa: PLC0415
+
+        log = await self.load(owner, log_id)
+        text = bytearray()
+        async with self._slots.take(owner, address) as slot:
+            async for piece in slot.read(chunks):
+                text += piece
+                if len(text) > MAX_BYTES:
+                    message = f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here."
+                    raise LimitError("trajectory.too_large", message)
+        return await self.put_trajectory(owner, log_id, log, NewTrajectory(name, bytes(text)))
+
+    async def put_trajectory(
+        self, owner: str, log_id: str, log: ScanLog, new: NewTrajectory
+    ) -> tuple[Added, Sequence[str]]:
+        """Add a trajectory to ``log``, the log of this id. Raises :class:`LimitError` where there is no room for it."""
+        if self._room() < len(new.text) + len(new.graph or b""):
+            raise full()
+        return await self.trajectories.put(owner, self.get(owner, log_id), log, new)
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""

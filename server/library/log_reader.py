@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import math
-from concurrent.futures import BrokenExecutor
+import time
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
+from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.summary import LogSummary
@@ -15,9 +17,17 @@ from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
 from server.work.fair_lock import FairLock
 
+LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, so many bytes for each second
+LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+
+T = TypeVar("T")
+
 
 class Reader:
-    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only."""
+    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only.
+
+    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file.
+    """
 
     def __init__(
         self, *, timeout_s: float, memory_bytes: int, cpu_s: float = math.inf, worker: Worker | None = None
@@ -25,6 +35,7 @@ class Reader:
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
+        self._began = time.monotonic()
         self._turns = FairLock()
         self._worker: Worker = worker or PoolWorker(memory_bytes)
 
@@ -48,24 +59,50 @@ class Reader:
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
         target = None if pack is None else str(pack)
-        job = Job(str(source), target, topic, self._timeout_s, self._cpu_s, self._memory_bytes)
-        try:
-            # Its process has as long to notice that its time is over; then the worker is not asked any more.
-            deadline = self._timeout_s + 1.5 * workers.GRACE_S
-            return await asyncio.wait_for(asyncio.wrap_future(self._worker.submit(job)), deadline)
-        except TimeoutError:
-            self._worker.end()
-            raise time_error(self._timeout_s) from None
-        except BrokenExecutor:
-            self._worker.end()
-            raise ReadError(
-                "log.reader_died",
-                "The process that read this log was ended, most likely because the log needs too much memory or time.",
-            ) from None
-        except asyncio.CancelledError:
-            self._worker.end()
-            raise
+        size = await asyncio.to_thread(_size_of, source)
+        timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
+        cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes)
+        self._began = time.monotonic()
+        return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds since the reading of the log began that is being read."""
+        return time.monotonic() - self._began
 
     async def close(self) -> None:
         """Cancel the running job and wait until it has ended."""
         await asyncio.to_thread(self._worker.close)
+
+
+def _size_of(source: Path) -> int:
+    """Return the bytes of a log, a file or those of a folder; 0 where it cannot be told."""
+    try:
+        files = source.iterdir() if source.is_dir() else [source]
+        return sum(file.stat().st_size for file in files)
+    except OSError:
+        return 0
+
+
+async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:
+    """Return the result of a job that ``worker`` has begun, and which has ``timeout_s`` seconds.
+
+    The worker ends it when this is cancelled. Raises what the job raises, :class:`LimitError` where it takes too long,
+    and :class:`ReadError` where its process was ended.
+    """
+    try:
+        # Its process has as long to notice that its time is over; then the worker is not asked any more.
+        return await asyncio.wait_for(asyncio.wrap_future(submitted), timeout_s + 1.5 * workers.GRACE_S)
+    except TimeoutError:
+        worker.end()
+        raise time_error(timeout_s) from None
+    except BrokenExecutor:
+        worker.end()
+        raise ReadError(
+            "log.reader_died",
+            "The process that read this log was ended, most likely because the log needs too much memory or time.",
+        ) from None
+    except asyncio.CancelledError:
+        worker.end()
+        raise

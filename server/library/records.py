@@ -40,9 +40,11 @@ class Record:
     created_s: float = 0.0
     used_s: float = 0.0  #: when it was last uploaded or opened, to the day
     progress: float = 0.0
+    reading_s: float | None = None  #: seconds since its reading began, None while it is not being read
     error: Failure | None = None
     attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
+    added: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
 
     @property
     def packed_bytes(self) -> int:
@@ -59,6 +61,7 @@ class Record:
             "state": self.state,
             "bytes": self.bytes,
             "progress": round(self.progress, 3),
+            "reading_s": None if self.reading_s is None else round(self.reading_s, 1),
             "error": None if self.error is None else asdict(self.error),
             "scans": summary.scans if summary else None,
             "beams": summary.beams if summary else None,
@@ -67,7 +70,10 @@ class Record:
             "time": asdict(summary.time) if summary and summary.time else None,
             "mount": list(summary.mount) if summary else None,
             "upside_down": summary.upside_down if summary else False,
-            "trajectories": [asdict(trajectory) for trajectory in summary.trajectories] if summary else [],
+            "trajectories": [
+                *(asdict(one) | {"source": "log"} for one in (summary.trajectories if summary else ())),
+                *self.added,
+            ],
             "topics": [asdict(topic) for topic in summary.topics] if summary else [],
             "notes": list(summary.notes) if summary else [],
         }

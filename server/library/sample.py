@@ -15,7 +15,7 @@ SAMPLE_NAME = "A simulated office (sample)"
 
 
 class Sample:
-    """The sample and its record; the log itself is kept in ``cache`` as the others are. Used from the event loop."""
+    """The sample and its record; the log is kept in ``cache`` like the others. Used from the event loop."""
 
     def __init__(self, cache: LogCache) -> None:
         self._cache = cache
@@ -23,12 +23,12 @@ class Sample:
         self._job: asyncio.Task[ScanLog] | None = None
 
     def begin(self) -> None:
-        """Have the sample made, unless what it holds is known or is being found out."""
+        """Start making the sample, unless its summary is known or it is being made."""
         if self.record.summary is None and self._job is None:
             self._job = asyncio.create_task(self._make())
 
     async def load(self) -> ScanLog:
-        """Return the sample, made anew if it is not kept."""
+        """Return the sample; it is made again if the cache has dropped it."""
         kept = self._cache.get(SAMPLE_ID)
         if kept is not None:
             return kept
@@ -37,7 +37,7 @@ class Sample:
         return await asyncio.shield(self._job)
 
     async def _make(self) -> ScanLog:
-        from mapper.simulation import sample_log  # noqa: PLC0415 - the simulator is only needed by who asks for the sample
+        from mapper.simulation import sample_log  # noqa: PLC0415 - the simulator, imported with the first sample
 
         try:
             log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,13 +14,13 @@ from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.jobs import unstored, without_paths
-from server.library.log_pack import StalePackError, read_pack
+from server.library.log_pack import NotPackedError, StalePackError, read_pack
 from server.library.log_reader import Reader
 from server.library.records import Record
 
 
 class Scans:
-    """The scans of the catalogue's logs; ``scratch`` is a folder for what is kept for a moment."""
+    """The scans of the catalogue's logs; ``scratch`` is a folder for temporary packs."""
 
     def __init__(self, catalogue: Catalogue, reader: Reader, cache: LogCache, scratch: Path) -> None:
         self._catalogue = catalogue
@@ -29,8 +30,8 @@ class Scans:
         self._unpacking = asyncio.Lock()
 
     async def packed(self, record: Record) -> ScanLog:
-        """Return the log that was packed. Raises :class:`StalePackError` where there is no pack, or an older one."""
-        async with self._unpacking:  # who opens it at the same time shares it, and memory holds one more log at a time
+        """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
+        async with self._unpacking:  # concurrent callers share the log, and only one is unpacked at a time
             kept = self._cache.get(record.id)
             if kept is not None:
                 return kept
@@ -42,8 +43,18 @@ class Scans:
         return log
 
     async def of_sensor(self, record: Record, topic: str) -> ScanLog:
-        """Return another sensor's scans than the log was packed with: read on request, and kept in memory only."""
+        """Return one of several sensors: of the pack, else read on request, and then kept in memory only."""
         key = f"{record.id}#{topic}"
+        async with self._unpacking:
+            kept = self._cache.get(key)
+            if kept is not None:
+                return kept
+            with suppress(StalePackError, NotPackedError):
+                log = replace(
+                    await asyncio.to_thread(read_pack, self._catalogue.pack(record.id), topic), name=record.name
+                )
+                self._cache.put(key, log)
+                return log
         async with self._reader.turn(record.owner):
             kept = self._cache.get(key)
             if kept is not None:

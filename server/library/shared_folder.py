@@ -45,7 +45,7 @@ class SharedFolder:
         for record in gone:
             if record.id not in self._jobs.busy:
                 with contextlib.suppress(StorageError):  # at the next look
-                    await self._catalogue.forget(record.id)
+                    await self._catalogue.delete(record.id)
 
     def record(self, log: FolderLog) -> Record:
         """Return what is known of one of its logs."""

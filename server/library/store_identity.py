@@ -17,18 +17,18 @@ _log = structlog.get_logger(__name__)
 
 
 def check_store_identity(database: Database, blobs: Blobs) -> None:
-    """Note in the records which store they belong to; raise :class:`StorageError` where they belong to another.
+    """Write the store's id into the records; raise :class:`StorageError` if they belong to another store.
 
     A store whose id cannot be read now is accepted. Blocks.
     """
     try:
         identity = blobs.identity()
     except StorageError:
-        _log.warning("the store of blobs does not say who it is: whether the records are its own is not checked")
+        _log.warning("the id of the store of blobs cannot be read: whether the records belong to it is not checked")
         return
 
     def belong(connection: Connection) -> bool:
-        if connection.dialect.name == "postgresql":  # of two that begin at once, the second waits, as with SQLite
+        if connection.dialect.name == "postgresql":  # as SQLite does: a second service waits
             connection.execute(text("SELECT pg_advisory_xact_lock(1196574019)"))
         known = connection.execute(store.select()).scalars().all()
         if not known:
@@ -43,8 +43,8 @@ def check_store_identity(database: Database, blobs: Blobs) -> None:
         )
 
 
-def is_sure_to_belong(database: Database, blobs: Blobs) -> bool:
-    """Return whether the records know this store, or none yet: only then may be deleted what the other has not.
+def belong_together(database: Database, blobs: Blobs) -> bool:
+    """Return whether the records name this store, or no store yet: only then may one be deleted for lack of the other.
 
     Blocks.
     """

@@ -1,8 +1,21 @@
-"""The tables of the records, as the newest migration leaves them; a test compares the two."""
+"""The tables of the records, as the newest revision leaves them; a test compares the two."""
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Column, Double, ForeignKey, Index, Integer, MetaData, String, Table, Text
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    PrimaryKeyConstraint,
+    String,
+    Table,
+    Text,
+)
 
 metadata = MetaData()
 
@@ -39,5 +52,48 @@ links = Table(
     Index("links_by_log_id", "log_id"),
 )
 
+#: One row for each trajectory that a visitor has added to a log. It goes with its log.
+trajectories = Table(
+    "trajectories",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("name", Text, nullable=False),
+    Column("description", Text, nullable=False),
+    Column("source", String(16), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("poses", Integer, nullable=False),
+    Column("length_m", Double, nullable=False),
+    Column("has_graph", Boolean, nullable=False),
+    Index("trajectories_by_log_id", "log_id"),
+)
+
+#: One row for each note on a log. It goes with its log.
+notes = Table(
+    "notes",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("author", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("changed_s", Double, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("at_s", Double),
+    Column("scan", Integer),
+    Column("x", Double),
+    Column("y", Double),
+    Index("notes_by_log_id", "log_id"),
+)
+
 #: One row: what tells the store of logs that the records belong to from every other.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
+
+#: One row: the newest revision that was run. alembic makes this table as well and uses it.
+alembic_version = Table(
+    "alembic_version",
+    MetaData(),
+    Column("version_num", String(32), nullable=False),
+    PrimaryKeyConstraint("version_num", name="alembic_version_pkc"),
+)

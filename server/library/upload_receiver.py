@@ -43,6 +43,7 @@ class Received:
     incoming: Incoming
     total: int | None = None
     busy: bool = False
+    is_given_up: bool = False
     touched_s: float = field(default_factory=time.monotonic)
 
     @property
@@ -81,6 +82,14 @@ class UploadReceiver:
         known = self._partial.get((owner, key))
         return 0 if known is None else known.size
 
+    def forget(self, owner: str, key: str) -> None:
+        """Forget an upload: at once, or when the part of it ends that is coming in."""
+        known = self._partial.get((owner, key))
+        if known is not None and known.busy:
+            known.is_given_up = True
+        elif known is not None:
+            self._forget((owner, key))
+
     async def close(self) -> None:
         """Forget every cut upload."""
         for name in list(self._partial):
@@ -116,10 +125,11 @@ class UploadReceiver:
             raise
         finally:
             upload.busy = False
+            finished = finished or upload.is_given_up
             if part is not None and finished:
                 self._partial.pop((owner, part.key), None)
             if part is None or finished:
-                await upload.incoming.drop()
+                await upload.incoming.discard()
 
     def _begin(self, owner: str, part: Part | None) -> Received:
         if part is None:
@@ -180,11 +190,15 @@ class UploadReceiver:
                 self._forget(name)
 
     def _forget(self, name: tuple[str, str]) -> None:
-        leaving = asyncio.ensure_future(self._partial.pop(name).incoming.drop())
+        leaving = asyncio.ensure_future(self._partial.pop(name).incoming.discard())
         self._leaving.add(leaving)
         leaving.add_done_callback(self._leaving.discard)
 
 
 def too_large(max_bytes: int) -> LimitError:
     """Return the error for an upload over the cap."""
-    return LimitError("log.too_large", f"A log may have at most {max_bytes / 1e6:,.0f} MB; this one has more.")
+    return LimitError(
+        "log.too_large",
+        f"An uploaded log may have at most {max_bytes / 1e6:,.0f} MB; this one has more. The service's setting "
+        "GRIDBLOOM_MAX_UPLOAD_BYTES raises this limit; gridbloom on one's own computer reads logs of any size.",
+    )

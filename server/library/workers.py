@@ -13,10 +13,11 @@ import pickle
 import subprocess
 import sys
 import uuid
+from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from mapper.io.logs.summary import LogSummary
 from server.library import job as jobs
@@ -25,6 +26,10 @@ from server.library.storage import StorageError
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
 DIED = 70  #: exit status of a process whose job was cancelled
+
+
+J = TypeVar("J")
+T = TypeVar("T")
 
 
 class Worker(Protocol):
@@ -74,15 +79,19 @@ class PoolWorker:
 
     def submit(self, job: Job) -> Future[LogSummary]:
         """Have a log read."""
+        return self.run(jobs.read_job, job)
+
+    def run(self, function: Callable[[J], T], job: J) -> Future[T]:
+        """Have a function of a module called in the process, which keeps to the limits itself."""
         if self._progress is not None:
             self._progress.value = 0.0
         try:
-            return self._submit(job)
+            return self._run(function, job)
         except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
             self.end()
-            return self._submit(job)
+            return self._run(function, job)
 
-    def _submit(self, job: Job) -> Future[LogSummary]:
+    def _run(self, function: Callable[[J], T], job: J) -> Future[T]:
         if self._pool is None:
             # Of its own: a process that was ended before it began may still note who it is.
             self._progress = self._context.Value(ctypes.c_double, 0.0)
@@ -93,7 +102,7 @@ class PoolWorker:
                 initializer=jobs.start_worker,
                 initargs=(self._progress, self._pid, self._memory_bytes),
             )
-        return self._pool.submit(jobs.read_job, job)
+        return self._pool.submit(function, job)
 
     def end(self) -> None:
         """End the process."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeVar, cast
+from typing import ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from server.sessions.drawings import Drawing, PlacedDrawing, Point, Quaternion
 
@@ -78,9 +77,12 @@ def yaw_wxyz(yaw: float) -> Quaternion:
     return (float(np.cos(yaw / 2)), 0.0, 0.0, float(np.sin(yaw / 2)))
 
 
-def same_array(
-    a: NDArray[Any] | tuple[int, ...],
-    b: NDArray[Any] | tuple[int, ...],
-) -> bool:
-    """Return whether two arrays are equal, at once where they are the same object."""
-    return a is b or np.array_equal(a, b)
+def differs(old: Drawing | None, new: Drawing, *names: str) -> bool:
+    """Return whether two drawings differ in one of these fields; True without an old one. Arrays are compared whole."""
+    return old is None or not all(_equal(getattr(old, name), getattr(new, name)) for name in names)
+
+
+def _equal(a: object, b: object) -> bool:
+    if a is b:
+        return True
+    return np.array_equal(a, b) if isinstance(a, np.ndarray) and isinstance(b, np.ndarray) else bool(a == b)

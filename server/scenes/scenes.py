@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import structlog
 
 from server.logging import short_hash
-from server.sessions import SessionHost
 
 if TYPE_CHECKING:
     from server.scenes.drawers import Drawers
     from server.scenes.scene import Scene
+    from server.sessions import SessionHost
 
 IDLE_S = 60.0  #: seconds without a browser after which a scene is closed
 CHECK_S = 15.0

@@ -10,24 +10,28 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import Executor
-from contextlib import AbstractAsyncContextManager, contextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from functools import partial
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import structlog
 
 from mapper.core.limits import Limits
-from mapper.replay.incremental import CheckpointPrefetcher
 from server.sessions.computation import compute_tick
 from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.hub import Client, Hub, Traffic
+from server.stream.hub import Client, Hub
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
-from server.work.scheduler import Party, Scheduler, checkpoint
+from server.stream.traffic import Traffic
+from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint, wait_without_turn
+
+if TYPE_CHECKING:
+    from mapper.replay.incremental import CheckpointPrefetcher
 
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
@@ -38,6 +42,9 @@ SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
 SHOWN_EVERY_S = 0.25  #: at this interval
 MAX_CANCELLING_S = (
     1.5  #: after this time without a finished map, commands no longer cancel the computation: a map must be shown
+)
+MAX_BACKGROUND_WAIT_S = (
+    60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
 )
 
 T = TypeVar("T")
@@ -54,7 +61,7 @@ class SessionHost:
     def __init__(
         self,
         *,
-        party: Party,
+        job_owner: JobOwner,
         pool: Executor,
         limits: Callable[[SessionHost], Limits],
         scheduler: Scheduler,
@@ -65,8 +72,8 @@ class SessionHost:
     ) -> None:
         self.id = secrets.token_urlsafe(18)
         self.epoch_id = secrets.token_hex(8)
-        self.party = party
-        self.owner = party.visitor
+        self.job_owner = job_owner
+        self.owner = job_owner.visitor
         self.link = link  #: the link that the owner followed, for a guest; else None
         self.scheduler = scheduler
         self.closed = False
@@ -85,6 +92,13 @@ class SessionHost:
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
         self._deferred_due = 0.0
         self._is_cancellable = False  #: whether the current computation may be cancelled by a newer command
+        self._is_cancelled = False  #: whether a client asked to end it
+        self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
+        self._caught_up = asyncio.Event()  #: whether there is no such map
+        self._caught_up.set()
+        self._showing: asyncio.Task[None] | None = None  #: of the progress of such a map
+        self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
+        self._nothing_long.set()
         #: Commands that replace the map: how many were queued, and how many of them were started.
         self._requests = self._requests_begun = 0
         self._requested_since: float | None = None  #: arrival of the first of those without a finished map
@@ -106,6 +120,8 @@ class SessionHost:
             return
         self.closed = True
         self._wake.set()
+        self._caught_up.set()
+        self._nothing_long.set()
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
         for client in self.hub.clients:
@@ -161,6 +177,8 @@ class SessionHost:
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
         self._queue.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
+        if command["type"] == "cancel":
+            self._is_cancelled = True
         if command["type"] in self.model.replacing:
             self._requests += 1
             self._requested_since = self.commanded_at if self._requested_since is None else self._requested_since
@@ -174,7 +192,7 @@ class SessionHost:
     @property
     def is_busy(self) -> bool:
         """Whether the session computes or has queued commands."""
-        return self.has_queued_commands or self._lock.locked()
+        return self.has_queued_commands or self._lock.locked() or not self._caught_up.is_set()
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of checkpoints; None if no checkpoint is missing."""
@@ -193,6 +211,16 @@ class SessionHost:
     def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which the session computes nothing, so that its maps can be read (event loop)."""
         return self._lock
+
+    @asynccontextmanager
+    async def settled(self) -> AsyncIterator[None]:
+        """Return a context as :meth:`locked` does, in which the maps are those that commands requested (event loop)."""
+        while True:
+            await self._caught_up.wait()
+            async with self._lock:
+                if self._caught_up.is_set():
+                    yield
+                    return
 
     def limits(self) -> Limits:
         """Return the present limits of the session's grids."""
@@ -236,7 +264,7 @@ class SessionHost:
             ticking = playback.playing and self.watched
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
-            elif not self._queue:
+            elif not self._queue and self._caught_up.is_set():
                 await self._wait(self._idle_s(last + TICK_S if ticking else None))
             if self.closed:
                 return
@@ -245,7 +273,7 @@ class SessionHost:
                 last = now - TICK_S  # time without playback does not count
             due = playback.playing and self.watched and now - last >= TICK_S
             commands = [*self._queue]
-            if not (commands or due):
+            if not (commands or due) and self._caught_up.is_set():
                 continue
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
@@ -254,11 +282,12 @@ class SessionHost:
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
         """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
         rest: list[QueuedCommand] = []
+        self._is_cancelled = False
         try:
             async with self._lock:
                 self._requests_begun = self._requests
                 job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
-                result = await self.on_thread(job, waited_for=self.watched)
+                result = await self._computed_tick(job)
             if self._requests == self._requests_begun:
                 self._requested_since = None
             elif not result.cancelled:
@@ -268,13 +297,38 @@ class SessionHost:
             self.deliver(result)
         except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
+            self._note_catching_up(is_catching_up=False)
             self._stop()
         finally:
             self._queue[: len(commands)] = rest
 
+    async def _computed_tick(self, job: Callable[[], TickResult]) -> TickResult:
+        """Compute a tick; progress is shown of all ticks together that make one map."""
+        began = self._clock() if self._catching_up_since is None else self._catching_up_since
+        self._showing = self._showing or asyncio.ensure_future(self._show_work())
+        is_catching_up = False
+        try:
+            is_urgent = self._clock() - began < URGENT_S
+            result = await self.scheduler.run(self._pool, self.job_owner, job, interactive=self.watched and is_urgent)
+            is_catching_up = self.model.is_catching_up and not self.closed
+        finally:
+            self._catching_up_since = began
+            self._note_catching_up(is_catching_up=is_catching_up)
+        return result
+
+    def _note_catching_up(self, *, is_catching_up: bool) -> None:
+        if is_catching_up:
+            self._caught_up.clear()
+            return
+        self._caught_up.set()
+        self._catching_up_since = None
+        if self._showing is not None:
+            self._showing.cancel()
+            self._showing = None
+
     def _is_deferred_work_due(self) -> bool:
         """Whether deferred work is due and no command is queued, or it has been due for :data:`MAX_DEFERRAL_S`."""
-        if not (self.model.has_deferred_work and self.watched) or self.closed:
+        if not (self.model.has_deferred_work and self.watched) or self.closed or not self._caught_up.is_set():
             return False
         late = self._clock() - self._deferred_due
         return late >= 0.0 and (not self._queue or late > MAX_DEFERRAL_S)
@@ -291,18 +345,18 @@ class SessionHost:
         result = TickResult()
         try:
             async with self._lock:
-                await self.on_thread(partial(self.model.run_deferred_work, result), waited_for=False)
+                await self.on_thread(partial(self.model.run_deferred_work, result), interactive=False)
             self.deliver(result)
         except Exception:  # noqa: BLE001 - a defect in deferred work must not stop the session
             _log.exception("deferred work failed")
         now = self._clock()
         self._deferred_due = now + max(PAUSE_S, 3.0 * (now - began))
 
-    async def on_thread(self, job: Callable[[], T], *, waited_for: bool = True) -> T:
+    async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
         showing = asyncio.ensure_future(self._show_work())
         try:
-            return await self.scheduler.run(self._pool, self.party, job, waited_for=waited_for)
+            return await self.scheduler.run(self._pool, self.job_owner, job, interactive=interactive)
         finally:
             showing.cancel()
 
@@ -311,10 +365,12 @@ class SessionHost:
         began = self._clock()
         await asyncio.sleep(SHOWN_AFTER_S)
         try:
+            self._nothing_long.clear()
             while True:
                 self.hub.set_slot(working_message(self._clock() - began, self.model.fraction))
                 await asyncio.sleep(SHOWN_EVERY_S)
         finally:
+            self._nothing_long.set()
             self.hub.set_slot(working_message())
 
     @contextmanager
@@ -329,14 +385,26 @@ class SessionHost:
     def may_continue(self) -> bool:
         """Yield to other sessions (worker thread), and return whether the computation should continue."""
         checkpoint()
-        return not (self.closed or (self._is_cancellable and self._is_outdated()))
+        return not (self.closed or (self._is_cancellable and (self._is_cancelled or self._is_outdated())))
 
-    def is_open(self) -> bool:
-        """Yield to other sessions (worker thread), and return whether the session is open: for computations that
-        commands do not cancel.
+    def in_background(self) -> Callable[[], bool]:
+        """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
+
+        It yields to other sessions, waits while this session computes something long, in all up to
+        :data:`MAX_BACKGROUND_WAIT_S`, and returns whether the session is open.
         """
-        checkpoint()
-        return not self.closed
+        left = MAX_BACKGROUND_WAIT_S
+
+        def is_open() -> bool:
+            nonlocal left
+            checkpoint()
+            if left > 0.0 and not self._nothing_long.is_set():
+                began = time.monotonic()
+                wait_without_turn(self._nothing_long, left)
+                left -= time.monotonic() - began
+            return not self.closed
+
+        return is_open
 
     def _is_outdated(self) -> bool:
         since = self._requested_since

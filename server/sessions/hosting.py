@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
-from server.work.scheduler import Party, Scheduler
+from server.work.scheduler import JobOwner, Scheduler
 
 T = TypeVar("T")
 
@@ -18,7 +18,7 @@ class ModelHost(Protocol):
 
     closed: bool
     scheduler: Scheduler
-    party: Party
+    job_owner: JobOwner
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
@@ -28,8 +28,12 @@ class ModelHost(Protocol):
     def may_continue(self) -> bool:
         """Yield to other sessions, and return whether the computation should continue."""
 
-    def is_open(self) -> bool:
-        """Yield to other sessions, and return whether the session is open."""
+    def in_background(self) -> Callable[[], bool]:
+        """Return a function for a computation that nobody waits for, which calls it all the while.
+
+        It yields to other sessions, waits while this session computes something that takes long, and returns whether
+        the session is open.
+        """
 
     def cancellable(self) -> AbstractContextManager[None]:
         """Return a context in which :meth:`may_continue` is False once a newer command makes the result useless."""
@@ -38,6 +42,9 @@ class ModelHost(Protocol):
 
     def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which the session computes nothing, so that its maps can be read."""
+
+    def settled(self) -> AbstractAsyncContextManager[None]:
+        """Return a context as :meth:`locked` does, in which the maps are those that commands requested."""
 
     async def on_thread(self, job: Callable[[], T]) -> T:
         """Compute ``job`` on a worker thread as scheduled."""

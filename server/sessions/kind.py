@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.sensors.scan import ScanLog
 from server.library import Library
-from server.sessions.hosting import ModelHost
 from server.sessions.making import Making
-from server.sessions.model import SessionModel
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 
 class SessionRequest(BaseModel):
@@ -22,6 +24,11 @@ class SessionRequest(BaseModel):
 
     kind: str
     playing: bool = Field(True, description="Whether the session plays from the start.")
+    name: str | None = Field(
+        None,
+        max_length=100,
+        description="A name under which /api/sessions/making/{name} returns the progress until the session is there.",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,17 +40,21 @@ class Plan:
     :class:`mapper.core.errors.WorkCancelledError` if that is False."""
     logs: tuple[ScanLog, ...] = ()  #: logs that the model will hold in memory
     name: str | None = None  #: under which the page requests the progress
-    waited_for: bool = True  #: False for long work, which others' short work precedes
+    interactive: bool = True  #: False for long work, which is deferred while short work waits
     playing: bool = True  #: False: paused at first, whatever the model's default is
 
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """What a plan may use: the visitor's logs, and the longest computing time for replaying a story, seconds."""
+    """What a plan may use.
+
+    The visitor's logs, the longest computing time for replaying a story, seconds, and where progress is reported.
+    """
 
     visitor: str
     library: Library
     max_story_s: float
+    making: Making
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -16,6 +16,7 @@ class Making:
     """A session that is being created. The fields may be read from any thread."""
 
     fraction: float = 0.0  #: share of the work that is done, 0 to 1
+    watched: Callable[[], tuple[str, float | None]] | None = None  #: the present part of the work, see :meth:`progress`
     is_wanted: bool = True
     began: float = field(default_factory=time.monotonic)
 
@@ -27,6 +28,10 @@ class Making:
     def report(self, fraction: float) -> None:
         """Set the share of the work that is done."""
         self.fraction = fraction
+
+    def progress(self) -> tuple[str | None, float | None]:
+        """Return what is being done (None: what was asked for), and the share of it that is done, None if unknown."""
+        return (None, self.fraction) if self.watched is None else self.watched()
 
 
 class UnderWay:

@@ -79,6 +79,12 @@ class MappingParameters:
         result.changed = True
         result.slot(self._message())
 
+    def cancel(self, result: TickResult) -> None:
+        """Drop the requested parameters that the map does not have yet; all clients get those that it has."""
+        if self._wanted != self.config:
+            self._wanted, self._asked_by = self.config, None
+            result.slot(self._message())
+
     def table(self, first: MappingConfig) -> dict[str, Any]:
         """Return the ``parameters`` of ``hello``: the table with initial values ``first``, and the values."""
         rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in self._rows]

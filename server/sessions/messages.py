@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
-from mapper.simulation import SensorConfig
 from server.sessions.view import Pose, RobotState
+
+if TYPE_CHECKING:
+    from mapper.simulation import SensorConfig
 
 
 def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:

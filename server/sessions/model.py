@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from mapper.grid import OccupancyGrid
-from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.playback import Playback
@@ -22,6 +21,7 @@ from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
+    from mapper.replay.incremental import CheckpointPrefetcher
     from server.sessions.parts import Comparable, Recording, Story
 
 NO_SCAN: dict[str, Any] = {}
@@ -161,6 +161,11 @@ class SessionModel(ABC):
         """Update the layers with the changes of the tick."""
 
     # -- long work ------------------------------------------------------------------------------------------------
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the maps are not yet those that commands requested: the next tick goes on (event loop)."""
+        return False
 
     @property
     def fraction(self) -> float | None:

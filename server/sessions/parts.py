@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
-from mapper.io.export import GrowingMap
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.sessions.view import LogView, Wanted
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
+    from mapper.io.export import GrowingMap
 
 
 class Recording(Protocol):

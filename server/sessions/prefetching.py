@@ -10,12 +10,13 @@ import asyncio
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 from weakref import WeakSet
 
 import structlog
 
-from mapper.replay.incremental import CheckpointPrefetcher
+if TYPE_CHECKING:
+    from mapper.replay.incremental import CheckpointPrefetcher
 
 LOOK_EVERY_S = 0.25
 QUIET_S = 1.0  #: seconds without a command to a session before prefetching

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import structlog
 
@@ -20,17 +20,25 @@ from mapper.core.errors import MapperError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.sensors.scan import ScanLog
 from server.library import Library
-from server.sessions.host import SessionHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
-from server.sessions.making import UnderWay
+from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
-from server.stream.hub import Traffic
-from server.work.scheduler import Party, Scheduler
+from server.stream.traffic import Traffic
+from server.work.scheduler import JobOwner, Scheduler
+
+if TYPE_CHECKING:
+    from server.sessions.host import SessionHost
 
 REAP_EVERY_S = 5.0
 THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
 _log = structlog.get_logger(__name__)
+
+
+def _host_class() -> type[SessionHost]:
+    from server.sessions.host import SessionHost  # noqa: PLC0415 - the streams: imported with the first session
+
+    return SessionHost
 
 
 class SessionBudgetError(MapperError):
@@ -120,8 +128,9 @@ class SessionRegistry:
         self, kind: Kind, wanted: SessionRequest, visitor: str, library: Library, *, address: str = ""
     ) -> SessionHost:
         """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
-        plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s))
-        return await self.begin(plan, visitor, address=address)
+        with self.under_way.making(visitor, wanted.name) as making:
+            plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
+            return await self._begin(plan, visitor, making, address=address)
 
     async def begin(self, plan: Plan, owner: str, *, link: str | None = None, address: str = "") -> SessionHost:
         """Begin a session for a visitor; ``link`` is the link that a guest followed.
@@ -129,8 +138,14 @@ class SessionRegistry:
         ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
-        host = SessionHost(
-            party=Party(owner, address),
+        with self.under_way.making(owner, plan.name) as making:
+            return await self._begin(plan, owner, making, link=link, address=address)
+
+    async def _begin(
+        self, plan: Plan, owner: str, making: Making, *, link: str | None = None, address: str = ""
+    ) -> SessionHost:
+        host = (await asyncio.to_thread(_host_class))(
+            job_owner=JobOwner(owner, address),
             pool=self.pool,
             limits=self.limits,
             scheduler=self._scheduler,
@@ -141,9 +156,8 @@ class SessionRegistry:
         async with self._reserved(owner, link):
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
-            with self.under_way.making(owner, plan.name) as making:
-                job = partial(plan.make, host, making)
-                model = await self._scheduler.run(self.pool, host.party, job, waited_for=plan.waited_for)
+            job = partial(plan.make, host, making)
+            model = await self._scheduler.run(self.pool, host.job_owner, job, interactive=plan.interactive)
             model.playback.playing = model.playback.playing and plan.playing
             host.start(model)
             self._sessions[host.id] = host

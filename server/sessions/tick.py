@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mapper.core.errors import MapperError
-from mapper.mapping.integrate import CellBox, Change
+from mapper.grid import CellBox
 from server.stream.hub import Client
 from server.stream.protocol import ProtocolError
+
+if TYPE_CHECKING:
+    from mapper.mapping.integrate import Change
 
 
 @dataclass(frozen=True, slots=True)

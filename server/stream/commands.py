@@ -67,6 +67,10 @@ class SeekCommand(Struct, tag_field="type", tag="seek"):
     index: Annotated[Whole, Meta(description="number of scans in the map, 0 to that of the log")]
 
 
+class CancelCommand(Struct, tag_field="type", tag="cancel"):
+    """Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before."""
+
+
 class ParametersCommand(Struct, tag_field="type", tag="parameters"):
     """Change mapping parameters and recompute the map."""
 
@@ -169,6 +173,7 @@ Command = (
     | StepCommand
     | SpeedCommand
     | SeekCommand
+    | CancelCommand
     | ParametersCommand
     | SensorCommand
     | FaultsCommand

@@ -14,12 +14,12 @@ import json
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from server.stream.codecs import TILES, join_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.protocol import ProtocolError, encode_text
+from server.stream.traffic import Traffic
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window
@@ -33,15 +33,6 @@ MAX_BATCH_BYTES = 256 * 1024
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 _NOTHING = Body(0, 0, (), complete=False)
-
-
-@dataclass(slots=True)
-class Traffic:
-    """Counts of what was sent, for the metrics."""
-
-    frames: int = 0
-    bytes: int = 0
-    tiles: int = 0
 
 
 class Hub:

@@ -15,8 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.grid import TILE, GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox
+from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.codecs import CODECS, Graph, TilePayload
 from server.stream.tiles import TilePicture, picture_range

@@ -271,6 +271,12 @@ class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
     numbers: Annotated[Numbers | None, Meta(description="the comparison")]
 
 
+class Trajectories(Struct, tag_field="type", tag="trajectories"):
+    """Log sessions: the trajectories of the log, after one was added, replaced or deleted."""
+
+    trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
+
+
 class WorldMessage(Struct, tag_field="type", tag="world"):
     """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
@@ -375,6 +381,7 @@ ServerMessage = (
     | Geometry
     | FrameMessage
     | Trajectory
+    | Trajectories
     | ParametersMessage
     | ComparisonMessage
     | WorldMessage

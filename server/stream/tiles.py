@@ -13,9 +13,9 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, GridGeometry, OccupancyGrid, log_odds
+from mapper.core.zstd import compressed
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import TilePayload
 
@@ -96,7 +96,7 @@ class TilePicture:
             whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
             whole[: tile.shape[0], : tile.shape[1]] = tile
             tile = whole
-        payload = TilePayload(tx, ty, revision, self._compressor.compress(np.ascontiguousarray(tile).data))
+        payload = TilePayload(tx, ty, revision, compressed(self._compressor, np.ascontiguousarray(tile).data))
         self._payloads[ty, tx] = payload
         return payload
 

@@ -17,31 +17,31 @@ class FairLock:
 
     @asynccontextmanager
     async def of(self, owner: str) -> AsyncIterator[None]:
-        """Wait for the turn of ``owner`` and hold it during the block."""
+        """Acquire the lock for ``owner`` and hold it during the block."""
         if self._busy:
-            place: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-            self._waiting.setdefault(owner, deque()).append(place)
+            request: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self._waiting.setdefault(owner, deque()).append(request)
             try:
-                await place
+                await request
             except asyncio.CancelledError:
-                if place.done() and not place.cancelled():
-                    self._pass_on()  # the turn was granted while this task was being cancelled
+                if request.done() and not request.cancelled():
+                    self._grant_next()  # the lock was granted while this task was being cancelled
                 raise
         self._busy = True
         try:
             yield
         finally:
-            self._pass_on()
+            self._grant_next()
 
-    def _pass_on(self) -> None:
-        """Give the turn to the first owner's oldest request, and put that owner last."""
+    def _grant_next(self) -> None:
+        """Grant the lock to the first owner's oldest request, and put that owner last."""
         while self._waiting:
             owner = next(iter(self._waiting))
             queue = self._waiting.pop(owner)
-            place = queue.popleft()
+            request = queue.popleft()
             if queue:
                 self._waiting[owner] = queue
-            if not place.done():
-                place.set_result(None)
+            if not request.done():
+                request.set_result(None)
                 return
         self._busy = False

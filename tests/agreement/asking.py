@@ -1,4 +1,4 @@
-"""Why a cell is what it is, for the table: what the core tells, and what the textbook's maps show as they are made."""
+"""The explanation of a cell, for the table: by the core, and from the textbook's maps after each scan."""
 
 from __future__ import annotations
 

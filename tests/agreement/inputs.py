@@ -1,4 +1,4 @@
-"""Random scans on random grids, with the awkward cases drawn far more often than chance would."""
+"""Random scans on random grids; edge cases are much more frequent than at random."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from hypothesis import strategies as st
 from mapper.core.se2 import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.planar.cloud import Placement
+from mapper.sensors.planar.depth import Intrinsics
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import LEAST_ANGLE_STEP, RangeScan, ScanLog, Trajectory, is_angle_step
 
 STEPS = ("fixed_increments", "step_window")  #: models of three zones
@@ -264,3 +267,55 @@ def states(draw: st.DrawFn) -> StatesCase:
     grid.observed |= ~np.isnan(seen)
     free, occupied = sorted((draw(some(0.25, 0.5, 0.0, low=0, high=1)), draw(some(0.65, 0.5, 1.0, low=0, high=1))))
     return StatesCase(grid, occupied, free)
+
+
+@dataclass(frozen=True)
+class CloudCase:
+    """Points (n, 3) in the frame of a sensor that is placed somewhere on a robot, and how a scan is cut out of them."""
+
+    points: np.ndarray
+    placement: Placement
+    cut: PlanarCut
+
+
+@st.composite
+def clouds(draw: st.DrawFn) -> CloudCase:
+    random = np.random.default_rng(draw(SEEDS))
+    points = random.normal(0, 3, (draw(st.integers(0, 60)), 3)).round(draw(st.integers(0, 9)))
+    for at in draw(st.lists(st.integers(0, max(0, points.size - 1)), max_size=3)):
+        if points.size:
+            points.reshape(-1)[at] = draw(st.sampled_from([np.nan, np.inf, -np.inf, 0.0, 1e200]))
+    rotation, _ = np.linalg.qr(random.normal(0, 1, (3, 3)))
+    placement = Placement(rotation if draw(st.booleans()) else np.eye(3), random.normal(0, 1, 3))
+    first, low = draw(some(-np.pi, low=-3.1, high=2.0)), draw(some(-1.0, low=-3, high=2))
+    cut = PlanarCut(
+        low,
+        low + draw(some(1.0, low=0.1, high=4)),
+        first,
+        draw(some(np.pi, low=first + 1.0, high=np.pi)),
+        draw(some(np.pi / 180, low=0.005, high=0.9)),
+        cloud_range=(draw(some(0.0, low=0, high=2)), draw(some(np.inf, low=2, high=9))),
+    )
+    return CloudCase(points, placement, cut)
+
+
+@dataclass(frozen=True)
+class DepthCase:
+    """A depth image (height, width), metres, its camera, and how a scan is cut out of it."""
+
+    depth: np.ndarray
+    camera: Intrinsics
+    cut: PlanarCut
+
+
+@st.composite
+def depths(draw: st.DrawFn) -> DepthCase:
+    random = np.random.default_rng(draw(SEEDS))
+    height, width = draw(st.integers(4, 20)), draw(st.integers(1, 30))
+    depth = random.uniform(0, 12, (height, width)).astype(np.float32)
+    for value in (np.nan, np.inf, 0.0):
+        depth[random.random(depth.shape) < 0.1] = value
+    centre = random.uniform(0.4, 0.6, 2)
+    camera = Intrinsics(width, height, float(random.uniform(3, 40)), centre[0] * width, centre[1] * height)
+    rows = draw(st.integers(1, max(1, int(0.7 * height))))
+    return DepthCase(depth, camera, PlanarCut(scan_height=float(rows)))

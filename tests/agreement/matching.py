@@ -1,4 +1,4 @@
-"""Scan matching, for the table: random scans and poses, what the kernels make of them, and what the textbook does."""
+"""Scan matching, for the table: random scans and poses, by the kernels and by the textbook."""
 
 from __future__ import annotations
 

@@ -24,6 +24,9 @@ from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
+from mapper.sensors.planar import textbook as planar_textbook
+from mapper.sensors.planar.cloud import add_points, empty_scan
+from mapper.sensors.planar.depth import cut_depth
 from mapper.sensors.scan import RangeScan
 from tests.agreement.asking import (
     beams_and_poses,
@@ -36,12 +39,16 @@ from tests.agreement.asking import (
 )
 from tests.agreement.inputs import (
     STEPS,
+    CloudCase,
+    DepthCase,
     LineCase,
     MappingCase,
     PictureCase,
     RayCase,
     StatesCase,
     TwoMaps,
+    clouds,
+    depths,
     lines,
     mapping_cases,
     pictures,
@@ -195,6 +202,26 @@ def bounds_of_scans(case: MappingCase, scans: Iterable[tuple[RangeScan, np.ndarr
     side = case.config.resolution
     low, high = np.min(seen, axis=0) - side, np.max(seen, axis=0) + side
     return (case.geometry.covering(low, high, side),)
+
+
+def cloud_by_core(case: CloudCase) -> tuple[Any, ...]:
+    ranges = empty_scan(case.cut)
+    half = len(case.points) // 2
+    for points in (case.points[:half], case.points[half:]):
+        add_points(points, case.placement, case.cut, ranges)
+    return (ranges,)
+
+
+def cloud_by_textbook(case: CloudCase) -> tuple[Any, ...]:
+    return (planar_textbook.cut_cloud(case.points, case.placement, case.cut),)
+
+
+def depth_by_core(case: DepthCase) -> tuple[Any, ...]:
+    return (cut_depth(case.depth, case.camera, case.cut),)
+
+
+def depth_by_textbook(case: DepthCase) -> tuple[Any, ...]:
+    return (planar_textbook.cut_depth(case.depth, case.camera, case.cut),)
 
 
 TILE = 8
@@ -356,6 +383,8 @@ TABLE = (
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
+    Row("scan out of a cloud", cloud_by_core, cloud_by_textbook, clouds()),
+    Row("scan out of a depth image", depth_by_core, depth_by_textbook, depths()),
     Row("points and normals of scans", prepared_by_kernel, prepared_by_textbook, match_cases(), 1e-5),
     Row(
         "point-to-line and point-to-point",

@@ -1,4 +1,4 @@
-"""The kernels with every index checked, and as plain Python: a run of the table in a process of its own."""
+"""The kernels with index checks, and as plain Python: runs of the table in separate processes."""
 
 import os
 import subprocess

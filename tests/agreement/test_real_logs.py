@@ -1,4 +1,4 @@
-"""Whole real logs: kernel against textbook on some scans, and against counting in NumPy on all of them."""
+"""Real logs: kernel against textbook on some scans, and against counting in NumPy on all scans."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +14,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
+from tests.marks import also_long
 
-LOGS = ["intel-corrected.log.gz", "aces-corrected.log.gz", "fhw-corrected.log.gz"]
+LOGS = ["intel-corrected.log.gz", *also_long("aces-corrected.log.gz", "fhw-corrected.log.gz")]
 
 
 @pytest.fixture(scope="module", params=LOGS)
@@ -25,8 +26,8 @@ def log(request: pytest.FixtureRequest, data_dir: Path) -> ScanLog:
 
 def thinned(log: ScanLog, n_scans: int) -> ScanLog:
     chosen = np.linspace(0, log.n_scans - 1, n_scans).astype(int)
-    poses = Trajectory(log.trajectory().poses[chosen])
-    return replace(log, ranges=log.ranges[chosen], stamps_ns=log.stamps_ns[chosen], trajectories={"thinned": poses})
+    some = log.take(chosen)
+    return replace(some, trajectories={"thinned": Trajectory(some.trajectory().poses)})
 
 
 @pytest.mark.parametrize("config", [MappingConfig(), MappingConfig(window=0.3, model="step_window", no_return="free")])

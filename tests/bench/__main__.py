@@ -1,4 +1,4 @@
-"""``python -m tests.bench``: the mapping core's times beside those of the peers, in one run, as ratios."""
+"""``python -m tests.bench``: times of the mapping core and of the peers, measured in one run, as ratios."""
 
 from __future__ import annotations
 
@@ -31,6 +31,8 @@ from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
+from tests.bench.size import size
+from tests.bench.slam import slam
 
 RANGE_MAX = 30.0
 ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
@@ -184,39 +186,50 @@ def cost_of_starting(processes: int = 10) -> None:
     print(f"\nprocess start to first kernel call: {min(times[1:]):.2f} s, the best of {processes}")
 
 
-if __name__ == "__main__":
-    if sys.argv[1:] == ["statistics"]:
-        cost_of_statistics()
-        sys.exit()
-    if sys.argv[1:] == ["start"]:
-        cost_of_starting()
-        service_start()
-        sys.exit()
-    if sys.argv[1:] == ["reading"]:
-        reading()
-        sys.exit()
-    if sys.argv[1:2] == ["match"]:
-        matching()
-        sys.exit()
-    if sys.argv[1:] == ["doctor"]:
-        doctor()
-        sys.exit()
-    if sys.argv[1:] == ["feel"]:
-        feel()
-        sys.exit()
-    if sys.argv[1:] == ["inspecting"]:
-        inspecting(hall(20_000, 360))
-        sys.exit()
-    if sys.argv[1:] == ["sharing"]:
-        sharing(hall(800, 360))
-        sys.exit()
+def mapping() -> None:
+    """Print the times of mapping beside the peer's, and on grids of several sizes."""
     side_by_side()
     cost_against_size()
-    cost_of_statistics()
-    cost_of_asking_why()
+
+
+def starting() -> None:
+    """Print the cost of starting a process that uses the mapping core, and the service."""
     cost_of_starting()
     service_start()
-    reading()
-    inspecting(hall(20_000, 360))
-    sharing(hall(800, 360))
-    feel()
+
+
+BENCHES: dict[str, Callable[[], None]] = {
+    "mapping": mapping,
+    "statistics": cost_of_statistics,
+    "why": cost_of_asking_why,
+    "start": starting,
+    "reading": reading,
+    "inspecting": lambda: inspecting(hall(20_000, 360)),
+    "sharing": lambda: sharing(hall(800, 360)),
+    "doctor": doctor,
+    "match": matching,
+    "slam": slam,
+    "size": size,
+    "feel": feel,
+}
+
+
+def main() -> int:
+    """Run the benchmarks that the command line names, all of them where it names none.
+
+    After ``match`` come the names of logs.
+    """
+    if sys.argv[1:2] == ["match"]:
+        matching(sys.argv[2:])
+        return 0
+    unknown = [name for name in sys.argv[1:] if name not in BENCHES]
+    if unknown:
+        print(f"There is no benchmark {unknown[0]!r}; there are {', '.join(BENCHES)}.", file=sys.stderr)
+        return 2
+    for name in sys.argv[1:] or BENCHES:
+        BENCHES[name]()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

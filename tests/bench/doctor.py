@@ -93,12 +93,8 @@ def displaced(true: NDArray[np.float64], poses: NDArray[np.float64]) -> bool | N
 
 def part(log: ScanLog, trajectory: str, start: int, stop: int) -> ScanLog:
     """Return some scans of a log with one trajectory."""
-    return replace(
-        log,
-        ranges=log.ranges[start:stop],
-        stamps_ns=log.stamps_ns[start:stop],
-        trajectories={trajectory: Trajectory(log.trajectory(trajectory).poses[start:stop])},
-    )
+    some = log.take(slice(start, stop))
+    return replace(some, trajectories={trajectory: Trajectory(some.trajectory(trajectory).poses)})
 
 
 def drifted(group: str, log: ScanLog, trajectory: str) -> Iterator[Case]:

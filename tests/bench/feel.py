@@ -1,4 +1,4 @@
-"""``python -m tests.bench feel``: how the pages feel, measured in real Chromium on loopback, beside what is wanted."""
+"""``python -m tests.bench feel``: latencies of the pages in Chromium on loopback, with their targets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, Response
 
 from tests.bench.hand import Hand
 from tests.bench.stopwatch import Laps, dragged, floor, laps, moved, p95
-from tests.browser.looking import await_map, centre, frame, settled_digest, until
+from tests.browser.looking import await_map, centre, frame, open_group, settled_digest, until
 from tests.browser.running import free_port, running_chromium, running_server
 
 MOVED = 120  # of each handle, one move after the other
@@ -138,10 +138,12 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
     single_threaded = _slid(page)
+    open_group(page, "Compare")
     page.get_by_role("button", name="Save as A").click()
     page.locator(".compare-mode .choice-option", has_text="Difference").click()
     until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
     settled_digest(page)
+    open_group(page, "Settings")
     compared = _slid(page)
     page.context.close()
     return single_threaded, compared

@@ -1,4 +1,4 @@
-"""``python -m tests.bench inspecting``: uploaded logs from afar: seeking, what ten people cost, one changed region."""
+"""``python -m tests.bench inspecting``: remote inspection of logs: seeking, ten clients, one changed region."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ import viser
 from viser._scene_api import _encode_image_binary  # what ViserServer sends of a picture, to count its bytes
 from websockets.sync.client import connect
 
-from mapper.grid import TILE, GridGeometry, OccupancyGrid
+from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.io.export.recording import write_mcap
-from mapper.mapping.integrate import CellBox
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.stream.codecs import TILES, decode_frame, encode_frame
@@ -64,15 +63,19 @@ def seeking(log: ScanLog) -> Laps:
             return laps(page, ["pointerdown"], "whole map", seek, SEEKS)
 
 
-def memory_of(address: str) -> float:
-    """Return the megabytes that the processes of a service hold: the resident sets, shared pages counted once each."""
+def process_of(address: str) -> int:
+    """Return the process of a service."""
     port = int(address.rsplit(":", 1)[1])
-    root = next(
+    return next(
         int(folder.name)
         for folder in Path("/proc").iterdir()
         if folder.name.isdigit() and f"--port\0{port}\0".encode() in _read(folder / "cmdline")
     )
-    return sum(_proportional_kb(process) for process in _family(root)) / 1024
+
+
+def memory_of(address: str) -> float:
+    """Return the megabytes that the processes of a service hold: the resident sets, shared pages counted once each."""
+    return sum(_proportional_kb(process) for process in _family(process_of(address))) / 1024
 
 
 def _read(path: Path) -> bytes:

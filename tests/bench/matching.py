@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -171,12 +170,12 @@ def table(pairs: Pairs) -> None:
             print(f"  {name:<18}" + "".join(f"{cell:>34}" for cell in cells), flush=True)
 
 
-def matching() -> None:
-    """Print the tables, of the logs named on the command line or of all."""
+def matching(names: Sequence[str] = ()) -> None:
+    """Print the tables, of the logs that are named or of all."""
     data = Path(os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data"))
     if not (data / "relations/intel.relations").is_file():
         print("The data that GRIDBLOOM_TEST_DATA names is absent: nothing to match.")
         return
-    wanted = sys.argv[2:] or ["intel.relations", *CORRECTED]
+    wanted = names or ["intel.relations", *CORRECTED]
     for name in wanted:
         table(related(data) if name == "intel.relations" else corrected(data, name))

@@ -1,4 +1,4 @@
-"""The peers to measure beside: programs of others, built from the folder that GRIDBLOOM_PEERS names."""
+"""The peers to compare with: other programs, built from the folder that GRIDBLOOM_PEERS names."""
 
 from __future__ import annotations
 

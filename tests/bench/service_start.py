@@ -1,4 +1,4 @@
-"""What it costs until the service answers: the CPU time of ``gridbloom serve`` at the first 200 of ``/readyz``."""
+"""The CPU time of ``gridbloom serve`` until the first 200 of ``/readyz``."""
 
 from __future__ import annotations
 

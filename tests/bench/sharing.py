@@ -1,4 +1,4 @@
-"""``python -m tests.bench sharing``: one visitor's slider beside three long stories of others, as a ratio to alone."""
+"""``python -m tests.bench sharing``: latency of one visitor's slider beside three long stories, as a ratio."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,15 @@ expect.set_options(timeout=SECONDS * 1000)
 
 SEED = 7  #: of the worlds that stand still; any will do
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
+#: A size and a colour scheme, for `context` and `scheme`: `make test` meets each of them, `make test-long` all pairs.
+LOOKS = [
+    ("desktop", "light"),
+    ("laptop", "dark"),
+    ("phone", "light"),
+    pytest.param("desktop", "dark", marks=pytest.mark.long),
+    pytest.param("laptop", "light", marks=pytest.mark.long),
+    pytest.param("phone", "dark", marks=pytest.mark.long),
+]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -44,12 +53,35 @@ def server(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator
         yield address
 
 
-# Not longer than a module: while it runs, Playwright keeps an event loop in this thread, and asyncio tests need theirs.
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """Return headless Chromium."""
-    with running_chromium() as chromium:
-        yield chromium
+# One for the browser tests that follow each other on a worker, as starting one takes as long as a short test. Not for
+# the whole run: while it runs, Playwright keeps an event loop in this thread, and asyncio tests need theirs.
+_open_chromium = ExitStack()
+_chromium: list[Browser] = []  # the one that runs, if one does
+
+
+def _close_chromium() -> None:
+    _chromium.clear()
+    _open_chromium.close()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, object, object]:
+    """End Chromium after the test, where the next one is not of this folder."""
+    try:
+        return (yield)
+    finally:
+        if nextitem is None or Path(__file__).parent not in nextitem.path.parents:
+            _close_chromium()
+
+
+@pytest.fixture
+def browser(request: pytest.FixtureRequest) -> Browser:
+    """Return headless Chromium; where it has crashed in a test before, another one."""
+    if not (_chromium and _chromium[0].is_connected()):
+        _close_chromium()
+        request.config.add_cleanup(_close_chromium)  # where pytest stops before the last test
+        _chromium.append(_open_chromium.enter_context(running_chromium()))
+    return _chromium[0]
 
 
 class WatchedPage:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from typing import Any
 
 import numpy as np
@@ -9,22 +10,23 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import drag, frame, settled_digest, until
+from tests.browser.looking import BASE64, drag, frame, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_serious, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
-_BOTH = """() => {
-  const { store } = gridbloom.connection;
+_BOTH = f"""() => {{
+  const {{ store }} = gridbloom.connection;
   const b = store.map.peek(), a = store.second.peek().map.peek();
   const place = [0, 1].map((i) => Math.round((b.geometry.origin[i] - a.geometry.origin[i]) / b.geometry.resolution));
-  const bytes = { a: [], b: [] };
+  const bytes = {{ a: [], b: [] }};
   for (let row = 0; row < b.geometry.rows; row++)
-    for (let col = 0; col < b.geometry.cols; col++) {
+    for (let col = 0; col < b.geometry.cols; col++) {{
       bytes.a.push(a.cells.at(row + place[1], col + place[0]));
       bytes.b.push(b.cells.at(row, col));
-    }
-  return { ...bytes, geometry: b.geometry };
-}"""
+    }}
+  const text = {BASE64};
+  return {{ a: text(bytes.a), b: text(bytes.b), geometry: b.geometry }};
+}}"""
 
 
 def evaluate(page: Page, script: str, argument: Any = None) -> Any:
@@ -67,7 +69,7 @@ def both(page: Page) -> tuple[NDArray[np.uint8], NDArray[np.uint8], dict[str, An
     held = evaluate(page, _BOTH)
     geometry = held["geometry"]
     shape = geometry["rows"], geometry["cols"]
-    a, b = (np.array(held[side], dtype=np.uint8).reshape(shape) for side in "ab")
+    a, b = (np.frombuffer(base64.b64decode(held[side]), dtype=np.uint8).reshape(shape) for side in "ab")
     return a, b, geometry
 
 
@@ -98,15 +100,18 @@ def open_cells(page: Page, geometry: dict[str, Any], found: NDArray[np.bool_], n
 
 
 def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server: str) -> None:
+    open_group(viewer, "Compare")
     viewer.get_by_role("button", name="Save as A").click()
     until("the numbers", lambda: numbers(viewer).get("max_difference") == 0.0)
     kept = store(viewer, "mapping.values")["log_odds_miss"]
     before = settled_digest(viewer)
-    slider = viewer.locator(".viewer-side").get_by_role("slider", name="Miss increment", exact=True)
+    sliders = open_group(viewer, "Settings").get_by_role("slider", name="Miss increment", exact=True)
+    slider = viewer.locator("input").and_(sliders)
     drag(viewer, slider, 60, 0)
     until("other numbers", lambda: numbers(viewer).get("max_difference", 0.0) > 0.3)
     assert settled_digest(viewer) != before
     assert store(viewer, "mapping.values")["log_odds_miss"] != kept
+    open_group(viewer, "Compare")
     told = viewer.locator(".compare-differing")
     expect(told).to_contain_text("Miss increment")
 
@@ -235,6 +240,7 @@ def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server
     until("the same numbers", lambda: store_is_there(viewer) and numbers(viewer) == told_before)
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")
     assert store(viewer, "compared")["values"]["log_odds_miss"] == kept
+    open_group(viewer, "Compare")
     viewer.get_by_role("button", name="End comparison").click()
     expect(viewer.locator(".compare-name")).to_have_count(0)
     until("a clean address", lambda: "#" not in address(viewer))

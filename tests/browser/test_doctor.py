@@ -6,12 +6,16 @@ import re
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.looking import open_group
+
 SECONDS = 120  #: in a fresh clone kernels are compiled first
 
 
 def opened_sample(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")  # the log stands at its end: the processor is the doctor's
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_group(page, "Doctor")
     expect(page.get_by_role("region", name="Log doctor")).to_be_visible(timeout=SECONDS * 1000)
 
 
@@ -25,7 +29,13 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     assert doctor.bounding_box() == place
     verdict.click()
     expect(doctor).to_contain_text("No problems found. Poses: ground truth.", timeout=SECONDS * 1000)
+    open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("wheel odometry").click()
+    # It goes on while another group is open, and its tab tells how much it found.
+    expect(page.get_by_role("tab", name="Doctor").locator(".dock-badge")).to_have_text(
+        re.compile("[1-9]"), timeout=SECONDS * 1000
+    )
+    open_group(page, "Doctor")
     doctor.get_by_role("button", name=re.compile("Show .* findings?")).click(timeout=SECONDS * 1000)
     finding = doctor.locator('[data-check="walls.drift"]')
     expect(finding).to_contain_text(re.compile("The poses (may )?drift"), timeout=SECONDS * 1000)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.browser.find_chromium import PACKAGES
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -49,6 +51,12 @@ def test_the_environment_decides_and_must_be_right(tmp_path):
     assert "GRIDBLOOM_CHROMIUM" in wrong.stderr
 
 
+def test_one_without_windows_is_preferred(tmp_path):
+    program(tmp_path, "chromium", "echo Chromium 1")
+    light = program(tmp_path, "chromium-headless-shell", "echo Chromium 1")
+    assert find(tmp_path).stdout == f"{light}\n"
+
+
 @pytest.mark.skipif(sys.platform == "darwin", reason="looks into /Applications as well")
 def test_without_any_one_sentence_says_what_to_do(tmp_path):
     done = find(tmp_path)
@@ -59,11 +67,13 @@ def test_without_any_one_sentence_says_what_to_do(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "darwin" or os.geteuid() != 0, reason="only root installs without sudo")
-def test_where_it_can_it_installs_and_then_prints_the_path(tmp_path):
+@pytest.mark.parametrize("package", PACKAGES)
+def test_where_it_can_it_installs_and_then_prints_the_path(tmp_path, package):
+    """``package`` is the only one that apt-get knows."""
     program(tmp_path, "env", 'shift; exec "$@"')
-    made = tmp_path / "chromium"
+    made = tmp_path / package
     making = f'printf "#!/bin/sh\\necho 1\\n" > {made} && /bin/chmod 755 {made}'
-    script = f'echo installing; if [ "$2" = install ]; then {making}; fi'
+    script = f'echo installing; if [ "$2" = install ]; then for last; do :; done; [ $last = {package} ] && {making}; fi'
     program(tmp_path, "apt-get", script)
     done = find(tmp_path)
     assert (done.returncode, done.stdout) == (0, f"{made}\n"), done.stderr

@@ -26,6 +26,13 @@ def lab(open_lab: Callable[..., Page]) -> Page:
     return open_lab()
 
 
+@pytest.fixture
+def still_lab(page: Page, open_lab: Callable[..., Page]) -> Page:
+    """That lab without motion: a map that changes many times is painted once for each, and its cells do not glow."""
+    page.emulate_media(reduced_motion="reduce")
+    return open_lab()
+
+
 def profile(page: Page) -> str:
     """What the profile figure shows."""
     return str(page.locator("figure.profile").inner_html())
@@ -55,30 +62,30 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
 
 
 @pytest.mark.parametrize("model", SLIDERS)
-def test_each_slider_changes_the_map_and_the_profile_and_back(lab: Page, model: str) -> None:
-    open_all_panels(lab)
+def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, model: str) -> None:
+    open_all_panels(still_lab)
     if model != "fixed_increments":
-        choose_model(lab, model)
-    first = settled_digest(lab)
+        choose_model(still_lab, model)
+    first = settled_digest(still_lab)
     for row in SLIDERS[model]:
-        profile_before = profile(lab)
-        slider = lab.get_by_role("slider", name=row.label, exact=True).and_(lab.locator("input"))
+        profile_before = profile(still_lab)
+        slider = still_lab.get_by_role("slider", name=row.label, exact=True).and_(still_lab.locator("input"))
         still(slider)
         box = slider.bounding_box()
         assert box is not None
-        value = lab.evaluate("(name) => gridbloom.connection.store.mapping.values.value[name]", row.name)
+        value = still_lab.evaluate("(name) => gridbloom.connection.store.mapping.values.value[name]", row.name)
         fraction = float(slider.input_value()) / 1000
         # Grab the thumb where it is, and go a quarter of the way towards the farther end.
         x, y = box["x"] + 10 + fraction * (box["width"] - 20), box["y"] + box["height"] / 2
-        lab.mouse.move(x, y)
-        lab.mouse.down()
-        lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
-        lab.mouse.up()
-        assert settled_digest(lab) != first, row.name
+        still_lab.mouse.move(x, y)
+        still_lab.mouse.down()
+        still_lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
+        still_lab.mouse.up()
+        assert settled_digest(still_lab) != first, row.name
         if row.group == "model" or row.name == "resolution":
-            assert profile(lab) != profile_before, row.name
-        lab.evaluate("([name, value]) => gridbloom.connection.store.setParameter(name, value)", [row.name, value])
-        assert settled_digest(lab) == first, row.name
+            assert profile(still_lab) != profile_before, row.name
+        still_lab.evaluate("([name, value]) => gridbloom.connection.store.setParameter(name, value)", [row.name, value])
+        assert settled_digest(still_lab) == first, row.name
 
 
 HANDLES = [
@@ -91,27 +98,27 @@ HANDLES = [
 ]
 
 
-def test_each_handle_on_the_curve_changes_the_profile_and_the_map_and_answers_to_keys(lab: Page) -> None:
-    first = settled_digest(lab)
+def test_each_handle_on_the_curve_changes_the_profile_and_the_map_and_answers_to_keys(still_lab: Page) -> None:
+    first = settled_digest(still_lab)
     for name, by, changes_map in HANDLES:
-        profile_before = profile(lab)
-        handle = lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
+        profile_before = profile(still_lab)
+        handle = still_lab.locator("figure.profile").get_by_role("slider", name=name, exact=True)
 
         def value(handle: Locator = handle) -> float:
             return float(handle.get_attribute("aria-valuenow") or "nan")
 
         before = value()
-        drag(lab, handle.locator(".handle-grab"), *by)
+        drag(still_lab, handle.locator(".handle-grab"), *by)
         until(f"{name} to move", lambda before=before, value=value: value() != before)  # type: ignore[misc]
-        assert profile(lab) != profile_before, name
-        assert (settled_digest(lab) != first) == changes_map, name
+        assert profile(still_lab) != profile_before, name
+        assert (settled_digest(still_lab) != first) == changes_map, name
         before = value()
         handle.focus()
         horizontal = handle.get_attribute("aria-orientation") == "horizontal"
-        lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
+        still_lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
         until(f"{name} to answer", lambda before=before, value=value: value() != before)  # type: ignore[misc]
-        lab.get_by_role("button", name="Reset to defaults").last.click()
-        assert settled_digest(lab) == first, name
+        still_lab.get_by_role("button", name="Reset to defaults").last.click()
+        assert settled_digest(still_lab) == first, name
 
 
 def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) -> None:

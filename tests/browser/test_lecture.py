@@ -7,9 +7,10 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import SIZES
+from tests.browser.conftest import LOOKS
 from tests.browser.lecturing import open_section
 from tests.browser.looking import still
+from tests.marks import also_long
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -19,8 +20,7 @@ PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
   place => [place.classList.contains("figure-awaited"), place.offsetHeight])"""
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("context", SIZES, indirect=True)
+@pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
 def test_the_lecture_opens_whole(page: Page, server: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
     page.add_init_script("window.requestIdleCallback = () => 0")  # a browser that is never idle
@@ -112,7 +112,7 @@ def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
     expect(page.locator("#rays h2")).to_be_in_viewport()
 
 
-@pytest.mark.parametrize("context", SIZES, indirect=True)
+@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
 def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
     if page.viewport_size and page.viewport_size["width"] > 1100:
         page.set_viewport_size({"width": 1280, "height": 720})  # an old projector

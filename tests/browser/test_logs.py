@@ -64,7 +64,7 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
     assert image.shape == (held["rows"], held["cols"])
     assert description["resolution"] == pytest.approx(held["resolution"])
     assert description["origin"] == pytest.approx(held["origin"])
-    byte = np.array(held["bytes"], dtype=float).reshape(image.shape)
+    byte = np.frombuffer(held["bytes"], dtype=np.uint8).astype(float).reshape(image.shape)
     low, high = held["low"], held["high"]
     p = 1.0 - 1.0 / (1.0 + np.exp(low + (byte - 1.0) / 254.0 * (high - low)))
     shown = np.where(byte == 0, 205, np.where(p > 0.65, 0, np.where(p < 0.25, 254, 205)))

@@ -5,14 +5,13 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import SIZES
+from tests.browser.conftest import LOOKS
 from tests.browser.looking import await_map, frame, until
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("context", SIZES, indirect=True)
+@pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
 @pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html"])
 def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)

@@ -7,7 +7,7 @@ from pathlib import Path
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.conftest import WatchedPage
-from tests.browser.looking import frame, settled_digest, until
+from tests.browser.looking import frame, open_group, settled_digest, until
 from tests.browser.test_axe import violations
 from tests.server.library.small_logs import carmen
 
@@ -30,10 +30,9 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     page.evaluate("(look) => gridbloom.connection.store.setView(look)", look)
     shown = settled_digest(page)
 
-    page.get_by_role("button", name="Share this view").click()
-    dialog = page.get_by_role("dialog", name="Share this view")
-    dialog.get_by_role("button", name="Create link").click()
-    row = dialog.get_by_role("listitem")
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    row = shared.get_by_role("listitem")
     expect(row).to_contain_text("25 of 60 scans")
     address = row.get_by_role("textbox").input_value()
     assert address.startswith(f"{server}/shared/")
@@ -50,15 +49,18 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     assert (seen["x"], seen["y"]) == (look["x"], look["y"])
     assert abs(seen["scale"] / look["scale"] - 1.0) < 0.2, "the head of their page is lower"
     expect(guest.get_by_role("heading", level=1)).to_have_text("mine.log")
-    for name in ("Share this view", "All logs", "mcap"):
-        expect(guest.get_by_role("button", name=name)).to_have_count(0)
+    open_group(guest, "Download")
+    expect(guest.get_by_role("link", name="yaml")).to_be_visible()
+    absent = guest.get_by_role("tab", name="Share"), guest.get_by_role("link", name="mcap")
+    for one in (*absent, guest.get_by_role("button", name="All logs")):
+        expect(one).to_have_count(0)
     # It is theirs to play with.
     guest.get_by_role("button", name="Forward one scan").click()
     until("one scan more", lambda: frame(guest)["index"] == 26)
     assert frame(page)["index"] == 25
     assert watched.problems == []
 
-    dialog.get_by_role("button", name="Revoke").click()
+    shared.get_by_role("button", name="Revoke").click()
     page.get_by_role("dialog", name="Revoke this link?").get_by_role("button", name="Revoke").click()
     expect(row).to_have_count(0)
     expect(guest.get_by_role("alert")).to_contain_text("This link was revoked")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import ElementHandle, Locator, Page, expect
 
-from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.browser.looking import await_map, frame, open_group, settled_digest, until
 
 pytestmark = pytest.mark.parametrize("context", ["phone"], indirect=True)
 
@@ -98,7 +98,7 @@ def test_two_fingers_zoom_the_map_and_one_moves_it(viewer: Page, fingers: Finger
 
 
 def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -> None:
-    handle = viewer.get_by_role("slider", name="Max range", exact=True).first
+    handle = viewer.locator("input").and_(viewer.get_by_role("slider", name="Max range", exact=True))
     handle.scroll_into_view_if_needed()
     expect(viewer.locator(".viewer-map")).to_be_in_viewport(ratio=0.95)
 
@@ -121,6 +121,8 @@ def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -
 def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> None:
     other = viewer.context.new_page()
     other.goto(viewer.url)
+    for page in (viewer, other):
+        open_group(page, "Trajectories")
     other.get_by_text("wheel odometry", exact=True).tap()
     expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked()
     viewer.get_by_text("ground truth", exact=True).tap()

@@ -106,7 +106,8 @@ PACKINGS = {"gzip": lambda data: gzip.compress(data, mtime=0), "zstd": zstandard
 T0 = 1_700_000_000 * SECOND
 BAGS = ("bag-none", "bag-bz2", "bag-lz4")
 MCAPS = ("mcap-none", "mcap-none-flat", "mcap-lz4", "mcap-zstd")
-RECORDINGS = (*BAGS, *MCAPS, "db3")
+CLOUDS = ("bag-none-clouds", "mcap-none-clouds")  #: without a lidar: scans are cut out of what there is
+RECORDINGS = (*BAGS, *MCAPS, "db3", *CLOUDS)
 
 
 def said(n: int = 6) -> list[recorded.Said]:
@@ -124,9 +125,29 @@ def said(n: int = 6) -> list[recorded.Said]:
     return messages
 
 
+def said_of_clouds(n: int = 5) -> list[recorded.Said]:
+    """Clouds and depth images."""
+    messages = [transform(T0, "base_link", "velodyne", 0.2, z=0.5, topic="/tf_static")]
+    messages.append(recorded.camera(T0, (6, 4), 5.0))
+    points = np.random.default_rng(0).uniform(-4, 4, (12, 3))
+    for i in range(n):
+        at = T0 + i * SECOND // 10
+        messages += [
+            odometry(at, i / 10, 0.0, 0.0),
+            recorded.cloud(at, points, rows=3, padding=(3, 5)),
+            recorded.image(at, np.full((4, 6), 2000 + i)),
+        ]
+    return messages
+
+
 @cache
 def recording(kind: str) -> bytes:
     """A small whole recording of one of :data:`RECORDINGS`."""
+    if kind == "bag-none-clouds":
+        with tempfile.TemporaryDirectory() as folder:
+            return recorded.write_bag(Path(folder) / "a.bag", said_of_clouds()).read_bytes()
+    if kind == "mcap-none-clouds":
+        return recorded.mcap_bytes(said_of_clouds(), "none", use_chunking=False)
     if kind.startswith("mcap"):
         _, compression, *flat = kind.split("-")
         return recorded.mcap_bytes(said(), compression, use_chunking=not flat, chunk_size=800)

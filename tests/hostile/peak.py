@@ -18,7 +18,7 @@ from mapper.io.logs import open_log
 
 def main() -> None:
     log_bytes, chunk_bytes = map(int, sys.argv[1:3])
-    limits = replace(DEFAULT_LIMITS, max_log_bytes=log_bytes, max_chunk_bytes=chunk_bytes)
+    limits = replace(DEFAULT_LIMITS, max_unpacked_bytes=log_bytes, max_chunk_bytes=chunk_bytes)
     _say("")
     for name in sys.argv[3:]:
         code = "a log"

@@ -12,6 +12,7 @@ from mapper.sensors.scan import ScanLog
 from tests.hostile import lengths
 from tests.hostile.corpus import (
     BAGS,
+    CLOUDS,
     MCAPS,
     PACKINGS,
     RECORDINGS,
@@ -118,7 +119,7 @@ def test_a_lie_at_every_place_of_the_messages_in_a_db3(path):
                 opened(path, data[:at] + lie + data[at + 4 :])
 
 
-@pytest.mark.parametrize("kind", [*BAGS, *MCAPS, "db3"])
+@pytest.mark.parametrize("kind", [*BAGS, *MCAPS, "db3", *CLOUDS])
 def test_a_length_of_four_billion_anywhere(path, kind):
     data = recording(kind)
     for at in range(0, len(data) - 4, 1 if ALL else len(data) // 40):

@@ -27,7 +27,7 @@ def session_of(service: Service, session_id: str) -> SessionHost:
 async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.stream_connection.COMMAND_BURST", 1e9)
     session_id = await asyncio.to_thread(lambda: service.begin(kind="simulation", world="office"))
     session = session_of(service, session_id)
     async with undisturbed(service), service.connect(session_id) as socket:
@@ -93,7 +93,7 @@ async def test_a_visitors_many_questions_are_answered_once_a_tick(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Only the newest "why" of each client counts: a thousand of them are not a thousand searches of the log."""
-    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.stream_connection.COMMAND_BURST", 1e9)
     session_id = await asyncio.to_thread(lambda: service.begin(kind="log", log="sample-office"))
     async with undisturbed(service), service.connect(session_id) as socket:
         watcher = Watcher(socket)

@@ -243,7 +243,7 @@ def peak_memory():
     ids=["zeros", "one line", "empty lines", "comments"],
 )
 def test_a_gzip_bomb_is_refused_in_little_memory(tmp_path, peak_memory, line, code):
-    limits = replace(DEFAULT_LIMITS, max_log_bytes=6 << 20, max_lines=500_000)
+    limits = replace(DEFAULT_LIMITS, max_unpacked_bytes=6 << 20, max_expansion=1, max_lines=500_000)
     stream = zlib.compressobj(9, wbits=31)
     packed = stream.compress(f"{GOOD}\n".encode())
     for _ in range(32):

@@ -140,7 +140,6 @@ def test_poses_that_are_no_places_are_left_out(tmp_path):
         ({"max_scans": 5}, "log.too_many_scans"),
         ({"max_readings": 20}, "log.too_many_scans"),
         ({"max_beams": 2}, "log.too_many_beams"),
-        ({"max_log_bytes": 2000}, "log.too_many_bytes"),
     ],
 )
 @pytest.mark.parametrize("kind", ["bag-none", "mcap-zstd", "db3"])
@@ -151,7 +150,17 @@ def test_the_limits_hold(tmp_path, kind, change, code):
     assert error.code in (code, "log.chunk_too_large")
 
 
-@pytest.mark.parametrize("kind", ["bag-none", "mcap-zstd"])  # a db3 has no chunks
+@pytest.mark.parametrize("kind", ["bag-bz2", "mcap-zstd"])
+def test_what_chunks_expand_to_has_a_limit_together(tmp_path, kind):
+    few = replace(DEFAULT_LIMITS, max_unpacked_bytes=2000, max_expansion=0)
+    error = opened(tmp_path / "a.log", recording(kind), few)
+    assert isinstance(error, LimitError), error
+    assert error.code == "log.too_many_bytes"
+    enough = replace(few, max_expansion=100)  # times the size of the file
+    assert isinstance(opened(tmp_path / "a.log", recording(kind), enough), ScanLog)
+
+
+@pytest.mark.parametrize("kind", ["bag-bz2", "mcap-zstd"])  # a db3 has no chunks
 def test_a_chunk_has_a_limit(tmp_path, kind):
     error = opened(tmp_path / "a.log", recording(kind), replace(DEFAULT_LIMITS, max_chunk_bytes=300))
     assert isinstance(error, LimitError), error

@@ -148,8 +148,8 @@ async def test_pings_and_empty_parts_without_end_cost_only_their_sender(
 @pytest.fixture
 def unthrottled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Commands as fast as they come: how many a client may send is not the matter here."""
-    monkeypatch.setattr("server.http.routes.stream.COMMAND_BURST", 1e9)
-    monkeypatch.setattr("server.http.routes.stream.MAX_MALFORMED", 10**9)
+    monkeypatch.setattr("server.http.stream_connection.COMMAND_BURST", 1e9)
+    monkeypatch.setattr("server.http.stream_connection.MAX_MALFORMED", 10**9)
 
 
 async def barrier(watcher: Watcher, number: int) -> None:

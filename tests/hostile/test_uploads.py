@@ -35,24 +35,27 @@ def far_apart() -> bytes:
     return b"".join(LINE.replace(b"0.1 0.2 0.3", b"%d 0 0" % (900_000 * (-1) ** n)) for n in range(6))
 
 
-SENT: dict[str, tuple[bytes, str]] = {
-    "a bomb of zeros": (bomb(b"\0", 300), "log.line_too_long"),
-    "a bomb of zeros alone": (bomb(b"\0", 300, b""), "log.binary"),
-    "a bomb of empty lines": (bomb(b"\n", 20), "log.too_many_lines"),
-    "a bomb in a bomb": (gzip.compress(bomb(b"\0", 300)), "log.unknown_format"),
-    "a line of 20 MB": (LINE + b"FLASER 1 " + b"1 " * 10_000_000, "log.line_too_long"),
-    "a gzip file cut in its header": (gzip.compress(LINE)[:9], "log.truncated"),
-    "a text file cut in its first line": (LINE[:30], "log.truncated_line"),
-    "garbage": (bytes(range(256)) * 100, "log.binary"),
-    "another program's archive": (b"PK\x03\x04" + bytes(100), "log.archive"),
-    "no scans": (b"ODOM 0.1 0.2 0.3 0 0 0 12.4 host 12.4\n", "log.no_scans"),
-    "a pose of nan": (LINE + LINE.replace(b"0.1", b"nan", 1), "log.pose"),
-    "a pose of 1e308": (LINE + LINE.replace(b"0.1", b"1e308", 1), "log.pose"),
-    "a reading of 1e999": (LINE.replace(b"3.0", b"1e999"), "log.not_a_number"),
-    "more beams than there are": (LINE.replace(b"FLASER 4", b"FLASER 180"), "log.beam_count"),
-    "minus four beams": (LINE.replace(b"FLASER 4", b"FLASER -4"), "log.beam_count"),
-    "a billion beams": (LINE.replace(b"FLASER 4", b"FLASER 1000000000"), "log.beam_count"),
-}
+def bad_logs() -> dict[str, tuple[bytes, str]]:
+    """Logs by what is the matter with them, and the code of the error of each; packing the bombs takes seconds."""
+    zeros = bomb(b"\0", 300)
+    return {
+        "a bomb of zeros": (zeros, "log.line_too_long"),
+        "a bomb of zeros alone": (bomb(b"\0", 300, b""), "log.binary"),
+        "a bomb of empty lines": (bomb(b"\n", 20), "log.too_many_lines"),
+        "a bomb in a bomb": (gzip.compress(zeros), "log.unknown_format"),
+        "a line of 20 MB": (LINE + b"FLASER 1 " + b"1 " * 10_000_000, "log.line_too_long"),
+        "a gzip file cut in its header": (gzip.compress(LINE)[:9], "log.truncated"),
+        "a text file cut in its first line": (LINE[:30], "log.truncated_line"),
+        "garbage": (bytes(range(256)) * 100, "log.binary"),
+        "another program's archive": (b"PK\x03\x04" + bytes(100), "log.archive"),
+        "no scans": (b"ODOM 0.1 0.2 0.3 0 0 0 12.4 host 12.4\n", "log.no_scans"),
+        "a pose of nan": (LINE + LINE.replace(b"0.1", b"nan", 1), "log.pose"),
+        "a pose of 1e308": (LINE + LINE.replace(b"0.1", b"1e308", 1), "log.pose"),
+        "a reading of 1e999": (LINE.replace(b"3.0", b"1e999"), "log.not_a_number"),
+        "more beams than there are": (LINE.replace(b"FLASER 4", b"FLASER 180"), "log.beam_count"),
+        "minus four beams": (LINE.replace(b"FLASER 4", b"FLASER -4"), "log.beam_count"),
+        "a billion beams": (LINE.replace(b"FLASER 4", b"FLASER 1000000000"), "log.beam_count"),
+    }
 
 
 def sent(service: Service, data: bytes, name: str = "a.log") -> dict[str, Any]:
@@ -75,7 +78,7 @@ def left(service: Service) -> list[str]:
 
 async def test_each_bad_log_fails_alone_with_its_own_error(service: Service, undisturbed: Undisturbed) -> None:
     async with undisturbed(service):
-        for case, (data, code) in SENT.items():
+        for case, (data, code) in bad_logs().items():
             log = await asyncio.to_thread(sent, service, data)
             assert (log["state"], (log["error"] or {}).get("code")) == ("failed", code), case
             assert log["error"]["message"].endswith(".")

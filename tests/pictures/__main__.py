@@ -1,4 +1,4 @@
-"""Take the README's pictures from the running program: ``python -m tests.pictures``.
+"""Take the README's screenshots of the running program: ``python -m tests.pictures``.
 
 The picture of a real log is only taken where GRIDBLOOM_TEST_DATA names the folder of real logs.
 """

@@ -1,4 +1,4 @@
-"""What happens at the border of the grid: rays are clipped and never wrap, growth moves nothing."""
+"""The border of the grid: rays are clipped and never wrap, growth moves no cell."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def log_of(ranges: list[float], bearing: float, pose: tuple[float, float, float]
     ranges=st.lists(st.floats(4.5, 30) | st.just(np.inf), min_size=1, max_size=6),
     window=st.sampled_from([0.0, 0.5]),
 )
-def test_a_ray_that_leaves_keeps_the_opposite_edge_bit_identical(
+def test_a_ray_that_leaves_the_grid_does_not_change_the_opposite_edge(
     model, update, quarter, place, tilt, ranges, window
 ) -> None:
     config = MappingConfig(model=model, update=update, no_return="free", window=window, opening=0.3)
@@ -50,7 +50,7 @@ def test_a_ray_that_leaves_keeps_the_opposite_edge_bit_identical(
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
 @given(yaw=st.sampled_from([0.0, 0.4, -2.0]), seed=st.integers(0, 2**32 - 1))
 @settings(max_examples=10)
-def test_growth_leaves_every_old_cell_where_it_was(model: str, update: str, yaw: float, seed: int) -> None:
+def test_growth_does_not_move_cells(model: str, update: str, yaw: float, seed: int) -> None:
     config = MappingConfig(model=model, update=update, log_odds_prior=0.25, opening=0.3)
     # Numbers that no cell's border coincides with: an origin computed anew by growth differs in its last bits.
     random = np.random.default_rng(seed)

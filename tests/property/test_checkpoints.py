@@ -1,7 +1,8 @@
-"""Going back and far ahead by way of checkpoints gives the map made in one go, to the last bit."""
+"""Seeks by checkpoints give the same map as mapping from the start, to the last bit."""
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from threading import Thread
 
@@ -136,7 +137,7 @@ def test_seeks_go_back_to_a_prior_map(log: ScanLog, config: MappingConfig) -> No
     assert kept_by(replay).moments
 
 
-def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_seek_maps_at_most_the_scans_between_two_checkpoints(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     replay = Replay(log, WAYS[0])
     replay.advance_to(N)
     moments = kept_by(replay).moments
@@ -158,7 +159,7 @@ def test_a_seek_maps_no_more_than_lies_between_two_checkpoints(log: ScanLog, mon
     assert not mapped
 
 
-def test_the_prefetcher_makes_all_checkpoints_while_the_replay_goes_on(log: ScanLog) -> None:
+def test_the_prefetcher_makes_all_checkpoints_during_a_replay(log: ScanLog) -> None:
     replay = Replay(log, WAYS[0])
     assert replay.prefetcher() is None  # nothing is known of the log yet
     replay.advance_to(3)
@@ -182,12 +183,18 @@ def test_the_prefetcher_makes_all_checkpoints_while_the_replay_goes_on(log: Scan
         assert_same(replay.grid, one_go(log, WAYS[0], moment))
 
 
-def test_what_is_kept_stays_within_its_budget(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_checkpoints_stay_within_their_budget(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checkpoints, "BUDGET_BYTES", 30_000)
     replay = Replay(log, WAYS[0])
-    replay.advance_to(N)
+    tracemalloc.start()
+    try:
+        replay.advance_to(N)
+        held = tracemalloc.take_snapshot().filter_traces([tracemalloc.Filter(True, "*/zstd.py")])
+    finally:
+        tracemalloc.stop()
     kept = kept_by(replay)
     assert 0 < kept.nbytes <= 30_000
+    assert 0 < sum(trace.size for trace in held.traces) <= kept.nbytes
     assert kept.spacing > checkpoints.SPACING
     assert len(kept.moments) > 1
 

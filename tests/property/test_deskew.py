@@ -1,4 +1,4 @@
-"""Times of beams and scans as no sensor states them: the map stays finite, and why agrees with it."""
+"""Unusual times of beams and scans: the map stays finite, and provenance agrees with it."""
 
 from __future__ import annotations
 

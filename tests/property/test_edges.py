@@ -1,4 +1,4 @@
-"""Cells that lie exactly where a beam's evidence changes: on which side of each border they count, in closed form.
+"""Cells exactly at the limits of a beam's evidence: on which side of each limit they count, in closed form.
 
 A centre on a border is a rare chance among random numbers, so each is put there: cells of 1 m, a sensor that stands on
 a cell's centre, and numbers that doubles hold exactly.
@@ -86,7 +86,7 @@ def test_no_return_as_a_hit_at_the_max_range_is_a_hit_there(kind) -> None:
 @pytest.mark.parametrize("kind", FIELDS)
 @pytest.mark.parametrize(("bearing", "included"), [(0.26, True), (-0.26, False)])
 @pytest.mark.parametrize("clockwise", [False, True])
-def test_a_field_holds_its_right_edge_and_not_its_left_one(kind, bearing, included, clockwise) -> None:
+def test_a_field_includes_its_right_edge_and_excludes_its_left_one(kind, bearing, included, clockwise) -> None:
     # The row of the sensor lies on the right edge of a beam at 0.26 rad, half an increment away, and on the left edge
     # of one at −0.26. A sweep the other way round changes nothing in that.
     increment = -0.52 if clockwise else 0.52
@@ -104,7 +104,7 @@ def test_a_field_holds_its_right_edge_and_not_its_left_one(kind, bearing, includ
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])
 @pytest.mark.parametrize("traversal", ["bresenham", "amanatides_woo"])
 @pytest.mark.parametrize("no_return", ["ignore", "free", "hit"])
-def test_what_each_reading_says_that_is_no_range(model: str, update: str, traversal: str, no_return: str) -> None:
+def test_readings_that_are_no_ranges(model: str, update: str, traversal: str, no_return: str) -> None:
     # A max range that float32, as readings are kept, rounds up: as a reading it must still be within the range.
     assert float(np.float32(3.9)) > 3.9
     config = config_of((model, update, traversal), no_return=no_return, range_max=3.9)

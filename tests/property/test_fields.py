@@ -1,4 +1,4 @@
-"""The two ways from a scan to its field: along the border, and by the exact test where rounding may decide."""
+"""The two ways to compute a perceptual field: along its boundary, and by the exact test near it."""
 
 import numpy as np
 import pytest
@@ -101,7 +101,7 @@ def test_a_grid_too_long_for_a_sheet_is_refused_and_stays_as_it_was(rows, cols) 
     assert not grid.observed.any()
 
 
-def test_a_grid_that_a_sheet_just_holds_is_mapped_to_its_far_end() -> None:
+def test_a_grid_as_large_as_the_bitmask_is_mapped_to_its_end() -> None:
     config = MappingConfig(update="per_scan", range_max=5.0)
     log = log_of(2, 60, np.pi / 30, (0.1 * 65_500, 0.05, 0.0))
     ours = OccupancyGrid(GridGeometry(0.1, 2, 65_503, limits=Limits(max_side=1 << 17)))

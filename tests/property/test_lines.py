@@ -1,4 +1,4 @@
-"""The kernel's lines, whose steps are counted in fixed point, against Bresenham's rule in whole numbers."""
+"""The kernel's lines, in fixed point, against Bresenham's rule in integers."""
 
 from __future__ import annotations
 

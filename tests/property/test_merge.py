@@ -1,4 +1,4 @@
-"""Partial maps, merged, against the map made in one go."""
+"""Merged partial maps against the map of all scans."""
 
 import numpy as np
 import pytest
@@ -49,7 +49,7 @@ def test_grids_of_other_extent_are_laid_over_one_another(row: int, col: int, yaw
         assert both.log_odds[r, c] == (single_threaded if (row + 6, col + 7) != (3, 4) else 0.5)
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_maps_that_do_not_fit_are_refused() -> None:
     a = OccupancyGrid(GridGeometry(0.1, 20, 30))
     for geometry, why in (
         (GridGeometry(0.2, 20, 30), "no cells in common"),

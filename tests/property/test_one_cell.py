@@ -1,4 +1,4 @@
-"""What one cell believes after many readings, against closed forms and the Bayes filter in probabilities."""
+"""One cell after many readings, against closed forms and the Bayes filter in probabilities."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Mapping that goes on from a map: nothing of it moves or is lost, and the prior is counted once."""
+"""Mapping that continues from a map: no cell moves or is lost, and the prior is counted once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def half_way(log: ScanLog, config: MappingConfig) -> OccupancyGrid:
     return grid
 
 
-def test_two_halves_one_after_the_other_are_the_whole(office_log: ScanLog) -> None:
+def test_mapping_two_halves_in_turn_equals_mapping_the_whole(office_log: ScanLog) -> None:
     whole = grid_for(office_log, CONFIG)
     integrate_log(whole, office_log, CONFIG)
     second = grid_for(office_log, CONFIG, prior=half_way(office_log, CONFIG))
@@ -44,7 +44,7 @@ def test_the_prior_map_is_counted_once_when_its_continuations_are_merged(office_
     np.testing.assert_array_equal(merged(*parts).log_odds, both.log_odds)
 
 
-def test_a_turned_map_stays_where_it_is_and_grows(office_log: ScanLog) -> None:
+def test_a_rotated_prior_map_keeps_its_pose_and_grows(office_log: ScanLog) -> None:
     geometry = GridGeometry(0.1, 20, 30, (2.0, 1.0, 0.7))
     known = OccupancyGrid(geometry)
     known.log_odds[5, 7], known.observed[5, 7] = 2.5, True
@@ -59,7 +59,7 @@ def test_a_turned_map_stays_where_it_is_and_grows(office_log: ScanLog) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_replay_goes_back_to_the_prior_map_with_every_model(office_log: ScanLog, model: str) -> None:
+def test_a_replay_to_scan_0_restores_the_prior_map(office_log: ScanLog, model: str) -> None:
     config = CONFIG.with_values({"model": model, "clamp": True})
     replay = Replay(office_log, config, prior=half_way(office_log, CONFIG.with_values({"clamp": True})))
     replay.advance_to(20)

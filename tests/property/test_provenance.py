@@ -1,4 +1,4 @@
-"""What is told of a cell adds up to what the map holds, with every kind of update."""
+"""The provenance of a cell adds up to its value, with every kind of update."""
 
 import itertools
 from dataclasses import replace
@@ -60,7 +60,7 @@ def test_the_last_entry_is_the_map_of_every_model(office_log: ScanLog, model: st
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_map_of_several_logs_is_told_log_by_log(office_log: ScanLog, model: str) -> None:
+def test_the_provenance_of_several_logs_is_given_for_each_log(office_log: ScanLog, model: str) -> None:
     config = MappingConfig(model=model, resolution=0.1, range_max=4.0, opening=0.1)
     whole = Replay(office_log, config)
     whole.advance_to(12)

@@ -1,4 +1,4 @@
-"""A replay is the map of the first k scans, however one got there."""
+"""A replay has the map of the first k scans, after any sequence of seeks."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import Limits
-from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import CellBox, geometry_for, integrate_log, integrate_scan
+from mapper.grid import CellBox, OccupancyGrid
+from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -88,7 +88,7 @@ def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeyp
         replay.advance_to(20)
 
 
-def test_scan_by_scan_is_the_whole_log(log: ScanLog) -> None:
+def test_advancing_scan_by_scan_equals_mapping_the_whole_log(log: ScanLog) -> None:
     config = MappingConfig(resolution=0.2, window=0.4)
     whole = one_go(log, config, log.n_scans)
     grid = OccupancyGrid(whole.geometry)
@@ -98,7 +98,7 @@ def test_scan_by_scan_is_the_whole_log(log: ScanLog) -> None:
     assert same(grid, whole)
 
 
-def test_reconfigure_makes_the_map_anew_at_the_same_index(log: ScanLog) -> None:
+def test_reconfigure_recomputes_the_map_at_the_same_index(log: ScanLog) -> None:
     replay = Replay(log, MappingConfig(resolution=0.2))
     replay.advance_to(20)
     wider = MappingConfig(resolution=0.2, window=0.6)
@@ -118,7 +118,7 @@ def test_a_trajectory_by_name(log: ScanLog) -> None:
         Replay(log, MappingConfig(), "odom")
 
 
-def test_what_cannot_be_leaves_the_replay_as_it_was(log: ScanLog) -> None:
+def test_an_invalid_request_does_not_change_the_replay(log: ScanLog) -> None:
     replay = Replay(log, MappingConfig(resolution=0.2), limits=Limits(max_cells=1 << 18))
     replay.advance_to(7)
     before = replay.grid.log_odds.copy()

@@ -1,4 +1,4 @@
-"""What errors of trajectories do not depend on: frames, the order of a file, which of two is called the reference."""
+"""Invariances of trajectory errors: frames, order of the file, exchange of the two trajectories."""
 
 from __future__ import annotations
 

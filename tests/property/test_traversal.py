@@ -1,4 +1,4 @@
-"""The cells of a line: Bresenham's own example and rule, and exactly the cells that a segment crosses."""
+"""The cells of a line: Bresenham's example and rule, and exactly the cells that a segment crosses."""
 
 import numpy as np
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Cells are noted as observed without a write for each update: that must hold for every prior and every evidence."""
+"""The marking of observed cells without a separate write holds for every prior and every evidence."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,9 @@ from mapper.sensors.scan import ScanLog, Trajectory
 @pytest.mark.parametrize("prior", [0.0, -0.0, 0.25])
 @pytest.mark.parametrize(("miss", "hit"), [(-0.4, 0.85), (-0.0, 0.0), (-0.0, -0.0), (-0.5, 0.5)])
 @pytest.mark.parametrize("clamp", [True, False])
-def test_observed_is_what_beams_touched(traversal: str, prior: float, miss: float, hit: float, clamp: bool) -> None:
+def test_observed_cells_and_signed_zeros_equal_the_textbook(
+    traversal: str, prior: float, miss: float, hit: float, clamp: bool
+) -> None:
     config = MappingConfig(
         traversal=traversal, log_odds_prior=prior, log_odds_miss=miss, log_odds_hit=hit, clamp=clamp, log_odds_max=0.0
     )

@@ -1,4 +1,4 @@
-"""Sessions begun at a registry, without a request. Typed loosely: tests look into the model of a kind."""
+"""Sessions begun at a registry, without a request. Loosely typed: tests read the model of a kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A running service for the tests that talk to one."""
+"""A running service for the tests that send requests to one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A line that drops each connection after so many bytes."""
+"""A proxy that cuts each connection after a number of bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which TCP ports a process and its children listen on, as the kernel says (Linux)."""
+"""The TCP ports on which a process and its children listen (Linux)."""
 
 from __future__ import annotations
 

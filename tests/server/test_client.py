@@ -1,4 +1,4 @@
-"""The client for programs against a running service: what it returns is what the mapper makes of the same file."""
+"""The client for programs against a running service: its results equal the mapper's for the same file."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_the_map_is_the_mappers_own_cell_by_cell(client: Client, path: Path) -> 
     assert client.sessions() == [], "the session for it has ended"
 
 
-def test_a_session_goes_to_a_scan_and_its_link_shows_that(client: Client, service: Service, path: Path) -> None:
+def test_a_session_seeks_to_a_scan_and_its_link_shows_it(client: Client, service: Service, path: Path) -> None:
     session = client.open(sent(client, path))
     assert (session.kind, session.playing, session.index, session.count) == ("log", False, 0, 40)
     session = client.seek(session, 10)
@@ -139,7 +139,7 @@ def test_a_service_that_is_not_there(path: Path) -> None:
             client.logs()
 
 
-def test_a_token_is_asked_for_and_given_either_way(path: Path, tmp_path: Path) -> None:
+def test_a_token_is_required_and_accepted_as_argument_or_in_the_url(path: Path, tmp_path: Path) -> None:
     with running(settings_for(tmp_path, token=TOKEN)) as service:
         base = f"http://127.0.0.1:{service.port}"
         with Client(base) as client, pytest.raises(ClientError, match="access token"):

@@ -1,4 +1,4 @@
-"""The first session of a service imports numba; the event loop goes on meanwhile."""
+"""The first session of a service imports numba, without blocking the event loop."""
 
 from __future__ import annotations
 

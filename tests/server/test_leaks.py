@@ -1,4 +1,4 @@
-"""Sessions that end leave nothing behind: no task, no thread, no file descriptor."""
+"""Ended sessions leave no task, thread or file descriptor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Log lines hold no secret: neither the service's token, nor the id of a session, nor the token of a link."""
+"""Log lines contain no secret: no service token, session id or link token."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def visit(
 
 
 @pytest.mark.parametrize("form", ["console", "json"])
-def test_no_line_holds_a_secret(
+def test_no_log_line_contains_a_secret(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, form: str
 ) -> None:
     failed = []

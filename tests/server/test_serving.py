@@ -1,4 +1,4 @@
-"""Starting: settings from the environment, the printed address, a port that is taken, an import without effects."""
+"""Start-up: settings from the environment, the printed address, a port in use, deferred imports."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def environment(folder: Path, **settings: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("wish", [signal.SIGTERM, signal.SIGINT])
-def test_it_prints_where_it_runs_and_ends_when_asked(tmp_path: Path, wish: signal.Signals) -> None:
+def test_it_prints_its_address_and_ends_on_a_signal(tmp_path: Path, wish: signal.Signals) -> None:
     process = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", RUN],
         env=environment(tmp_path, port="0", token="a-long-enough-token", log_format="json"),
@@ -60,7 +60,7 @@ def test_it_prints_where_it_runs_and_ends_when_asked(tmp_path: Path, wish: signa
 
 
 @pytest.mark.parametrize("no_token", [False, True])
-def test_behind_a_reverse_proxy_it_prints_its_token_or_says_that_there_is_none(tmp_path: Path, no_token: bool) -> None:
+def test_behind_a_reverse_proxy_it_prints_its_token_or_a_warning(tmp_path: Path, no_token: bool) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", "from server.cli import main; main()", "serve", *["--no-token"] * no_token],
         env=environment(tmp_path, port="0", allowed_hosts="maps.example.org"),
@@ -79,7 +79,7 @@ def test_behind_a_reverse_proxy_it_prints_its_token_or_says_that_there_is_none(t
     assert ("no token is required" in errors) is no_token
 
 
-def test_a_port_that_is_taken_is_one_sentence(tmp_path: Path) -> None:
+def test_a_port_in_use_gives_one_sentence(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -134,7 +134,7 @@ def test_the_address_can_be_opened(host: str, token: str | None, expected: str) 
     assert address_of(host, 80, token) == expected
 
 
-def test_port_0_takes_a_free_one() -> None:
+def test_port_0_selects_a_free_port() -> None:
     with listen("127.0.0.1", 0) as one, listen("127.0.0.1", 0) as other:
         assert one.getsockname()[1] != other.getsockname()[1]
 
@@ -165,7 +165,7 @@ def test_a_setting_that_makes_no_sense_is_refused(monkeypatch: pytest.MonkeyPatc
         Settings()
 
 
-def test_every_setting_says_what_it_is() -> None:
+def test_every_setting_has_a_description() -> None:
     for name, field in Settings.model_fields.items():
         assert field.description, name
         assert field.description.endswith((".", ")")) or "or" in field.description, name
@@ -211,16 +211,32 @@ def started(program: str, folder: Path, **more: str) -> tuple[subprocess.Popen[s
     return process, found[0]
 
 
-def test_it_is_ready_without_having_compiled_a_kernel(tmp_path: Path) -> None:
+#: Imported with the first session, download, log or export, or never: the service answers sooner without them.
+NOT_AT_THE_START = (
+    "PIL", "alembic", "dask", "mapper.io.logs.opening", "mapper.mapping.integrate", "mapper.replay",
+    "mapper.simulation", "mcap", "numba", "pydantic.v1", "rich", "scipy", "server.scenes.proxy", "server.sessions.host",
+    "server.sessions.models.log", "server.sessions.models.simulation", "server.stream.hub", "viser", "yaml",
+)  # fmt: skip
+
+
+def test_it_is_ready_without_kernels_and_without_the_modules_that_few_requests_need(tmp_path: Path) -> None:
     cache = tmp_path / "kernels"
-    process, address = started(RUN, tmp_path / "data", NUMBA_CACHE_DIR=str(cache))
+    program = f"""
+import atexit, sys
+atexit.register(lambda: print([name for name in {NOT_AT_THE_START} if name in sys.modules]))
+sys.argv = ["gridbloom", "serve"]
+from server.cli import main
+main()
+"""
+    process, address = started(program, tmp_path / "data", NUMBA_CACHE_DIR=str(cache))
     try:
         assert httpx.get(f"{address}readyz", timeout=PATIENCE_S).json() == {"status": "ready"}
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=PATIENCE_S)
+        out, _ = process.communicate(timeout=PATIENCE_S)
     finally:
         process.kill()
     assert process.returncode == 0
+    assert out == "[]\n"
     assert [path for path in cache.rglob("*") if path.suffix in (".nbi", ".nbc")] == []
 
 
@@ -228,13 +244,13 @@ def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: P
     """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
     program = f"""
 import time
-import server.sessions.models.simulation_kind
+import server.sessions.models.story
 
 def never_ends(*_, **__):
     print("computing", flush=True)
     time.sleep(10_000)
 
-server.sessions.models.simulation_kind.replayed = never_ends
+server.sessions.models.story.replayed = never_ends
 {RUN}
 """
     process, address = started(program, tmp_path)

@@ -1,4 +1,4 @@
-"""``gridbloom upload`` against a running service, over a line that is cut again and again."""
+"""``gridbloom upload`` against a running service, over a connection that is cut repeatedly."""
 
 from __future__ import annotations
 
@@ -83,7 +83,9 @@ def test_a_folder_with_a_log_in_several_files_is_one_log_there(service: Service,
 
 
 @pytest.mark.parametrize("tenth", range(1, 11))
-def test_it_goes_on_after_each_cut(service: Service, line: FrayedLine, log: Path, tmp_path: Path, tenth: int) -> None:
+def test_it_resumes_after_a_broken_connection(
+    service: Service, line: FrayedLine, log: Path, tmp_path: Path, tenth: int
+) -> None:
     line.most = len(DATA) * tenth // 10 + 2000
     record, _ = upload(log, line.url, tmp_path / "visitors.json", pause_s=0.01)
     assert record["scans"] == 10_000
@@ -102,7 +104,7 @@ def test_a_cut_after_the_last_byte_is_no_failure(
     assert service.http.get(f"/api/sessions/{session}").json()["title"] == "the run.log"
 
 
-def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: Path, tmp_path: Path) -> None:
+def test_the_command_resumes_an_earlier_upload(service: Service, line: FrayedLine, log: Path, tmp_path: Path) -> None:
     line.most = 300_000
     visitors = tmp_path / "visitors.json"
     sent: list[float] = []
@@ -122,7 +124,7 @@ def test_the_command_run_again_goes_on(service: Service, line: FrayedLine, log: 
     assert stored(service, record["id"]) == DATA
 
 
-def test_what_is_no_log_is_refused_with_the_services_sentence(service: Service, tmp_path: Path) -> None:
+def test_a_file_that_is_no_log_is_refused_with_the_services_message(service: Service, tmp_path: Path) -> None:
     path = tmp_path / "holiday.jpg"
     path.write_bytes(b"\xff\xd8\xff" + bytes(1000))
     with pytest.raises(ClientError, match="JPEG"):

@@ -1,4 +1,4 @@
-"""What a session shows at one instant, read from its model, for tests."""
+"""What a session shows at one moment, read from its model, for tests."""
 
 from __future__ import annotations
 

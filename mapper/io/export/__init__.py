@@ -1,7 +1,17 @@
 """Export besides map files: a log and its map for other viewers, and the robot's trajectory."""
 
-from mapper.io.export.growing_map import GrowingMap
-from mapper.io.export.recording import write_mcap
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import attributes_from
 from mapper.io.export.trajectory import tum_lines, tum_text
 
+if TYPE_CHECKING:
+    from mapper.io.export.growing_map import GrowingMap
+    from mapper.io.export.recording import write_mcap
+
 __all__ = ["GrowingMap", "tum_lines", "tum_text", "write_mcap"]
+
+# The library of MCAP, and the kernels of mapping, are imported with the first export.
+__getattr__ = attributes_from(
+    __name__, {"GrowingMap": "mapper.io.export.growing_map", "write_mcap": "mapper.io.export.recording"}
+)

@@ -10,18 +10,15 @@ Trajectory names, in the order in which a log offers them (the first is its defa
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from mapper.core.lazy_imports import attributes_from
+
 if TYPE_CHECKING:
-    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log
+    from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log, open_robot_log
 
-__all__ = ["is_log", "log_files", "odometry_records", "open_log"]
+__all__ = ["is_log", "log_files", "odometry_records", "open_log", "open_robot_log"]
 
-
-def __getattr__(name: str) -> object:
-    # The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the
-    # service does, has no need of them.
-    if name in __all__:
-        return getattr(import_module("mapper.io.logs.opening"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+# The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the service
+# does, has no need of them.
+__getattr__ = attributes_from(__name__, dict.fromkeys(__all__, "mapper.io.logs.opening"))

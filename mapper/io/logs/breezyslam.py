@@ -22,7 +22,8 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import wrap_angle
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.lines import TextLines, take_lines
+from mapper.io.logs.lines import TextLines
+from mapper.io.logs.one_sensor import take_one_sensor
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -97,14 +98,9 @@ def read_breezyslam(
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
-    if topic is not None:
-        raise ReadError("log.topic", f"A BreezySLAM log has one sensor, and no topic {topic!r:.80}.")
     reader = _Reader(limits)
-    notes: list[str] = []
-    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.stack.n_scans, notes)
+    notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A BreezySLAM log")
     stack = reader.stack
-    if not stack.n_scans:
-        raise ReadError("log.no_scans", "The log holds no scans.")
     ranges, _ = stack.clean_ranges(RANGE_MAX)
     ranges[ranges < RANGE_MIN] = np.nan
     poses = wheel_poses(stack.robot_poses[:, :2])

@@ -22,8 +22,8 @@ import math
 import re
 from array import array
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +33,14 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
+from mapper.io.logs.carmen_beams import Beams, front_laser_beams, robot_laser_beams
 from mapper.io.logs.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.io.logs.lines import TextLines, take_lines
 from mapper.io.logs.packing import ScanStack, note_on_largest_reading
+from mapper.io.logs.selection import Selection
 from mapper.io.logs.unpacking import Progress
-from mapper.sensors.scan import ScanLog, Topic, Trajectory, is_angle_step
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
@@ -47,24 +50,6 @@ WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "RAW
 _MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
 _SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
 _NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
-
-
-@dataclass(frozen=True, slots=True)
-class _Beams:
-    """What the scan lines of one sensor say of all its beams."""
-
-    angle_min: float
-    angle_increment: float
-    range_max: float | None = None
-
-
-def front_laser_beams(n_beams: int) -> tuple[float, float]:
-    """Return (angle_min, angle_increment) in radians of a FLASER or RLASER line with ``n_beams``."""
-    if n_beams in (180, 181):
-        step = math.pi / 180.0
-    else:
-        step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
-    return -math.pi / 2.0, step
 
 
 class _Messages:
@@ -96,7 +81,7 @@ class CarmenReader:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.sensors: dict[str, ScanStack] = {}
-        self.beams: dict[str, _Beams] = {}
+        self.beams: dict[str, Beams] = {}
         self.odometry = _Messages()
         self.truth = _Messages()
         self.parameters: dict[str, tuple[float, int]] = {}
@@ -162,7 +147,7 @@ class CarmenReader:
         stamp = fields.stamp(rest[6], line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
         if word not in self.beams:
-            self.beams[word] = _Beams(*front_laser_beams(len(readings)))
+            self.beams[word] = Beams(*front_laser_beams(len(readings)))
 
     def _take_laser(self, tokens: list[str], line: int) -> None:
         word = tokens[0]
@@ -187,7 +172,7 @@ class CarmenReader:
         laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
         robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
         stamp = fields.stamp(rest[11], line, word)
-        beams = _robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
+        beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
         if self.beams.setdefault(word, beams) != beams:
             raise ReadError(
@@ -243,6 +228,7 @@ class CarmenReader:
         mount = self._mount(sensor, notes)
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
+        trajectories = self._trajectories(sensor, mount)
         return ScanLog(
             ranges=ranges,
             angle_min=self.beams[word].angle_min,
@@ -250,22 +236,22 @@ class CarmenReader:
             range_min=0.0,
             range_max=NO_RETURN if range_max is None else range_max,
             stamps_ns=sensor.stamps_ns,
-            trajectories=self._trajectories(sensor, mount),
+            trajectories=trajectories,
             mount=mount,
             name=name,
             format=f"CARMEN {word}",
+            topic=word,
             topics=self._topics(word, mount),
             notes=tuple(notes),
+            odometry=self._odometry(sensor, trajectories),
             limits=self.limits,
         )
 
-    def odometry_records(self, topic: str | None = None) -> OdometryRecords | None:
-        """Return the ODOM messages around the scans that :meth:`log` returns; None where there is none.
+    def _odometry(self, sensor: ScanStack, trajectories: Mapping[str, Trajectory]) -> OdometryRecords | None:
+        """Return the ODOM messages around the scans of a sensor, in the order of the log; None where there is none.
 
-        They are without those that only restart the odometry (:func:`mapper.io.logs.interpolation.restarts`). Raises
-        :class:`ReadError` as :meth:`log` does.
+        They are without those that only restart the odometry (:func:`mapper.io.logs.interpolation.restarts`).
         """
-        sensor = self.sensors[self._chosen(topic)]
         if not len(self.odometry):
             return None
         poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
@@ -274,7 +260,10 @@ class CarmenReader:
             poses = without_restarts(poses, restart)
         kept_before = np.concatenate([[0], np.cumsum(~restart)])
         messages = TimedPoses(np.round(stamps[~restart] * 1e9).astype(np.int64), poses[~restart])
-        return OdometryRecords(messages, kept_before[before] - 1)
+        # What the scan lines themselves state, where that is odometry: it needs no stamps, which may run backwards.
+        stated = (trajectories[name] for name in ("odom", "scan", "wheel") if name in trajectories)
+        at_scans = next((one.poses for one in stated if one.frame_id == "odom"), None)
+        return OdometryRecords(messages, kept_before[before] - 1, at_scans)
 
     def _chosen(self, topic: str | None) -> str:
         """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
@@ -377,28 +366,6 @@ def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
 
 
-def _robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> _Beams:
-    """Check what a ROBOTLASER line states of its n beams: start angle, field of view, resolution, maximum range.
-
-    The stated resolution has six digits, too few for a thousand beams; where it is the field of view in n or n − 1
-    steps, that quotient is taken.
-    """
-    start, fov, resolution, range_max = stated
-    if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0 and is_angle_step(resolution, n)):
-        raise ReadError(
-            "log.beam_angles",
-            f"Line {line}: this {word} line states impossible angles: start {start}, field of view {fov}, "
-            f"resolution {resolution} rad.",
-        )
-    if not 0.0 < range_max <= 1e4:
-        raise ReadError("log.range_max", f"Line {line}: this {word} line states a maximum range of {range_max} m.")
-    for steps in (n, n - 1):
-        if steps > 0 and abs(fov / steps - resolution) < 1e-6:
-            resolution = fov / steps
-            break
-    return _Beams(start, resolution, range_max)
-
-
 def read_carmen(
     path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
 ) -> ScanLog:
@@ -410,15 +377,18 @@ def read_carmen(
     return reader.log(path.name, notes, topic)
 
 
-def read_odometry_records(
-    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
-) -> OdometryRecords | None:
-    """Return the ODOM messages of the log at ``path`` in its order, around the scans that :func:`read_carmen` returns.
+def read_carmen_sensors(path: Source, limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
+    """Return the sensors of the CARMEN log at ``path`` that are selected, the preferred one first.
 
-    None for a log without ODOM messages. Raises as that does.
+    Raises as :func:`read_carmen`.
     """
-    reader, _ = _read(path, limits, progress)
-    return reader.odometry_records(topic)
+    reader, notes = _read(path, limits, progress)
+    words: Sequence[str | None] = selection.topics or [None]
+    if selection.topics is None:
+        words = [None, *[word for word in PREFERENCE if word in reader.sensors][1:]]
+    logs = [reader.log(path.name, list(notes), word) for word in dict.fromkeys(words)]
+    odometry = logs[0].odometry
+    return RobotLog({log.topic: log for log in logs}, {} if odometry is None else {"wheel": odometry.messages})
 
 
 def _read(path: Source, limits: Limits, progress: Progress | None) -> tuple[CarmenReader, list[str]]:

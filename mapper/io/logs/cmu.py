@@ -21,9 +21,11 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.carmen import NO_RETURN, front_laser_beams
+from mapper.io.logs.carmen import NO_RETURN
+from mapper.io.logs.carmen_beams import front_laser_beams
 from mapper.io.logs.interpolation import poses_at_scans
-from mapper.io.logs.lines import TextLines, take_lines
+from mapper.io.logs.lines import TextLines
+from mapper.io.logs.one_sensor import take_one_sensor
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
@@ -102,14 +104,9 @@ def read_cmu(
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
-    if topic is not None:
-        raise ReadError("log.topic", f"A CMU log has one sensor, and no topic {topic!r:.80}.")
     reader = _Reader(limits)
-    notes: list[str] = []
-    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.stack.n_scans, notes)
+    notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CMU log", "it has no L line")
     stack = reader.stack
-    if not stack.n_scans:
-        raise ReadError("log.no_scans", "The log holds no scans: it has no L line.")
     ranges, notes_on_ranges = stack.clean_ranges(NO_RETURN)
     mount, notes_on_mount = _mount(stack)
     trajectories = {"scan": Trajectory(stack.robot_poses, "the robot's pose in each L line", "odom")}

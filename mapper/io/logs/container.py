@@ -11,8 +11,9 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
 from mapper.io.logs.recording import Recording
+from mapper.io.logs.selection import Selection
 from mapper.io.logs.unpacking import Progress
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.robot_log import RobotLog
 
 MAX_NOTES = 20
 
@@ -24,25 +25,25 @@ class Container:
     form: str
     take: Callable[[Source, Recording, Limits, Progress | None], None]
 
-    def read(self, file: Source, limits: Limits, progress: Progress | None, topic: str | None) -> ScanLog:
-        """Return the recording in ``file`` as the log of one of its range sensors; see :class:`Recording`.
+    def read(self, file: Source, limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
+        """Return the recording in ``file`` as the log of the sensors that are selected; see :class:`Recording`.
 
         Of a file that is cut or damaged, what could be read, and notes that say what is missing. Raises
         :class:`ReadError` where there is no scan, and :class:`LimitError`.
         """
-        recording = Recording(limits)
+        recording = Recording(limits, selection)
         self.take(file, recording, limits, progress)
-        return recording.log(file.name, self.form, topic)
+        return recording.robot_log(file.name, self.form)
 
     def read_split(
-        self, files: Sequence[Source], name: str, limits: Limits, progress: Progress | None, topic: str | None
-    ) -> ScanLog:
+        self, files: Sequence[Source], name: str, limits: Limits, progress: Progress | None, selection: Selection
+    ) -> RobotLog:
         """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
 
         Files of which nothing can be read are left out, and noted. Raises as :meth:`read`.
         """
-        recording = Recording(limits)
-        files = sorted(files, key=lambda file: _numbered(file.name))
+        recording = Recording(limits, selection)
+        files = in_order(files)
         recording.notes.append(f"{len(files)} files are read as one recording.{_missing(files)}")
         for done, file in enumerate(files):
             before = len(recording.notes)
@@ -57,7 +58,12 @@ class Container:
             recording.next_file()
             if progress is not None:
                 progress((done + 1) / len(files))
-        return recording.log(name, f"{self.form}, {len(files)} files", topic)
+        return recording.robot_log(name, f"{self.form}, {len(files)} files")
+
+
+def in_order(files: Sequence[Source]) -> list[Source]:
+    """Return the files of a split recording in the order of the numbers in their names."""
+    return sorted(files, key=lambda file: _numbered(file.name))
 
 
 def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:

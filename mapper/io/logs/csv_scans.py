@@ -29,7 +29,8 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.lines import TextLines, take_lines
+from mapper.io.logs.lines import TextLines
+from mapper.io.logs.one_sensor import take_one_sensor
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.scan import ScanLog, Trajectory, is_angle_step
@@ -119,14 +120,10 @@ def read_csv_scans(
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
-    if topic is not None:
-        raise ReadError("log.topic", f"A CSV log has one sensor, and no topic {topic!r:.80}.")
     reader = _Reader(limits)
-    notes: list[str] = []
-    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.stack.n_scans, notes)
+    missing = "no line follows 'stamp,x,y,theta,ranges'"
+    notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)
     stack, v = reader.stack, reader.values
-    if not stack.n_scans:
-        raise ReadError("log.no_scans", "The log holds no scans: no line follows 'stamp,x,y,theta,ranges'.")
     ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
     return ScanLog(
         ranges=ranges,

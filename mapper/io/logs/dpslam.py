@@ -10,8 +10,9 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
 from mapper.io.logs.archive import Source
-from mapper.io.logs.carmen import front_laser_beams
-from mapper.io.logs.lines import TextLines, take_lines
+from mapper.io.logs.carmen_beams import front_laser_beams
+from mapper.io.logs.lines import TextLines
+from mapper.io.logs.one_sensor import take_one_sensor
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -60,14 +61,10 @@ def read_dpslam(
 
     Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
     """
-    if topic is not None:
-        raise ReadError("log.topic", f"A DP-SLAM log has one sensor, and no topic {topic!r:.80}.")
     reader = _DpslamReader(limits)
-    notes = ["The log has no times."]
-    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.stack.n_scans, notes)
+    lines = TextLines(path, limits, progress)
+    notes = take_one_sensor(reader, lines, topic, "A DP-SLAM log", "it has no Laser line")
     stack = reader.stack
-    if not stack.n_scans:
-        raise ReadError("log.no_scans", "The log holds no scans: it has no Laser line.")
     ranges, notes_on_ranges = stack.clean_ranges(RANGE_MAX)
     angle_min, angle_increment = front_laser_beams(stack.n_beams)
     return ScanLog(
@@ -80,6 +77,6 @@ def read_dpslam(
         trajectories={"scan": Trajectory(stack.robot_poses, "the Odometry line before each scan", "odom")},
         name=path.name,
         format="DP-SLAM",
-        notes=(*notes, *notes_on_ranges),
+        notes=("The log has no times.", *notes, *notes_on_ranges),
         limits=limits,
     )

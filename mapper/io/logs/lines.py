@@ -18,8 +18,8 @@ class TextLines:
     While the last line is handed out ``unfinished`` says that it has no line end: whoever parses it may find it cut.
     The piece of a line that broken packed data ends in is never handed out.
 
-    Raises :class:`LimitError` for more lines than ``limits`` allow, or for more bytes, after decompression, in the file
-    or in one line, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
+    Raises :class:`LimitError` for more lines than ``limits`` allow, for more bytes in one line, or for packed data that
+    expands to more, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
     nothing can be read.
     """
 
@@ -31,11 +31,10 @@ class TextLines:
         self.number = 0  #: of the line handed out last
         self._unpacked: Unpacked | None = None
         self._pieces: Iterator[bytes] = iter(())
-        self._total = 0
 
     def __iter__(self) -> Iterator[tuple[int, bytes]]:
         with opened(self.path) as file:
-            self._unpacked = Unpacked(file, lambda: f"after line {self.number}", self.progress)
+            self._unpacked = Unpacked(file, lambda: f"after line {self.number}", self.limits, self.progress)
             self._pieces = iter(self._unpacked)
             rest = yield from self._whole_lines()
             if rest and not self._unpacked.broken:
@@ -55,24 +54,18 @@ class TextLines:
 
         To be asked while the lines are read; then no more of them come.
         """
-        for piece in self._pieces:
-            self._total += len(piece)
-            if self._total > self.limits.max_log_bytes:
-                return False
+        try:
+            for _ in self._pieces:
+                pass
+        except LimitError:
+            return False
         return self._unpacked is not None and self._unpacked.broken == "is damaged"
 
     def _whole_lines(self) -> Generator[tuple[int, bytes], None, bytes]:
         """Yield the lines that end; return what follows the last of them."""
-        rest = b""
+        rest: bytes | None = None
         for piece in self._pieces:
-            begun = rest + piece if self._total else piece.removeprefix(BOM)
-            self._total += len(piece)
-            if self._total > self.limits.max_log_bytes:
-                raise LimitError(
-                    "log.too_many_bytes",
-                    f"The log is larger than the limit of {self.limits.max_log_bytes} bytes, counted after "
-                    f"decompression; {self.number} lines were read.",
-                )
+            begun = piece.removeprefix(BOM) if rest is None else rest + piece
             lines = begun.split(b"\n")
             rest = lines.pop()
             if self.number + len(lines) > self.limits.max_lines:
@@ -90,7 +83,7 @@ class TextLines:
                 if self.is_damaged():
                     return b""
                 raise self._line_too_long(self.number + 1)
-        return rest
+        return rest or b""
 
     def _line_too_long(self, number: int) -> LimitError:
         return LimitError(

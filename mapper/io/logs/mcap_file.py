@@ -4,6 +4,10 @@ Source: mcap.dev/spec. After the magic bytes come records ``<opcode u8> <length 
 
 Records are read from front to back, each no larger than what is there, and expanded as streams with a cap; the mcap
 library, whose own readers trust every length and expand a chunk in one call, decodes what is in a record.
+
+Of a plain file no more is read than the map needs: large messages that nothing is made of are jumped over, in plain
+chunks too, and so are compressed chunks that hold none but such messages, as the indexes behind them say. A checksum is
+checked where all of its bytes were read.
 """
 
 from __future__ import annotations
@@ -13,18 +17,19 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from io import BytesIO
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, DataEnd, Schema
+from mcap.records import Channel, DataEnd, Schema
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.bytestream import ByteStream, byte_stream
+from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
 from mapper.io.logs.recording import Recording
@@ -36,9 +41,15 @@ SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
 
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")  #: channel, sequence, log time, publish time
+_CHUNK = struct.Struct("<QQQI")  #: start time, end time, uncompressed size, CRC; then a string and the data's length
+_INDEX = struct.Struct("<BQHI")  #: opcode and length of a message index, channel, bytes of what follows
+_INDEX_ENTRY_BYTES = 16
+_U32, _U64 = struct.Struct("<I"), struct.Struct("<Q")
 _END = struct.Struct("<BQQQI8s")  #: the footer record (summary start, summary offset start, CRC) and the magic bytes
 _AFTER_CRC = 12  #: bytes of the file's end from the summary's checksum on
 MAX_SUMMARY_BYTES = 1 << 24
+MAX_COMPRESSION_NAME = 100  #: bytes
+READ_WHOLE = 1 << 18  #: bytes of a plain chunk up to which it is read in one piece, for its checksum
 _BAD_RECORD = (struct.error, ValueError, McapError, MemoryError, OverflowError)
 
 
@@ -66,14 +77,27 @@ def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
         at = end
 
 
+@dataclass(frozen=True, slots=True)
+class _ChunkHead:
+    """What a chunk states of itself: ``at`` its first byte in the log, ``data_bytes`` as they are in the file."""
+
+    at: int
+    crc: int
+    compression: str
+    data_bytes: int
+
+
 class _Mcap:
     def __init__(self, stream: ByteStream, recording: Recording, limits: Limits) -> None:
         self.stream = stream
         self.recording = recording
         self.limits = limits
         self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
+        self.knows_all_channels = False  #: whether the file's summary was taken
         self.expanded = 0
+        self.most_expanded = limits.unpacked_bytes(stream.file_size)
         self.records = 0
+        self.most_records = limits.records(stream.file_size)
 
     def read(self) -> None:
         """Hand everything to the recording that can be read; note what cannot."""
@@ -110,6 +134,9 @@ class _Mcap:
             for opcode, at, stop in _records(summary):
                 if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                     self._content(opcode, summary, at, stop)
+                if opcode == Opcode.FOOTER:
+                    self.knows_all_channels = True
+                    break
 
     def _record(self) -> bool:
         """Read one record; return whether more may come: the data ends with its own record."""
@@ -121,50 +148,187 @@ class _Mcap:
         if opcode == 0:
             raise _DamagedError
         self._count_record()
-        if opcode in (Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.DATA_END):
-            at = self.stream.at
-            content = self.stream.read(size)
-            cut = len(content) < size
-            if opcode == Opcode.CHUNK:
-                self._chunk(content, at, cut=cut)
-            elif not cut:
-                self._content(opcode, content, 0, size)
-            if cut:
-                raise _CutError
+        if opcode == Opcode.CHUNK:
+            self._chunk(size)
+        elif opcode == Opcode.MESSAGE and size >= WORTH_A_JUMP:
+            data = self._message_if_wanted(self.stream, size)
+            if data is not None:
+                self._content(opcode, data, 0, size)
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.DATA_END):
+            content = self._exactly(size)
+            self._content(opcode, content, 0, size)
             if opcode == Opcode.DATA_END:
                 stated = _decoded(DataEnd.read, content).data_section_crc
-                if stated not in (0, crc):
+                if crc is not None and stated not in (0, crc):
                     self._note("The file's checksum is not that of its bytes: something in it is damaged.")
                 return False
         elif self.stream.skip(size) < size:
             raise _CutError
         return True
 
-    def _chunk(self, content: bytes, at: int, *, cut: bool) -> None:
-        damaged = f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
-        try:
-            chunk = _decoded(Chunk.read, content)
-            data = chunk.data
-            if chunk.compression in ("zstd", "lz4"):
-                data, _ = inflate(chunk.compression, data, self.limits.max_chunk_bytes, f"the chunk at byte {at}")
-            elif chunk.compression:
-                self._note(
-                    f"The chunk at byte {at} is compressed in an unknown way, {chunk.compression!r:.40}, "
-                    "and is left out."
-                )
-                return
-        except (_DamagedError, ReadError):
-            if not cut:
-                self._note(damaged)
+    def _exactly(self, n: int) -> bytes:
+        data = self.stream.read(n)
+        if len(data) < n:
+            raise _CutError
+        return data
+
+    def _message_if_wanted(self, source: ByteStream | Section, size: int) -> bytes | None:
+        """Return a message's record of ``size`` bytes; pass over one that nothing is made of, and count it."""
+        head = source.read(_MESSAGE.size)
+        if len(head) < _MESSAGE.size:
+            raise _CutError
+        key, _, time, _ = _MESSAGE.unpack(head)
+        rest = size - len(head)
+        if self.recording.wants(key):
+            data = source.read(rest)
+            if len(data) < rest:
+                raise _CutError
+            return head + data
+        if source.skip(rest) < rest:
+            raise _CutError
+        self.recording.take(key, time, b"", size=rest)
+        return None
+
+    # -- chunks -------------------------------------------------------------------------------------------------
+
+    def _chunk(self, size: int) -> None:
+        """Read a chunk's record of ``size`` bytes. Raises :class:`_CutError` where the file ends in it."""
+        end = self.stream.at + size
+        head = self._chunk_head(size)
+        if head is None:
+            if self.stream.skip(end - self.stream.at) < end - self.stream.at:
+                raise _CutError
+            self._note(_damaged_chunk(end - size))
             return
-        self.expanded += len(data)
-        if self.expanded > self.limits.max_log_bytes:
-            raise LimitError(
-                "log.too_many_bytes",
-                f"The file expands to more than the limit of {self.limits.max_log_bytes} bytes.",
+        more = end - self.stream.at - head.data_bytes  # none, unless a later version of the format adds fields
+        if not head.compression and self.stream.can_jump and head.data_bytes > READ_WHOLE:
+            self._plain_chunk(head)
+        elif not (head.compression and self._skipped_by_index(head.data_bytes + more, head.data_bytes)):
+            data = self.stream.read(head.data_bytes)
+            self._chunk_data(head, data, cut=len(data) < head.data_bytes)
+            if len(data) < head.data_bytes:
+                raise _CutError
+        if self.stream.skip(more) < more:
+            raise _CutError
+
+    def _chunk_head(self, size: int) -> _ChunkHead | None:
+        """Return what a chunk's record of ``size`` bytes states; None where that cannot be."""
+        at = self.stream.at
+        if size < _CHUNK.size + 12:
+            return None
+        _, _, _, crc = _CHUNK.unpack(self._exactly(_CHUNK.size))
+        (n,) = _U32.unpack(self._exactly(4))
+        if n > min(MAX_COMPRESSION_NAME, size - _CHUNK.size - 12):
+            return None
+        compression = self._exactly(n).decode("utf-8", "replace")
+        (data_bytes,) = _U64.unpack(self._exactly(8))
+        if data_bytes > size - (self.stream.at - at):
+            return None
+        return _ChunkHead(at, crc, compression, data_bytes)
+
+    def _skipped_by_index(self, ahead: int, data_bytes: int) -> bool:
+        """Jump over a compressed chunk's data, and count its messages, where nothing is made of any of them.
+
+        That is told by the message indexes, which follow the chunk's record, ``ahead`` bytes from here.
+        """
+        counts: dict[int, int] = {}
+        while self.knows_all_channels and len(index := self.stream.ahead(ahead, _INDEX.size)) == _INDEX.size:
+            opcode, length, key, entries = _INDEX.unpack(index)
+            if opcode != Opcode.MESSAGE_INDEX:
+                break
+            if self.recording.wants(key) or not self.recording.knows(key) or entries + 6 > length:
+                return False
+            counts[key] = counts.get(key, 0) + entries // _INDEX_ENTRY_BYTES
+            ahead += 9 + length
+        if not counts:
+            return False
+        if self.stream.skip(data_bytes) < data_bytes:
+            raise _CutError
+        for key, count in counts.items():
+            self.recording.pass_over(key, count)
+        return True
+
+    def _plain_chunk(self, head: _ChunkHead) -> None:
+        """Take what is wanted of a chunk that is not compressed, whose data comes next.
+
+        Where all of it was read its checksum is checked, and nothing of a damaged one is taken. Channels are taken at
+        once, for they say what is wanted.
+        """
+        section = Section(self.stream, head.data_bytes)
+        wanted: list[bytes] = []
+        held = 0
+        is_cut = is_damaged = False
+        try:
+            for message in self._wanted_of(section):
+                wanted.append(message)
+                held += len(message)
+                if held > self.limits.max_chunk_bytes:
+                    raise LimitError(
+                        "log.chunk_too_large",
+                        f"The chunk at byte {head.at} has more than the limit of {self.limits.max_chunk_bytes} bytes.",
+                    )
+        except _CutError:
+            is_cut = True
+        except _DamagedError:
+            is_damaged = True
+            section.skip(section.left)
+            is_cut = section.left > 0
+        if not is_cut and section.crc is not None and head.crc not in (0, section.crc):
+            self._note_checksum(head)
+            return
+        for message in wanted:
+            self._content(Opcode.MESSAGE, message, 0, len(message))
+        if is_cut:
+            raise _CutError
+        if is_damaged:
+            self._note(_damaged_chunk(head.at))
+
+    def _wanted_of(self, section: Section) -> Iterator[bytes]:
+        """Yield the messages in a chunk's data of which something is made; take its schemas and channels."""
+        while section.left:
+            record = section.read(9)
+            if len(record) < 9:
+                raise _DamagedError if section.left == 0 else _CutError
+            opcode, size = _RECORD.unpack(record)
+            if opcode == 0 or size > section.left:
+                raise _DamagedError
+            self._count_record()
+            if opcode == Opcode.MESSAGE and size >= _MESSAGE.size:
+                message = self._message_if_wanted(section, size)
+                if message is not None:
+                    yield message
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                content = section.read(size)
+                if len(content) < size:
+                    raise _CutError
+                self._content(opcode, content, 0, size)
+            elif section.skip(size) < size:
+                raise _CutError
+
+    def _chunk_data(self, head: _ChunkHead, data: bytes, *, cut: bool) -> None:
+        """Take what is in a chunk's data, which is all that the file has of it."""
+        damaged = _damaged_chunk(head.at)
+        if head.compression in ("zstd", "lz4"):
+            try:
+                data, _ = inflate(head.compression, data, self.limits.max_chunk_bytes, f"the chunk at byte {head.at}")
+            except ReadError:
+                if not cut:
+                    self._note(damaged)
+                return
+            self.expanded += len(data)
+            if self.expanded > self.most_expanded:
+                raise LimitError(
+                    "log.too_many_bytes",
+                    f"The file's chunks expand to more than the limit of {self.most_expanded} bytes.",
+                )
+        elif head.compression:
+            self._note(
+                f"The chunk at byte {head.at} is compressed in an unknown way, {head.compression!r:.40}, "
+                "and is left out."
             )
-        if not cut and chunk.uncompressed_crc not in (0, zlib.crc32(data)):
-            self._note(f"The chunk at byte {at} has not the checksum that it states, and is left out.")
+            return
+        if not cut and head.crc not in (0, zlib.crc32(data)):
+            self._note_checksum(head)
             return
         try:
             for opcode, start, end in _records(data):
@@ -176,10 +340,12 @@ class _Mcap:
             if not cut:
                 self._note(damaged)
 
+    # -- records ------------------------------------------------------------------------------------------------
+
     def _count_record(self) -> None:
         self.records += 1
-        if self.records > self.limits.max_messages:
-            raise LimitError("log.too_many_messages", f"The file has more than {self.limits.max_messages} records.")
+        if self.records > self.most_records:
+            raise LimitError("log.too_many_messages", f"The file has more than {self.most_records} records.")
 
     def _content(self, opcode: int, data: bytes, start: int, end: int) -> None:
         """Take a message, a channel or a schema."""
@@ -187,8 +353,8 @@ class _Mcap:
             if end - start < _MESSAGE.size:
                 raise _DamagedError
             key, _, time, _ = _MESSAGE.unpack_from(data, start)
-            wanted = self.recording.wants(key)
-            self.recording.take(key, time, data[start + _MESSAGE.size : end] if wanted else b"")
+            at = start + _MESSAGE.size
+            self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
             schema = _decoded(Schema.read, data[start:end])
@@ -204,9 +370,16 @@ class _Mcap:
                 readable=channel.message_encoding in ENCODINGS and encoding in SCHEMA_ENCODINGS,
             )
 
+    def _note_checksum(self, head: _ChunkHead) -> None:
+        self._note(f"The chunk at byte {head.at} has not the checksum that it states, and is left out.")
+
     def _note(self, sentence: str) -> None:
         if len(self.recording.notes) < 20:
             self.recording.notes.append(sentence)
+
+
+def _damaged_chunk(at: int) -> str:
+    return f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
 
 
 def _decoded(read, content: bytes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202 - any of the library's records

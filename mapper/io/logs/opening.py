@@ -13,10 +13,12 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
-from mapper.io.logs.container import Container
+from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.lines import BOM
+from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
+from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
 
@@ -48,7 +50,8 @@ ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
 )
 
 Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
-Reading = Callable[[Limits, Progress | None, str | None], ScanLog]  #: of files that are known already
+RobotReader = Callable[[Source, Limits, Progress | None, Selection], RobotLog]
+Reading = Callable[[Limits, Progress | None, Selection], RobotLog]  #: of files that are known already
 
 #: First bytes of the binary formats.
 BINARY: tuple[tuple[bytes, Container], ...] = (
@@ -95,7 +98,7 @@ def open_log(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanLog:
-    """Return the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
+    """Return one range sensor of the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
 
     Of a folder, or a tar archive of one, the log in it is read: the one file that is a log, the files that ROS 2 split
     a recording into, a ring of sonars' two.
@@ -104,7 +107,18 @@ def open_log(
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
-    return _reading(Path(path), limits)(limits, progress, topic)
+    return _reading(Path(path), limits)(limits, progress, Selection.of(topic)).first
+
+
+def open_robot_log(
+    path: str | os.PathLike[str],
+    *,
+    selection: Selection = ALL_SENSORS,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> RobotLog:
+    """Return the log at ``path`` with the sensors that ``selection`` names; otherwise as :func:`open_log`."""
+    return _reading(Path(path), limits)(limits, progress, selection)
 
 
 def odometry_records(
@@ -118,7 +132,7 @@ def odometry_records(
     file = Path(path)
     if file.is_dir() or _is_tar(file) or _kind_of(file) is not carmen.read_carmen:
         return None
-    return carmen.read_odometry_records(file, limits, None, topic)
+    return carmen.read_carmen(file, limits, None, topic).odometry
 
 
 def log_files(folder: Path) -> list[Path]:
@@ -130,6 +144,20 @@ def log_files(folder: Path) -> list[Path]:
     logs, _ = _one_log(files, "folder")
     metadata = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
     return [file for file in [*metadata, *logs] if isinstance(file, Path)]
+
+
+def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Source], Container | Reader]:
+    """Return the files that are the log at ``path``, in their order, and the format that they are in.
+
+    Raises :class:`ReadError` where there is no log, or several.
+    """
+    if path.is_dir():
+        files, kind = _one_log(_files_in(path, limits), "folder")
+    elif _is_tar(path):
+        files, kind = _one_log(members(path, limits)[0], "archive")
+    else:
+        return [path], _kind_of(path)
+    return in_order(files) if isinstance(kind, Container) else files, kind
 
 
 def _reading(path: Path, limits: Limits) -> Reading:
@@ -167,7 +195,7 @@ def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading
         return partial(_reader(kind), logs[0])
     if isinstance(kind, Container):
         return partial(kind.read_split, logs, name)
-    return partial(sonar.read_sonar, logs[0], poses=logs[1])
+    return partial(_one_sensor, partial(sonar.read_sonar, poses=logs[1]), logs[0])
 
 
 def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Container | Reader]:
@@ -216,15 +244,26 @@ def _folder_of(file: Source) -> str:
 def _noting(notes: Sequence[str], reading: Reading) -> Reading:
     """Return ``reading`` with more notes on the log that it returns."""
 
-    def noted(limits: Limits, progress: Progress | None, topic: str | None) -> ScanLog:
-        log = reading(limits, progress, topic)
-        return replace(log, notes=(*notes, *log.notes))
+    def noted(limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
+        robot = reading(limits, progress, selection)
+        logs = {name: replace(log, notes=(*notes, *log.notes)) for name, log in robot.sensors.items()}
+        return replace(robot, sensors=logs)
 
     return noted if notes else reading
 
 
-def _reader(kind: Container | Reader) -> Reader:
-    return kind.read if isinstance(kind, Container) else kind
+def _reader(kind: Container | Reader) -> RobotReader:
+    if isinstance(kind, Container):
+        return kind.read
+    return carmen.read_carmen_sensors if kind is carmen.read_carmen else partial(_one_sensor, kind)
+
+
+def _one_sensor(
+    reader: Reader, file: Source, limits: Limits, progress: Progress | None, selection: Selection
+) -> RobotLog:
+    """Return the log of a format of one sensor. Raises :class:`ReadError` where a topic is named."""
+    topic = selection.topics[0] if selection.topics else None
+    return RobotLog.of_one(reader(file, limits, progress, topic))
 
 
 def _kind_of(file: Source) -> Container | Reader:
@@ -253,7 +292,7 @@ def _head(file: Source) -> tuple[bytes, str | None]:
     """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
     head = b""
     with opened(file) as stream:
-        unpacked = Unpacked(stream, lambda: "at the beginning")
+        unpacked = Unpacked(stream, lambda: "at the beginning", DEFAULT_LIMITS)
         for piece in unpacked:
             head += piece
             if len(head) >= HEAD:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mapper.core.limits import Limits
 from mapper.io.logs.transforms import Poses3
 from mapper.sensors.scan import Trajectory
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_before
 
 Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
@@ -21,7 +22,8 @@ STILL = "standing still"
 class PoseSource:
     """Poses: ``at`` n times, as far as the source ``covers`` (n,) them; ``T_frame_child`` of two frames by name.
 
-    Its clock is ``ahead_ns`` ahead of the scans' one, as far as the recorder tells.
+    ``timed`` returns them with their own stamps. Its clock is ``ahead_ns`` ahead of the scans' one, as far as the
+    recorder tells. ``is_odometry`` says that they are counted from the robot's own motion.
     """
 
     name: str
@@ -30,7 +32,9 @@ class PoseSource:
     sentence: str
     at: Callable[[Int64Array], Poses3]
     covers: Callable[[Int64Array], NDArray[np.bool_]]
+    timed: Callable[[], TimedPoses | None]
     ahead_ns: int
+    is_odometry: bool
 
 
 def trajectories_at(
@@ -72,9 +76,11 @@ def trajectories_at(
 def _at(stamps_ns: Int64Array, source: PoseSource, limits: Limits) -> tuple[Trajectory | None, list[str]]:
     name, ahead = source.name, source.ahead_ns
     notes = []
+    timed = source.timed()
     covered = source.covers(stamps_ns)
     if not covered.any() and 0 < abs(ahead) < STAMP_LIMIT_NS:
         stamps_ns = stamps_ns + ahead
+        timed = None if timed is None else TimedPoses(timed.stamps_ns - ahead, timed.poses)
         covered = source.covers(stamps_ns)
         apart = f"{abs(ahead) / 1e9:,.1f} s {'ahead of' if ahead > 0 else 'behind'}"
         notes.append(
@@ -91,4 +97,22 @@ def _at(stamps_ns: Int64Array, source: PoseSource, limits: Limits) -> tuple[Traj
         notes.append(f"1 scan is before the first or after the last pose of {name}; it gets the nearest.")
     elif outside:
         notes.append(f"{outside} scans are before the first or after the last pose of {name}; they get the nearest.")
-    return Trajectory(planar, source.sentence, source.frame_id, source.child_frame_id), notes
+    return Trajectory(planar, source.sentence, source.frame_id, source.child_frame_id, timed=timed), notes
+
+
+def odometry_among(
+    sources: Iterable[PoseSource], trajectories: Mapping[str, Trajectory], stamps_ns: Int64Array
+) -> OdometryRecords | None:
+    """Return the poses of the first source that is odometry, messages before tf; None where there is none.
+
+    ``stamps_ns`` (n_scans,) place the scans among them: in the order of the stamps.
+    """
+    found = [source for source in sources if source.is_odometry and source.name in trajectories]
+    for source in sorted(found, key=lambda source: source.name.startswith("tf/")):
+        trajectory = trajectories[source.name]
+        if trajectory.timed is not None:
+            messages = trajectory.timed.in_order()
+            before = number_before(messages.stamps_ns, stamps_ns)
+            before[stamps_ns < messages.stamps_ns[0]] = -1
+            return OdometryRecords(messages, before, trajectory.poses)
+    return None

@@ -4,31 +4,40 @@ Source: wiki.ros.org/Bags/Format/2.0. After a line ``#ROSBAG V2.0`` come records
 length> <data>``, a header being fields ``<length> name=value``; messages are in chunks, and their connections state
 topic and type.
 
-The records are read from front to back, without the index at the end: a bag whose recording was cut has none, and
-what precedes the cut is still good. rosbags' reader needs the index, and expands a chunk without a cap; the
+The records are read from front to back, and the index at the end is not needed: a bag whose recording was cut has
+none, and what precedes the cut is still good. rosbags' reader needs the index, and expands a chunk without a cap; the
 tests compare this one with it.
+
+Of a plain file no more is read than the map needs: large messages that nothing is made of are jumped over, in plain
+chunks too, and so are compressed chunks that hold none but such messages, as the indexes behind them say.
 """
 
 from __future__ import annotations
 
+import contextlib
+import os
 import struct
 from collections.abc import Iterator
+from typing import BinaryIO
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.bytestream import ByteStream, byte_stream
+from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
 from mapper.io.logs.recording import Recording
-from mapper.io.logs.unpacking import Progress
+from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"#ROSBAG V2.0\n"
-MESSAGE, CHUNK, CONNECTION = b"\x02", b"\x05", b"\x07"
+MESSAGE, BAG_HEADER, INDEX, CHUNK, CONNECTION = b"\x02", b"\x03", b"\x04", b"\x05", b"\x07"
 MAX_HEADER_BYTES = 1 << 20
+MAX_FIRST_RECORD_BYTES = 1 << 13  #: it is padded to 4096
+MAX_INDEX_BYTES = 1 << 24  #: of the connections at the end of a bag
+MAX_INDEX_HEADER_BYTES = 1000  #: of an index record behind a chunk
 
-_U32 = struct.Struct("<I")
+_U32, _U64 = struct.Struct("<I"), struct.Struct("<Q")
 _TIME = struct.Struct("<II")
 
 
@@ -82,8 +91,11 @@ class _Bag:
         self.stream = stream
         self.recording = recording
         self.limits = limits
+        self.knows_all_connections = False  #: whether those at the bag's end were taken
         self.expanded = 0
+        self.most_expanded = limits.unpacked_bytes(stream.file_size)
         self.records = 0
+        self.most_records = limits.records(stream.file_size)
 
     def read(self) -> None:
         """Hand everything to the recording that can be read; note what cannot."""
@@ -99,11 +111,48 @@ class _Bag:
         except _DamagedError:
             self.recording.notes.append(f"The bag is damaged before byte {self.stream.at}: the rest is left out.")
 
-    def _exactly(self, n: int) -> bytes:
-        data = self.stream.read(n)
+    def look_ahead(self, file: BinaryIO) -> None:
+        """Take the connections that a whole, uncompressed bag repeats at its end.
+
+        They are first in the chunks: without this, a damaged chunk would take all later messages of its connections
+        with it. What is wrong here is no harm: the chunks say it again.
+        """
+        start = file.read(len(VERSION) + MAX_FIRST_RECORD_BYTES)
+        if not start.startswith(VERSION):
+            return
+        with contextlib.suppress(_CutError, _DamagedError, StopIteration):
+            fields, _ = next(_records(start[len(VERSION) :]))
+            at = fields.get(b"index_pos", b"")
+            if fields[b"op"] != BAG_HEADER or len(at) != 8:
+                return
+            (index_at,) = _U64.unpack(at)
+            size = file.seek(0, os.SEEK_END)
+            if not len(VERSION) < index_at < size:
+                return
+            file.seek(index_at)
+            for fields, content in _records(file.read(min(size - index_at, MAX_INDEX_BYTES))):
+                if fields[b"op"] != CONNECTION:
+                    break
+                self._content(fields, content)
+            self.knows_all_connections = True
+
+    def _exactly(self, source: ByteStream | Section, n: int) -> bytes:
+        data = source.read(n)
         if len(data) < n:
             raise _CutError
         return data
+
+    def _head(self, source: ByteStream | Section, size: bytes) -> tuple[dict[bytes, bytes], int]:
+        """Return a record's header, of which ``size`` was read, and the length of its data."""
+        (n,) = _U32.unpack(size)
+        if n > MAX_HEADER_BYTES:
+            raise _DamagedError
+        fields = _fields(self._exactly(source, n))
+        (n,) = _U32.unpack(self._exactly(source, 4))
+        if b"op" not in fields:
+            raise _DamagedError
+        self._count_record()
+        return fields, n
 
     def _record(self) -> bool:
         """Read one record; return whether there was one."""
@@ -112,23 +161,12 @@ class _Bag:
             return False
         if len(size) < 4:
             raise _CutError
-        (n,) = _U32.unpack(size)
-        if n > MAX_HEADER_BYTES:
-            raise _DamagedError
-        fields = _fields(self._exactly(n))
-        (n,) = _U32.unpack(self._exactly(4))
-        op = fields.get(b"op")
-        if op is None:
-            raise _DamagedError
-        self._count_record()
+        fields, n = self._head(self.stream, size)
+        op = fields[b"op"]
         if op == CHUNK:
-            at = self.stream.at
-            data = self.stream.read(n)
-            self._chunk(fields.get(b"compression", b"").decode("latin-1"), data, at, cut=len(data) < n)
-            if len(data) < n:
-                raise _CutError
+            self._chunk(fields.get(b"compression", b"").decode("latin-1"), n)
         elif op in (CONNECTION, MESSAGE):
-            self._content(fields, self._exactly(n))
+            self._take_or_skip(self.stream, fields, n)
         else:
             if fields.get(b"encryptor"):
                 raise ReadError("log.encrypted", "The bag is encrypted.")
@@ -136,48 +174,121 @@ class _Bag:
                 raise _CutError
         return True
 
-    def _chunk(self, compression: str, data: bytes, at: int, *, cut: bool) -> None:
-        damaged = f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
+    def _take_or_skip(self, source: ByteStream | Section, fields: dict[bytes, bytes], n: int) -> None:
+        """Take a record with ``n`` bytes of data; pass over those of a large message that nothing is made of."""
+        key = _key_of(fields)
+        if fields[b"op"] == MESSAGE and n >= WORTH_A_JUMP and not (key is not None and self.recording.wants(key)):
+            if source.skip(n) < n:
+                raise _CutError
+            self._content(fields, b"", n)
+        else:
+            self._content(fields, self._exactly(source, n))
+
+    def _chunk(self, compression: str, n: int) -> None:
+        """Read a chunk of ``n`` bytes. Raises :class:`_CutError` where the file ends in it."""
+        at = self.stream.at
+        if compression == "none" and self.stream.can_jump:
+            self._plain_chunk(Section(self.stream, n), at)
+            return
+        if compression != "none" and self._skipped_by_index(n):
+            return
+        data = self.stream.read(n)
+        self._chunk_data(compression, data, at, cut=len(data) < n)
+        if len(data) < n:
+            raise _CutError
+
+    def _plain_chunk(self, section: Section, at: int) -> None:
+        """Take what is wanted of a chunk that is not compressed, whose data comes next."""
+        try:
+            while section.left:
+                size = section.read(4)
+                if len(size) < 4:
+                    raise _CutError
+                self._take_or_skip(section, *self._head(section, size))
+        except (_CutError, _DamagedError):
+            section.skip(section.left)
+            if section.left:
+                raise _CutError from None
+            self._note(_damaged_chunk(at))
+
+    def _skipped_by_index(self, n: int) -> bool:
+        """Jump over a compressed chunk of ``n`` bytes, and count its messages, where nothing is made of any of them.
+
+        That is told by the index records, one for each of its connections, which follow it.
+        """
+        counts: dict[int, int] = {}
+        ahead = n
+        while self.knows_all_connections and (index := self._index_ahead(ahead)) is not None:
+            key, count, record_bytes = index
+            if self.recording.wants(key) or not self.recording.knows(key):
+                return False
+            counts[key] = count
+            ahead += record_bytes
+        if not counts:
+            return False
+        if self.stream.skip(n) < n:
+            raise _CutError
+        for key, count in counts.items():
+            self.recording.pass_over(key, count)
+        return True
+
+    def _index_ahead(self, ahead: int) -> tuple[int, int, int] | None:
+        """Return connection, number of messages and size of an index record in the file; None where there is none."""
+        size = self.stream.ahead(ahead, 4)
+        if len(size) < 4 or _U32.unpack(size)[0] > MAX_INDEX_HEADER_BYTES:
+            return None
+        (n,) = _U32.unpack(size)
+        record = self.stream.ahead(ahead + 4, n + 4)
+        try:
+            fields = _fields(record[:n])
+        except _DamagedError:
+            return None
+        key, count = _key_of(fields), fields.get(b"count", b"")
+        if len(record) < n + 4 or fields.get(b"op") != INDEX or key is None or len(count) != 4:
+            return None
+        return key, _U32.unpack(count)[0], n + 8 + _U32.unpack_from(record, n)[0]
+
+    def _chunk_data(self, compression: str, data: bytes, at: int, *, cut: bool) -> None:
+        """Take what is in a chunk's data, which is all that the file has of it."""
         if compression in ("bz2", "lz4"):
             try:
                 data, _ = inflate(compression, data, self.limits.max_chunk_bytes, f"the chunk at byte {at}")
             except ReadError:
-                self._note(damaged)
+                self._note(_damaged_chunk(at))
                 return
+            self.expanded += len(data)
+            if self.expanded > self.most_expanded:
+                raise LimitError(
+                    "log.too_many_bytes",
+                    f"The bag's chunks expand to more than the limit of {self.most_expanded} bytes.",
+                )
         elif compression != "none":
             self._note(f"The chunk at byte {at} is compressed in an unknown way, {compression!r:.40}, and is left out.")
             return
-        self.expanded += len(data)
-        if self.expanded > self.limits.max_log_bytes:
-            raise LimitError(
-                "log.too_many_bytes",
-                f"The bag expands to more than the limit of {self.limits.max_log_bytes} bytes.",
-            )
         try:
             for fields, content in _records(data):
                 self._count_record()
                 self._content(fields, content)
         except _DamagedError:
-            self._note(damaged)
+            self._note(_damaged_chunk(at))
         except _CutError:
             if not cut:
-                self._note(damaged)
+                self._note(_damaged_chunk(at))
 
     def _count_record(self) -> None:
         self.records += 1
-        if self.records > self.limits.max_messages:
-            raise LimitError("log.too_many_messages", f"The bag has more than {self.limits.max_messages} records.")
+        if self.records > self.most_records:
+            raise LimitError("log.too_many_messages", f"The bag has more than {self.most_records} records.")
 
-    def _content(self, fields: dict[bytes, bytes], content: bytes) -> None:
-        """Take a connection or a message."""
-        connection = fields.get(b"conn", b"")
-        if len(connection) != 4:
+    def _content(self, fields: dict[bytes, bytes], content: bytes, size: int | None = None) -> None:
+        """Take a connection or a message; ``size`` bytes where ``content`` was left out."""
+        key = _key_of(fields)
+        if key is None:
             return
-        (key,) = _U32.unpack(connection)
         if fields.get(b"op") == MESSAGE:
             time = fields.get(b"time", b"")
             seconds, nanoseconds = _TIME.unpack(time) if len(time) == 8 else (0, 0)
-            self.recording.take(key, seconds * 1_000_000_000 + nanoseconds, content)
+            self.recording.take(key, seconds * 1_000_000_000 + nanoseconds, content, size)
         elif fields.get(b"op") == CONNECTION:
             stated = _fields(content)
             topic, kind = (
@@ -191,13 +302,26 @@ class _Bag:
             self.recording.notes.append(sentence)
 
 
+def _key_of(fields: dict[bytes, bytes]) -> int | None:
+    """Return the connection that a record is of, None where it does not say."""
+    connection = fields.get(b"conn", b"")
+    return int(_U32.unpack(connection)[0]) if len(connection) == 4 else None
+
+
+def _damaged_chunk(at: int) -> str:
+    return f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
+
+
 def take_ros1_bag(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
     """Hand what a bag holds over to ``recording``; of one that is cut or damaged, what could be read.
 
     Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.
     """
     with byte_stream(file, limits, progress) as stream:
-        _Bag(stream, recording, limits).read()
+        bag = _Bag(stream, recording, limits)
+        with opened(file) as raw:
+            bag.look_ahead(raw)
+        bag.read()
         recording.notes += stream.notes
 
 

@@ -5,6 +5,8 @@ Source: rosbag2_storage_sqlite3: a table ``topics`` (id, name, type, serializati
 
 The file is opened read-only and as hostile as sqlite.org/security.html advises: no trusted schema, nothing but two
 ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
+
+Data that nothing is made of is not read: SQLite keeps large values in pages of their own.
 """
 
 from __future__ import annotations
@@ -12,7 +14,12 @@ from __future__ import annotations
 import contextlib
 import os
 import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from typing import IO
 from urllib.parse import quote
 
 from mapper.core.errors import LimitError, ReadError
@@ -22,7 +29,7 @@ from mapper.io.logs.bytestream import byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.recording import Recording
-from mapper.io.logs.unpacking import Progress, opened
+from mapper.io.logs.unpacking import PIECE, Progress, opened
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
@@ -34,9 +41,11 @@ def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: 
     Raises :class:`ReadError` where there are none, and :class:`LimitError`.
     """
     before = recording.n_scans
-    connection, notes, is_journaled = _opened(file, limits)
+    connection, notes, is_journaled = _opened(file, limits, progress)
+    if notes is not None:  # read as a copy, which was half of the work
+        progress = progress and partial(_second_half, progress)
     try:
-        recording.notes += notes
+        recording.notes += notes or []
         if is_journaled:
             recording.notes.append(
                 "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
@@ -62,32 +71,24 @@ def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: 
 ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
 
 
-def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str], bool]:
-    """Return the database, what is missing of it, and whether it keeps a write-ahead log."""
+def _opened(
+    path: Source, limits: Limits, progress: Progress | None
+) -> tuple[sqlite3.Connection, list[str] | None, bool]:
+    """Return the database, what is missing of it, and whether it keeps a write-ahead log.
+
+    A file that SQLite cannot open as it is, as it is packed, cut or in an archive, is opened as a copy; of one that
+    needs none, None instead of what is missing.
+    """
     with opened(path) as file:
         head = file.read(100)
         size = file.seek(0, os.SEEK_END)
-    notes = []
+    notes: list[str] | None = None
     try:
         if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
-            # immutable: neither locks nor a journal next to it, which a hostile file could come with
-            connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+            connection = _connected(path)
         else:
-            data = bytearray()
-            with byte_stream(path, limits) as stream:
-                while piece := stream.read(1 << 20):
-                    data += piece
-                notes += stream.notes
-            head = bytes(data[:100])
-            if _is_cut(data, len(data)):
-                notes.append("The SQLite file ends early: only what precedes is read.")
-                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
-                pages = len(data) // _page_bytes(data)
-                del data[pages * _page_bytes(data) :]
-                data[28:32] = pages.to_bytes(4, "big")
-            data[18:20] = b"\1\1"  # no write-ahead log: there is none in memory
-            connection = sqlite3.connect(":memory:")
-            connection.deserialize(data)
+            with _copied(path, limits, progress and partial(_first_half, progress)) as (copy, head, notes):
+                connection = _connected(copy)  # which goes on when the copy has lost its name
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
         connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
@@ -100,6 +101,58 @@ def _opened(path: Source, limits: Limits) -> tuple[sqlite3.Connection, list[str]
     return connection, notes, 2 in head[18:20]
 
 
+def _connected(path: Path) -> sqlite3.Connection:
+    """Open a database."""
+    # immutable: neither locks nor a journal next to it, which a hostile file could come with
+    connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+    connection.execute("PRAGMA schema_version")  # only then is the file open
+    return connection
+
+
+@contextmanager
+def _copied(path: Source, limits: Limits, progress: Progress | None) -> Iterator[tuple[Path, bytes, list[str]]]:
+    """Yield a copy of what a file holds that SQLite takes, its first bytes, and what is missing.
+
+    Raises :class:`LimitError` where there is no room for it.
+    """
+    try:
+        with tempfile.NamedTemporaryFile(prefix="gridbloom-", suffix=".db3") as copy:
+            with byte_stream(path, limits, progress) as stream:
+                while piece := stream.read(PIECE):
+                    copy.write(piece)
+                size, notes = stream.at, stream.notes
+            copy.seek(0)
+            head = copy.read(100)
+            if _is_cut(head, size):
+                notes.append("The SQLite file ends early: only what precedes is read.")
+                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
+                pages = size // _page_bytes(head)
+                copy.truncate(pages * _page_bytes(head))
+                _overwrite(copy.file, 28, pages.to_bytes(4, "big"))
+            if size >= 20:
+                _overwrite(copy.file, 18, b"\1\1")  # no write-ahead log: there is none beside the copy
+            copy.flush()
+            yield Path(copy.name), head, notes
+    except OSError as error:
+        raise LimitError(
+            "log.storage",
+            f"A packed or damaged SQLite file is read as a copy, which could not be made: {error.strerror}.",
+        ) from error
+
+
+def _overwrite(file: IO[bytes], at: int, data: bytes) -> None:
+    file.seek(at)
+    file.write(data)
+
+
+def _first_half(progress: Progress, share: float) -> None:
+    progress(0.5 * share)
+
+
+def _second_half(progress: Progress, share: float) -> None:
+    progress(0.5 + 0.5 * share)
+
+
 def _reason(error: Exception) -> str:
     """Return what SQLite says, which may quote the file."""
     return printable(" ".join(str(error).split())[:100]).rstrip(".")
@@ -109,12 +162,12 @@ def _unreadable(error: Exception) -> ReadError:
     return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}.")
 
 
-def _page_bytes(head: bytes | bytearray) -> int:
+def _page_bytes(head: bytes) -> int:
     stated = int.from_bytes(head[16:18], "big")
     return 65536 if stated == 1 else max(stated, 512)
 
 
-def _is_cut(head: bytes | bytearray, size: int) -> bool:
+def _is_cut(head: bytes, size: int) -> bool:
     """Return whether a database with this header should have more bytes."""
     return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
 
@@ -141,15 +194,11 @@ def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limi
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
     cursor = connection.execute(
-        "SELECT rowid, topic_id, timestamp, "  # noqa: S608 - the ids are whole numbers, and as such here
+        "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
         f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
     )
-    read = 0
-    for index, (row, key, stamp, data) in enumerate(cursor):
+    for index, (row, key, stamp, size, data) in enumerate(cursor):
         if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
-            read += len(data)
-            recording.take(key, stamp, data)
-        if read > limits.max_log_bytes:
-            raise LimitError("log.too_many_bytes", f"The bag holds more than {limits.max_log_bytes} bytes of messages.")
+            recording.take(key, stamp, data, size)
         if progress is not None and index % 256 == 0:
             progress(min(1.0, max(0.0, row / last)))

@@ -11,20 +11,15 @@ Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_
 
 from __future__ import annotations
 
-import struct
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-Pose7 = tuple[float, float, float, float, float, float, float]  #: x y z, and the quaternion x y z w
+from mapper.io.logs.message_fields import BadMessageError, MessageFields, Pose7
 
 MOST_ECHOES = 1 << 21  #: of one message, with its intensities: what is more is no scan, and would take gigabytes
 MOST_TRANSFORMS = 1 << 14  #: of one message
-
-
-class BadMessageError(Exception):
-    """The bytes are no message of the type that they are said to have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,75 +52,9 @@ class StampedPose:
     pose: Pose7
 
 
-class _Fields:
-    """The fields of one message, in their order."""
-
-    def __init__(self, data: bytes, *, cdr: bool) -> None:
-        self.data = data
-        self.cdr = cdr
-        self.pos = self.origin = 0
-        self.order = "<"
-        if cdr:
-            if len(data) < 4 or data[0] != 0 or data[1] > 1:
-                raise BadMessageError
-            self.order = "<" if data[1] else ">"
-            self.pos = self.origin = 4
-
-    def unpack(self, code: str, size: int) -> tuple[float, ...]:
-        """Return numbers of one kind, of ``size`` bytes each; CDR aligns the first to its size."""
-        if self.cdr:
-            self.pos += -(self.pos - self.origin) % size
-        try:
-            values = struct.unpack_from(self.order + code, self.data, self.pos)
-        except struct.error:
-            raise BadMessageError from None
-        self.pos += size * len(values)
-        return values
-
-    def count(self, least_bytes: int) -> int:
-        """Return the length of what follows, of which each element has at least ``least_bytes``."""
-        n = int(self.unpack("I", 4)[0])
-        if n * least_bytes > len(self.data) - self.pos:
-            raise BadMessageError
-        return n
-
-    def string(self) -> str:
-        n = self.count(1)
-        text = self.data[self.pos : self.pos + n]
-        self.pos += n
-        return text.rstrip(b"\0").decode("utf-8", "replace")
-
-    def floats(self) -> NDArray[np.float32]:
-        n = self.count(4)
-        values = np.frombuffer(self.data, self.order + "f4", n, self.pos)
-        self.pos += 4 * n
-        return values
-
-    def header(self) -> tuple[int, str]:
-        """Return a std_msgs/Header's stamp in nanoseconds, and its frame."""
-        if not self.cdr:
-            self.unpack("I", 4)  # seq, which ROS 2 dropped
-        (seconds,) = self.unpack("i" if self.cdr else "I", 4)
-        (nanoseconds,) = self.unpack("I", 4)
-        return int(seconds) * 1_000_000_000 + int(nanoseconds), self.frame()
-
-    def frame(self) -> str:
-        """Return a frame's name; tf of ROS 1 still wrote a slash before it."""
-        return self.string().lstrip("/")
-
-    def pose(self) -> Pose7:
-        x, y, z, qx, qy, qz, qw = self.unpack("7d", 8)
-        return (x, y, z, qx, qy, qz, qw)
-
-    def end(self, at_most: int = 0) -> None:
-        """Check that nothing follows; CDR may pad to four bytes."""
-        if len(self.data) - self.pos > (3 if self.cdr else 0) + at_most:
-            raise BadMessageError
-
-
 def laser_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/LaserScan."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     ranges = fields.floats()
@@ -146,7 +75,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
 
 def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     return Beams(
@@ -162,7 +91,7 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     )
 
 
-def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
+def _first_echoes(fields: MessageFields) -> NDArray[np.float32]:
     n = fields.count(4)
     rest = (len(fields.data) - fields.pos) // 4
     if rest >= MOST_ECHOES:
@@ -185,7 +114,7 @@ def _first_echoes(fields: _Fields) -> NDArray[np.float32]:
 
 def range_reading(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/Range: one beam straight ahead, as wide as its field of view."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     fields.unpack("B", 1)  # ultrasound or infrared
     width, range_min, range_max, reading = fields.unpack("4f", 4)
@@ -195,7 +124,7 @@ def range_reading(data: bytes, *, cdr: bool) -> Beams:
 
 def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Odometry."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     child = fields.frame()
     pose = fields.pose()
@@ -206,7 +135,7 @@ def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a geometry_msgs/PoseWithCovarianceStamped."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
     pose = fields.pose()
     fields.unpack("36d", 8)
@@ -216,7 +145,7 @@ def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
-    fields = _Fields(data, cdr=cdr)
+    fields = MessageFields(data, cdr=cdr)
     found = []
     n = fields.count(72)
     if n > MOST_TRANSFORMS:

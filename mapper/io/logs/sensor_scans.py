@@ -11,17 +11,18 @@ from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
 from mapper.io.logs.ros_messages import Beams
+from mapper.io.logs.stream import Stream
 from mapper.sensors.scan import MAX_STATED_S
 
 Beaming = tuple[float, float, float, float, int]  #: angle_min, angle_increment, range_min, range_max, beams
 
 
 class SensorScans:
-    """The scans of the sensor on ``topic``, of messages of type ``kind``, in ``frame``."""
+    """The scans of the sensor ``topic``, of messages of one ``stream``, in ``frame``."""
 
-    def __init__(self, topic: str, kind: str, frame: str, beam_width: float) -> None:
+    def __init__(self, topic: str, stream: Stream, frame: str, beam_width: float) -> None:
         self.topic = topic
-        self.kind = kind
+        self.stream = stream
         self.frame = frame
         self.beam_width = max(0.0, beam_width)
         self.stamps = array("q")
@@ -46,6 +47,11 @@ class SensorScans:
         self._ranges += beams.ranges.tobytes()
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
+
+    @property
+    def kind(self) -> str:
+        """The type of its messages."""
+        return self.stream.kind
 
     @property
     def time_increment(self) -> float:

@@ -84,7 +84,7 @@ def summarise(log: ScanLog) -> LogSummary:
         mount=log.mount,
         readings=_count_readings(log),
         trajectories=tuple(
-            TrajectorySummary(name, trajectory.description, _length(trajectory.poses))
+            TrajectorySummary(name, trajectory.description, path_length(trajectory.poses))
             for name, trajectory in log.trajectories.items()
         ),
         notes=log.notes,
@@ -123,7 +123,8 @@ def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSum
     )
 
 
-def _length(poses: NDArray[np.float64]) -> float:
+def path_length(poses: NDArray[np.float64]) -> float:
+    """Return the sum of the steps of a path of poses (n, 3), metres."""
     steps = np.diff(poses[:, :2], axis=0)
     return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
 

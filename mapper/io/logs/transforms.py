@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
-from mapper.io.logs.ros_messages import BadMessageError, Pose7, StampedPose
+from mapper.io.logs.message_fields import BadMessageError, Pose7
+from mapper.io.logs.ros_messages import StampedPose
+from mapper.sensors.robot_log import TransformEdge
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
@@ -130,6 +132,13 @@ class Timeline:
         return Poses3(positions, _slerp(poses.rotations[low], poses.rotations[high], w))
 
     @property
+    def stated(self) -> tuple[Int64Array, Poses3]:
+        """The stamps (n,) in their order, each once, and the poses then; of equal stamps the last stated counts."""
+        stamps, poses = self._sorted()
+        last = np.append(stamps[1:] != stamps[:-1], True)
+        return stamps[last], Poses3(poses.positions[last], poses.rotations[last])
+
+    @property
     def moves(self) -> bool:
         """Whether any pose differs from the first one."""
         _, poses = self._sorted()
@@ -156,15 +165,37 @@ class FrameTree:
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
         self._parents: dict[str, dict[str, Timeline]] = {}  #: child → parent → T_parent_child
+        self._static: set[tuple[str, str]] = set()  #: child, parent
 
-    def add(self, one: StampedPose) -> None:
-        """Take one transform. Raises :class:`BadMessageError`, :class:`LimitError`."""
+    def add(self, one: StampedPose, *, is_static: bool = False) -> None:
+        """Take one transform, ``is_static`` where it is said never to change.
+
+        Raises :class:`BadMessageError`, :class:`LimitError`.
+        """
         edges = self._parents.setdefault(one.child, {})
         if one.frame not in edges:
             if len(self._parents) + len(edges) > MAX_FRAMES:
                 raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_FRAMES} frames.")
             edges[one.frame] = Timeline(self._limits)
         edges[one.frame].add(one.stamp_ns, one.pose)
+        if is_static:
+            self._static.add((one.child, one.frame))
+
+    def transforms(self) -> tuple[TransformEdge, ...]:
+        """Return what is stated of each pair of frames, by child and parent."""
+        found = []
+        for child, parents in sorted(self._parents.items()):
+            for parent, edge in sorted(parents.items()):
+                if len(edge):
+                    stamps, _ = edge.stated
+                    ends = (len(edge), int(stamps[0]), int(stamps[-1]))
+                    found.append(TransformEdge(parent, child, (child, parent) in self._static, edge.moves, *ends))
+        return tuple(found)
+
+    def stamps(self, chain: list[str]) -> Int64Array:
+        """Return the times (n,) at which anything that moves along the chain is stated, in their order, each once."""
+        stated = [edge.stated[0] for edge in self.edges(chain) if edge.moves]
+        return np.unique(np.concatenate(stated)) if stated else np.zeros(0, dtype=np.int64)
 
     @property
     def frames(self) -> int:

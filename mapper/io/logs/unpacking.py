@@ -13,7 +13,8 @@ from typing import IO, BinaryIO, cast
 
 import zstandard
 
-from mapper.core.errors import ReadError
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
 from mapper.io.logs.inflate import MAX_WINDOW, ZSTD_MAGIC
 
@@ -41,12 +42,17 @@ class Unpacked:
     with the packed data, "ends early" or "is damaged", or None: the pieces are what comes out before. Where nothing
     tells of it before a checksum does, they are all, and wrong in places. Of Zstandard data that does not state its
     size it cannot be detected that it ends early. ``where`` is asked in which place of the log an error comes. Raises
-    :class:`ReadError` for packed data of which nothing comes out and for a disk that fails.
+    :class:`ReadError` for packed data of which nothing comes out and for a disk that fails, and :class:`LimitError`
+    for packed data that expands to more than ``limits`` allow.
     """
 
-    def __init__(self, file: BinaryIO, where: Callable[[], str], progress: Progress | None = None) -> None:
+    def __init__(
+        self, file: BinaryIO, where: Callable[[], str], limits: Limits, progress: Progress | None = None
+    ) -> None:
         self.packing: str | None = None
         self.broken: str | None = None
+        self._limits = limits
+        self._size = 0  #: of the file
         self._file = file
         self._where = where
         self._progress = progress
@@ -63,13 +69,18 @@ class Unpacked:
                 yield first
                 yield from raw
             return
-        is_any = False
+        total, most = 0, self._limits.unpacked_bytes(self._size)
         try:
             for piece in filter(None, unpacked):
-                is_any = True
+                total += len(piece)
+                if total > most:
+                    raise LimitError(
+                        "log.too_many_bytes",
+                        f"The {self.packing} data expands to more than the limit of {most} bytes: {self._where()}.",
+                    )
                 yield piece
         except (zlib.error, zstandard.ZstdError) as error:
-            if not is_any:
+            if not total:
                 code = "log.gzip" if self.packing == "gzip" else "log.compression"
                 raise ReadError(
                     code, f"The {self.packing} data is damaged {self._where()} of the log: {error}."
@@ -79,13 +90,13 @@ class Unpacked:
     def _raw(self) -> Iterator[bytes]:
         done = 0
         try:
-            size = max(1, self._file.seek(0, os.SEEK_END))
+            self._size = self._file.seek(0, os.SEEK_END)
             self._file.seek(0)
             while piece := self._file.read(PIECE):
                 done += len(piece)
                 yield piece
                 if self._progress is not None:
-                    self._progress(min(1.0, done / size))
+                    self._progress(min(1.0, done / max(1, self._size)))
         except OSError as error:
             raise ReadError(
                 "log.unreadable", f"The file cannot be read to its end: {error.strerror}, {self._where()}."

@@ -1,8 +1,13 @@
 """Map files, as ROS map servers write and read them: a yaml that describes an image."""
 
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import attributes_from
 from mapper.io.maps.pixels import occupancy_values
-from mapper.io.maps.reading import LoadedMap, load_map
 from mapper.io.maps.writing import Mode, pgm_bytes, png_bytes, save_map, yaml_text
+
+if TYPE_CHECKING:
+    from mapper.io.maps.reading import LoadedMap, load_map
 
 __all__ = [
     "LoadedMap",
@@ -14,3 +19,6 @@ __all__ = [
     "save_map",
     "yaml_text",
 ]
+
+# The reader imports Pillow and PyYAML, which writing does without.
+__getattr__ = attributes_from(__name__, dict.fromkeys(("LoadedMap", "load_map"), "mapper.io.maps.reading"))

@@ -48,27 +48,27 @@ def cut_to(log: ScanLog, poses: TimedPoses) -> tuple[ScanLog, list[str]]:
     inside = poses.covers(log.stamps_ns)
     outside = int(np.count_nonzero(~inside))
     if outside == log.n_scans:
-        raise ConfigError(
-            "trajectory.time",
-            f"No scan is within the time of the trajectory: its poses are from {_span(poses.stamps_ns)}, the scans "
-            f"from {_span(log.stamps_ns)}.",
-        )
+        raise time_error(log, poses)
     notes = []
     if outside:
         scans = "1 scan lies" if outside == 1 else f"{outside} scans lie"
         left = "is left out" if outside == 1 else "are left out"
         notes.append(f"{scans} before the first or after the last pose of the trajectory, and {left}.")
-        log = replace(
-            log,
-            ranges=log.ranges[inside],
-            stamps_ns=log.stamps_ns[inside],
-            trajectories={name: replace(one, poses=one.poses[inside]) for name, one in log.trajectories.items()},
-        )
+        log = log.take(inside)
     far = int(np.count_nonzero(_to_nearest_ns(log.stamps_ns, poses.stamps_ns) > FAR_S * 1e9))
     if far:
         scans = "1 scan is" if far == 1 else f"{far} scans are"
         notes.append(f"{scans} more than {FAR_S:g} s from any pose of the trajectory; poses are interpolated there.")
     return log, notes
+
+
+def time_error(log: ScanLog, poses: TimedPoses) -> ConfigError:
+    """Return the error for poses in whose time no scan of ``log`` lies."""
+    return ConfigError(
+        "trajectory.time",
+        f"No scan is within the time of the trajectory: its poses are from {_span(poses.stamps_ns)}, the scans from "
+        f"{_span(log.stamps_ns)}.",
+    )
 
 
 def _to_nearest_ns(stamps_ns: NDArray[np.int64], of_ns: NDArray[np.int64]) -> NDArray[np.int64]:

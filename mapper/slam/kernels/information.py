@@ -11,7 +11,7 @@ from mapper.core.jit import jit
 
 
 @jit
-def invert(matrix: Float64Array, inverse: Float64Array) -> None:
+def _invert(matrix: Float64Array, inverse: Float64Array) -> None:
     """Write the inverse (3, 3) of a symmetric positive definite ``matrix`` (3, 3), by its cofactors."""
     a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
     d, e, f = matrix[1, 1], matrix[1, 2], matrix[2, 2]
@@ -83,10 +83,10 @@ def write_information(
     own[0, 1] += scale * c * s * (prior[1] - prior[0])
     own[1, 0] = own[0, 1]
     own[2, 2] += scale * prior[2] + 1e-3
-    invert(own, covariance)
+    _invert(own, covariance)
     for k in range(3):
         covariance[k, k] += floor[k] * floor[k]
-    invert(covariance, information)
+    _invert(covariance, information)
 
 
 @jit

@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 from collections.abc import Coroutine
 from typing import Any, TypeVar
 
 from fastapi import Request
 
 from mapper.core.errors import MapperError
+from server.network_address import network_of
 
 T = TypeVar("T")
-
-IPV6_PREFIX = 64  #: bits that identify a site: a host can choose the other bits freely
 
 
 def client_address(request: Request) -> str:
     """Return the client's address, for IPv6 its /64 network; empty if unknown."""
-    host = "" if request.client is None else request.client.host
-    try:
-        address = ipaddress.ip_address(host.partition("%")[0])
-    except ValueError:
-        return host
-    if isinstance(address, ipaddress.IPv6Address):
-        if address.ipv4_mapped is not None:
-            return str(address.ipv4_mapped)
-        return str(ipaddress.ip_network((address, IPV6_PREFIX), strict=False))
-    return str(address)
+    return "" if request.client is None else network_of(request.client.host)
 
 
 async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:

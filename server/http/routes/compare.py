@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -13,12 +13,14 @@ from mapper.io.maps.images import png_pieces
 from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
 from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.maps import asker_of, snapshot, stem_of
+from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
-from server.sessions import SessionHost, SessionRegistry
-from server.sessions.comparison_numbers import numbers
-from server.sessions.parts import Comparable
+from server.sessions import SessionRegistry
 from server.sessions.view import Wanted
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import Comparable
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -28,10 +30,10 @@ class Other(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    values: dict[str, Any] = Field({}, description="Parameters that A keeps; in all others it follows the session's.")
-    trajectory: str | None = Field(None, max_length=200, description="The poses of A; the log's first where left out.")
-    log: str | None = Field(None, max_length=200, description="Another log, as /api/logs names it.")
-    topic: str | None = Field(None, max_length=400, description="Which of that log's sensors, where it has several.")
+    values: dict[str, Any] = Field({}, description="Parameters set for A; all others are the session's.")
+    trajectory: str | None = Field(None, max_length=200, description="Trajectory of A; by default the log's first.")
+    log: str | None = Field(None, max_length=200, description="Id of another log, as in /api/logs.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
 
 
 def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:
@@ -57,7 +59,7 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
     try:
         return await _comparison(comparison)
     except MapperError as error:
-        # Both maps are shown all the same, only without a comparison of cells.
+        # Both maps are still shown, without a comparison of cells.
         return {"a": comparison.description(), "refused": error.message}
 
 
@@ -77,6 +79,8 @@ async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
 
 
 async def _comparison(comparison: Comparable) -> dict[str, Any]:
+    from server.sessions.comparison_numbers import numbers  # noqa: PLC0415 - imported with the comparison
+
     other, found = await comparison.compared()
     return {"a": other, "refused": None} | numbers(found)
 
@@ -84,13 +88,13 @@ async def _comparison(comparison: Comparable) -> dict[str, Any]:
 @router.get("/{session_id}/compare.png")
 @guests_may(GuestRight.LINKED_SESSION)
 async def picture(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return ℓ of B less that of A as a picture: orange is more occupied in B, blue more free."""
+    """Return ℓ of B minus ℓ of A as an image: orange is more occupied in B, blue more free."""
     session, comparison = _compared(sessions, session_id)
 
     async def make() -> Content:
-        async with session.locked():
-            image = await snapshot(downloads, lambda: difference_pixels(*comparison.grids()))
+        async with session.settled():
+            image = await compressed_image(downloads, lambda: difference_pixels(*comparison.grids()))
         name = file_name(stem_of(session), "png", "difference")
         return Content(name, png_pieces(image.shape, image.bands(), DIFFERENCE_PALETTE))
 
-    return Download(downloads, asker_of(request, session), make, "image/png")
+    return Download(downloads, requester_of(request, session), make, "image/png")

@@ -1,4 +1,4 @@
-"""``/api/docs``: the HTTP interface on one plain page, made from the OpenAPI document, asking no other host."""
+"""``/api/docs``: the HTTP interface on one page, made from the OpenAPI document, without requests to other hosts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ router = APIRouter(prefix="/api", include_in_schema=False)
 
 @router.get("/docs")
 async def docs(request: Request) -> HTMLResponse:
-    """Show every address, method and parameter."""
+    """Return the page with every path, method and parameter."""
     return HTMLResponse(_page(request.app.openapi()))
 
 

@@ -19,7 +19,7 @@ async def doctor(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the diagnosis of the session's log with its current trajectory."""
     recording = sessions.get(session_id).model.recording
     if recording is None:
-        raise MapperError("session.not_a_log", "Only a log can be examined, not a live world.")
+        raise MapperError("session.not_a_log", "Only a log can be examined, not a simulation.")
     trajectory = recording.trajectory  # which may be another one when the examination is over
     findings = await recording.examined()
     return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

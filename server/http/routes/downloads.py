@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
-from mapper.io.export import tum_lines, write_mcap
+from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
-from server.http.routes.maps import asker_of, stem_of
+from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.sessions import SessionHost, SessionRegistry
-from server.sessions.parts import Recording
+from server.sessions import SessionRegistry
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -34,7 +37,7 @@ def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 
 @router.get("/{session_id}/run.mcap")
 async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the log, and its map as it grew to what is shown now, as an MCAP file of ROS 2 messages."""
+    """Return the log, and its map as it grew up to the present scan, as an MCAP file of ROS 2 messages."""
     session, recording = _recorded(sessions, session_id)
 
     async def make() -> Content:
@@ -44,7 +47,9 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
                 growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
-                    with single_threaded():  # the map is made again: on one core, the other ones are the sessions'
+                    from mapper.io.export import write_mcap  # noqa: PLC0415 - the library of MCAP, for exports only
+
+                    with single_threaded():  # the map is computed again, on one core: sessions use the others
                         write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)
@@ -54,7 +59,7 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
         name = file_name(stem_of(session), "mcap", title=session.model.title)
         return Content(name, _pieces(file), file.tell(), file.close)
 
-    response = Download(downloads, asker_of(request, session), make, "application/octet-stream")
+    response = Download(downloads, requester_of(request, session), make, "application/octet-stream")
     response.headers["Content-Encoding"] = "identity"  # it is compressed already
     return response
 
@@ -67,11 +72,11 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
 
 @router.get("/{session_id}/trajectory.tum")
 async def trajectory_tum(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return where the robot was at each scan, by the trajectory in use, in TUM format."""
+    """Return the robot's pose at each scan, of the trajectory in use, in TUM format."""
     session, recording = _recorded(sessions, session_id)
 
     async def make() -> Content:
         name = file_name(stem_of(session), "tum", title=session.model.title)
         return Content(name, (line.encode() for line in tum_lines(recording.log, recording.trajectory)))
 
-    return Download(downloads, asker_of(request, session), make, "text/plain; charset=utf-8")
+    return Download(downloads, requester_of(request, session), make, "text/plain; charset=utf-8")

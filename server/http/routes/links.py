@@ -103,7 +103,7 @@ async def shared(library: Logs, token: str) -> dict[str, Any]:
 @router.post("/api/shared/{token}/sessions", status_code=201)
 @guests_may(GuestRight.ALWAYS)
 async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> Response:
-    """Begin a session on what a link shows."""
+    """Begin a session of the view of a link."""
     link = library.links.get(token)
     title = _record_name(library, link)
     view = LogView(**link.view["view"])

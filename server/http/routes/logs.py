@@ -11,6 +11,7 @@ from pydantic import StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
+from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Part, Record
 
@@ -31,15 +32,15 @@ async def upload(
     upload: Annotated[
         Key | None, Query(description="Key of an upload that is sent in parts, chosen by the sender.")
     ] = None,
-    sha256: Annotated[Digest | None, Query(description="Digest of the whole log, to be checked.")] = None,
+    sha256: Annotated[Digest | None, Query(description="Digest of the whole log, which is checked.")] = None,
 ) -> Response:
     """Store the raw body of the request as a log of this visitor and queue it for reading.
 
-    With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` it may come
-    in parts, one after the other: after a cut, ``GET /api/logs/uploads/KEY`` tells where to go on. The answer to a
-    part that is not the last is 200 with that place.
+    With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` the body is
+    one part of the log. Parts are sent in order; after a broken connection ``GET /api/logs/uploads/KEY`` returns the
+    offset to resume from. The answer to a part that is not the last is 200 with that offset.
     """
-    address = request.client.host if request.client is not None else ""
+    address = client_address(request)
     part = None if upload is None else _part(upload, request.headers.get("content-range", ""))
     try:
         if part is None:
@@ -51,7 +52,7 @@ async def upload(
         else:
             record = await library.put_part(visitor, name, request.stream(), part, sha256=sha256, address=address)
     except ClientDisconnect:
-        return Response(status_code=400)  # nobody is there to read it
+        return Response(status_code=400)  # the client has disconnected
     if record is None:
         assert part is not None  # noqa: S101 - for the type checker: without parts an upload is whole
         return JSONResponse({"offset": library.uploaded(visitor, part.key), "total": part.total})
@@ -74,6 +75,12 @@ async def uploaded(library: Logs, visitor: Visitor, key: Key) -> dict[str, int]:
     return {"offset": library.uploaded(visitor, key)}
 
 
+@router.delete("/uploads/{key}", status_code=204)
+async def forget_upload(library: Logs, visitor: Visitor, key: Key) -> None:
+    """Give up an upload of this visitor: what has arrived of it is removed."""
+    library.forget_upload(visitor, key)
+
+
 @router.get("")
 async def list_logs(library: Logs, visitor: Visitor) -> dict[str, Any]:
     """List the logs that this visitor may open: their uploads, the folder of the server, the sample."""
@@ -82,7 +89,7 @@ async def list_logs(library: Logs, visitor: Visitor) -> dict[str, Any]:
 
 @router.get("/{log_id}")
 async def one(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
-    """Return the state of one log and, once it was read, its contents in figures."""
+    """Return the state of one log and, once it was read, a summary of its contents."""
     return library.get(visitor, log_id).public()
 
 
@@ -94,7 +101,7 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]
 
 @router.post("/{log_id}/read", status_code=202)
 async def read_again(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
-    """Read an uploaded log again after reading it failed."""
+    """Read an uploaded log again after a failure."""
     return library.read_again(visitor, log_id).public()
 
 

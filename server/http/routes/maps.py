@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
@@ -15,19 +15,21 @@ from mapper.io.maps.images import Bands, pgm_header, pgm_pieces, png_pieces
 from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, trinary_pixels
 from server.downloads import (
     SNAPSHOT_NAME,
+    CompressedImage,
     Content,
     Download,
     Downloads,
     MapSnapshot,
     MapSnapshotGoneError,
-    Snapshot,
     file_name,
     file_stem,
 )
-from server.downloads.download_slots import Asker, asker
+from server.downloads.download_slots import Requester, requester
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
-from server.sessions import SessionHost
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -35,14 +37,14 @@ At = Annotated[
     str | None,
     Query(
         pattern=SNAPSHOT_NAME,
-        description="Name of an instant: map.yaml and map.pgm that are asked for with the same one are of one map, "
-        "that of the first request, and their file names end in it. A session keeps four such maps.",
+        description="Name of a snapshot: map.yaml and map.pgm requested with the same name are of one map, that of the "
+        "first request, and their file names end in the name. A session keeps four snapshots.",
     ),
 ]
 
 
 def stem_of(session: SessionHost) -> str:
-    """Return what the files of a session are called: after its log, or its world."""
+    """Return the stem of the file names of a session: the name of its log or of its world."""
     return file_stem(session.model.file_stem)
 
 
@@ -53,28 +55,30 @@ def grid_of(session: SessionHost) -> OccupancyGrid:
     return session.model.grid
 
 
-def asker_of(request: Request, session: SessionHost) -> Asker:
-    """Return who asks for a file of a session."""
-    return asker(request.state.visitor, request.client and request.client.host, session.link)
+def requester_of(request: Request, session: SessionHost) -> Requester:
+    """Return who requests a file of a session."""
+    return requester(request.state.visitor, request.client and request.client.host, session.link)
 
 
-async def snapshot(downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]) -> Snapshot:
-    """Return the image that ``pixels`` gives: its shape (rows, cols) and its bands. The session must be still."""
+async def compressed_image(
+    downloads: Downloads, pixels: Callable[[], tuple[tuple[int, int], Bands]]
+) -> CompressedImage:
+    """Return the image that ``pixels`` gives: its shape (rows, cols) and its bands. The session must be locked."""
 
-    def work(check: Callable[[], None]) -> Snapshot:
+    def work(check: Callable[[], None]) -> CompressedImage:
         shape, bands = pixels()
-        return Snapshot(shape, bands, downloads.folder, check)
+        return CompressedImage(shape, bands, downloads.folder, check)
 
     return await downloads.run(work)
 
 
 async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | None) -> MapSnapshot:
-    """Return the map of a session now, or of the instant ``at``, with its trinary image."""
+    """Return the present map of a session, or its snapshot ``at``, with its trinary image."""
 
     async def make() -> MapSnapshot:
-        async with session.locked():
+        async with session.settled():
             grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
-            image = await snapshot(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
+            image = await compressed_image(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
         return MapSnapshot(stem, grid.geometry, image, frame)
 
     return await make() if at is None else await downloads.map_snapshots.get(session, at, make)
@@ -85,7 +89,7 @@ async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | No
 async def map_yaml(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
 ) -> Response:
-    """Return the map's description for map_server, which names the file of map.pgm as its image."""
+    """Return the YAML file for map_server, which names map.pgm as its image."""
     session = sessions.get(session_id)
 
     async def make() -> Content:
@@ -97,7 +101,7 @@ async def map_yaml(
         text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame).encode()
         return Content(file_name(stem, "yaml", at), iter([text]), len(text))
 
-    return Download(downloads, asker_of(request, session), make, "application/yaml")
+    return Download(downloads, requester_of(request, session), make, "application/yaml")
 
 
 @router.get("/{session_id}/map.pgm")
@@ -105,7 +109,7 @@ async def map_yaml(
 async def map_pgm(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
 ) -> Response:
-    """Return the map as an image that map_server reads."""
+    """Return the map as a PGM image for map_server."""
     session = sessions.get(session_id)
 
     async def make() -> Content:
@@ -113,25 +117,25 @@ async def map_pgm(
         if kept.image is None:
             raise MapSnapshotGoneError(
                 "map.snapshot_gone",
-                f"The map of the instant {at!r} is no longer kept: ask for map.pgm and map.yaml with another name.",
+                f"The snapshot {at!r} of the map is no longer kept: request map.pgm and map.yaml with another name.",
             )
         shape = kept.image.shape
         nbytes = len(pgm_header(shape)) + shape[0] * shape[1]
         return Content(file_name(kept.stem, "pgm", at), pgm_pieces(shape, kept.image.bands()), nbytes)
 
-    return Download(downloads, asker_of(request, session), make, "image/x-portable-graymap")
+    return Download(downloads, requester_of(request, session), make, "image/x-portable-graymap")
 
 
 @router.get("/{session_id}/map.png")
 @guests_may(GuestRight.LINKED_SESSION)
 async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the map as a picture for people."""
+    """Return the map as a PNG image of probabilities."""
     session = sessions.get(session_id)
 
     async def make() -> Content:
-        async with session.locked():
+        async with session.settled():
             grid = grid_of(session)
-            image = await snapshot(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
+            image = await compressed_image(downloads, lambda: (grid.geometry.shape, probability_pixels(grid)))
         return Content(file_name(stem_of(session), "png"), png_pieces(image.shape, image.bands(), PROBABILITY_PALETTE))
 
-    return Download(downloads, asker_of(request, session), make, "image/png")
+    return Download(downloads, requester_of(request, session), make, "image/png")

@@ -39,7 +39,7 @@ NOT_BUILT = """<!doctype html>
 
 
 def find_pages() -> Path | None:
-    """Return the folder of the built pages, None where there is none."""
+    """Return the folder of the built pages, None if there is none."""
     return next((place for place in PLACES if (place / "index.html").is_file()), None)
 
 
@@ -49,9 +49,9 @@ def _file(request: Request, relative: str, cache: str) -> Response:
         raise HTTPException(404)
     try:
         path = (root / relative).resolve()
-        # resolve() first: neither ".." nor a link leads out of the folder.
+        # resolve() first, so that neither ".." nor a symbolic link leads out of the folder.
         found = path.is_relative_to(root.resolve()) and path.suffix in TYPES and path.is_file()
-    except (OSError, RuntimeError):  # a name that is too long, links round in a circle
+    except (OSError, RuntimeError):  # a name that is too long, a loop of symbolic links
         found = False
     if not found:
         raise HTTPException(404)
@@ -69,7 +69,7 @@ def page_file(request: Request, name: str) -> Response:
 
 @router.api_route("/", methods=["GET", "HEAD"])
 async def index(request: Request) -> Response:
-    """The front page."""
+    """Return the front page."""
     if find_pages() is None:
         return HTMLResponse(NOT_BUILT, status_code=503)
     return _file(request, "index.html", "no-cache")
@@ -78,7 +78,7 @@ async def index(request: Request) -> Response:
 @router.api_route("/assets/{name:path}", methods=["GET", "HEAD"])
 @guests_may(GuestRight.ALWAYS)
 async def asset(request: Request, name: str) -> Response:
-    """A file whose name holds a digest of its content: it never changes."""
+    """Return a file whose name contains a digest of its content, which never changes."""
     return _file(request, f"assets/{name}", "public, max-age=31536000, immutable")
 
 
@@ -91,5 +91,5 @@ async def three_d(sessions: Sessions, session: str) -> Response:
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])
 async def page(request: Request, name: str) -> Response:
-    """A page, or a file beside the pages."""
+    """Return a page, or a file beside the pages."""
     return page_file(request, name)

@@ -6,7 +6,6 @@ from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
 
 from server.http.services import OpenScenes, Sessions
-from server.scenes.proxy import client_page, page_headers, pass_on
 
 router = APIRouter(prefix="/scenes", include_in_schema=False)
 
@@ -21,6 +20,8 @@ async def without_slash(sessions: Sessions, session_id: str) -> Response:
 @router.api_route("/{session_id}/", methods=["GET", "HEAD"])
 async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client. The scene is created when the page opens its WebSocket."""
+    from server.scenes.proxy import client_page, page_headers  # noqa: PLC0415 - imported with the first 3D view
+
     sessions.get(session_id)
     client = client_page()
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
@@ -35,6 +36,8 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 @router.websocket("/{session_id}/")
 async def socket(websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, session_id: str) -> None:
     """Forward the page's WebSocket to the session's scene."""
+    from server.scenes.proxy import pass_on  # noqa: PLC0415 - imported with the first 3D view
+
     session = sessions.get(session_id)
     scene = await scenes.get(session)
     scene.enter()

@@ -7,19 +7,21 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Body, Request
 from fastapi.responses import JSONResponse, Response
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
-from mapper.simulation import SENSOR_PARAMETERS, WORLDS
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
-from server.sessions import Kind, SessionHost
+from server.sessions import Kind
 from server.sessions.kind import SessionRequest
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -66,9 +68,18 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
 
 @router.get("/sessions/making/{name}")
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> dict[str, Any]:
-    """Return the progress of a session that is being created for this visitor: fraction (0 to 1) and seconds."""
+    """Return the progress of a session that is being created for this visitor.
+
+    It is what is being done (null: what was asked for), the fraction of it that is done (0 to 1; null if not known),
+    and the seconds since the beginning.
+    """
     under_way = sessions.under_way.get(visitor, name)
-    return {"fraction": round(under_way.fraction, 3), "elapsed_s": round(time.monotonic() - under_way.began, 2)}
+    what, fraction = under_way.progress()
+    return {
+        "what": what,
+        "fraction": None if fraction is None else round(fraction, 3),
+        "elapsed_s": round(time.monotonic() - under_way.began, 2),
+    }
 
 
 @router.get("/sessions/{session_id}")
@@ -89,22 +100,26 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 @router.get("/sessions/{session_id}/story")
 async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return the history of a live world, from which another session can begin."""
+    """Return the history of a simulation, from which another session can begin."""
     story = sessions.get(session_id).model.story
     if story is None:
-        raise MapperError("session.not_a_world", "Only a live world has a story; a log is its own.")
+        raise MapperError("session.not_a_world", "Only a simulation has a story.")
     return await story.current()
 
 
 @router.get("/worlds")
-async def worlds() -> dict[str, Any]:
+def worlds() -> dict[str, Any]:
     """List the simulated worlds."""
+    from mapper.simulation import WORLDS  # noqa: PLC0415 - imported with the first use, on a worker thread
+
     return {
         "worlds": [{"name": w.name, "title": w.title, "bounds": [float(v) for v in w.bounds]} for w in WORLDS.values()]
     }
 
 
 @router.get("/parameters")
-async def parameters() -> dict[str, Any]:
+def parameters() -> dict[str, Any]:
     """Return the tables of mapping parameters and of the simulated sensor's parameters."""
+    from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
+
     return {"parameters": [asdict(row) for row in PARAMETERS], "sensor": [asdict(row) for row in SENSOR_PARAMETERS]}

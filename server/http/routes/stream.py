@@ -1,47 +1,13 @@
-"""``/api/sessions/{id}/stream``: the WebSocket between one browser and a session; see :mod:`server.stream.protocol`."""
+"""``/api/sessions/{id}/stream``: the WebSocket between one browser and a session."""
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-import time
-from collections.abc import Callable, MutableMapping
-from typing import Any
-
-import structlog
 from fastapi import APIRouter, WebSocket
-from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from server.http.guests import GuestRight, guests_may
 from server.http.services import ServiceSettings, Sessions
-from server.sessions import SessionBudgetError, SessionHost
-from server.sessions.tick import error_message
-from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
-from server.stream.hub import Client
-from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, integer, text
 
 router = APIRouter()
-
-MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
-COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
-MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
-
-_log = structlog.get_logger(__name__)
-
-
-class Allowance:
-    """A token bucket that limits the commands of one client: above the rate they are read more slowly."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._left, self._at = COMMAND_BURST, clock()
-
-    def spend(self) -> float:
-        """Count one command; return the seconds to wait before the next one is read."""
-        now = self._clock()
-        self._left = min(COMMAND_BURST, self._left + (now - self._at) * COMMANDS_PER_S) - 1.0
-        self._at = now
-        return max(0.0, -self._left / COMMANDS_PER_S)
 
 
 @router.websocket("/api/sessions/{session_id}/stream")
@@ -49,95 +15,6 @@ class Allowance:
 async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSettings, session_id: str) -> None:
     """Exchange messages with a session."""
     session = sessions.get(session_id)
-    if SUBPROTOCOL not in websocket.scope["subprotocols"]:
-        await websocket.accept()
-        await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
-        return
-    if len(session.hub.clients) >= settings.max_clients_per_session:
-        raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
-    await websocket.accept(subprotocol=SUBPROTOCOL)
-    client = session.join()
-    tasks = [
-        asyncio.create_task(_send(websocket, session, client), name="stream out"),
-        asyncio.create_task(_receive(websocket, session, client), name="stream in"),
-    ]
-    try:
-        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        session.leave(client)
-        for task in tasks:
-            task.cancel()
-        done = await asyncio.gather(*tasks, return_exceptions=True)
-        for result in done:
-            if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
-                _log.error("a stream failed", exc_info=result)
-                await _close(websocket, INTERNAL, "internal")
+    from server.http.stream_connection import exchange  # noqa: PLC0415 - what it imports came with the first session
 
-
-async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
-    if websocket.application_state is WebSocketState.CONNECTED:
-        # The browser may have disconnected meanwhile.
-        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            await websocket.close(code.code, reason)
-
-
-async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> None:
-    while True:
-        client.wake.clear()
-        for message in client.take():
-            if isinstance(message, bytes):
-                await websocket.send_bytes(message)
-            else:
-                await websocket.send_text(message)
-        if session.closed:
-            await _close(websocket, ENDED, "session.ended")
-            return
-        if client.is_lost:
-            await _close(websocket, NO_ACKS, "no frame was acknowledged for a long time")
-            return
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(client.wait_s()):
-                await client.wake.wait()
-
-
-async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -> None:
-    malformed = throttled = 0
-    allowance = Allowance()
-    while True:
-        message = await websocket.receive()
-        if message["type"] == "websocket.disconnect":
-            return
-        try:
-            _take(session, client, _decode(message))
-        except ProtocolError as error:
-            client.send(error_message(error.code, error.message))
-            malformed += error.code.startswith("command.")
-            if malformed > MAX_MALFORMED:
-                await _close(websocket, POLICY, "too many malformed frames")
-                return
-        wait = allowance.spend()
-        throttled = throttled + 1 if wait > 0.0 else 0
-        if throttled > MAX_THROTTLED:
-            await _close(websocket, POLICY, "too many commands")
-            return
-        await asyncio.sleep(wait)
-
-
-def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
-    data = message.get("text")
-    return decode_command(message.get("bytes") or b"" if data is None else data)
-
-
-def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None:
-    match command["type"]:
-        case "ack":
-            client.acknowledge(integer(command, "seq"))
-        case "resume":
-            if text(command, "epoch_id") == session.epoch_id:
-                client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))
-        case "subscribe":
-            client.subscribe(command["layers"])
-        case "ping":
-            client.send({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
-        case _:
-            session.enqueue(command, client)
+    await exchange(websocket, session, settings.max_clients_per_session)

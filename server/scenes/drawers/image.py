@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from server.scenes.drawer import Drawer, same_array
+from server.scenes.drawer import Drawer, differs
 from server.sessions.drawings import Image
 
 
@@ -18,7 +18,7 @@ class ImageDrawer(Drawer[Image, Image]):
         """Draw the image."""
         self.place(content)
         old, self._shown = self._shown, content
-        if old is None or self._node is None or (old.width, old.height) != (content.width, content.height):
+        if self._node is None or differs(old, content, "width", "height"):
             self._node = self.scene.add_image(
                 f"{self.path}/image",
                 content.pixels,
@@ -29,5 +29,5 @@ class ImageDrawer(Drawer[Image, Image]):
                 # viser's images have their first row at the smallest y of their own frame: half a turn about x.
                 wxyz=(0.0, 1.0, 0.0, 0.0),
             )
-        elif not same_array(old.pixels, content.pixels):
+        elif differs(old, content, "pixels"):
             self._node.image = content.pixels

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from server.scenes.drawer import Drawer, same_array
+from server.scenes.drawer import Drawer, differs
 from server.sessions.drawings import Mesh
 
 
@@ -18,7 +18,7 @@ class MeshDrawer(Drawer[Mesh, Mesh]):
         """Draw the mesh."""
         self.place(content)
         old, self._shown = self._shown, content
-        if old is not None and _equal(old, content):
+        if not differs(old, content, "vertices", "faces", "color", "opacity", "flat_shading", "two_sided"):
             return
         if len(content.faces):
             # The node is created again, since its vertices and faces have to arrive together.
@@ -35,11 +35,3 @@ class MeshDrawer(Drawer[Mesh, Mesh]):
         elif self._node is not None:
             self._node.remove()
             self._node = None
-
-
-def _equal(a: Mesh, b: Mesh) -> bool:
-    return (
-        (a.color, a.opacity, a.flat_shading, a.two_sided) == (b.color, b.opacity, b.flat_shading, b.two_sided)
-        and same_array(a.vertices, b.vertices)
-        and same_array(a.faces, b.faces)
-    )

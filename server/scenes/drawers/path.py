@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from server.scenes.drawer import Drawer
+from server.scenes.drawer import Drawer, differs
 from server.sessions.drawings import Path
 
 MAX_SEGMENTS = 4000
@@ -27,7 +27,7 @@ class PathDrawer(Drawer[Path, Path]):
     def show(self, content: Path) -> None:
         """Draw the path."""
         old, self._shown = self._shown, content
-        if old is not None and old.poses is content.poses and old.color == content.color:
+        if not differs(old, content, "poses", "color"):
             return
         self.scene.add_line_segments(
             f"{self.path}/line", path_segments(content.poses), content.color, thickness=1.0, thickness_units="screen"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.scenes.drawer import Drawer, same_array
+from server.scenes.drawer import Drawer, differs
 from server.sessions.drawings import Points
 
 
@@ -15,12 +15,7 @@ class PointsDrawer(Drawer[Points, Points]):
         """Draw the points."""
         self.place(content)
         old, self._shown = self._shown, content
-        if (
-            old is not None
-            and old.size == content.size
-            and same_array(old.points, content.points)
-            and same_array(old.colors, content.colors)
-        ):
+        if not differs(old, content, "points", "colors", "size"):
             return
         self.scene.add_point_cloud(
             f"{self.path}/points",

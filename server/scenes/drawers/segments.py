@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.scenes.drawer import Drawer, same_array
+from server.scenes.drawer import Drawer, differs
 from server.sessions.drawings import Segments
 
 
@@ -15,12 +15,7 @@ class SegmentsDrawer(Drawer[Segments, Segments]):
         """Draw the lines."""
         self.place(content)
         old, self._shown = self._shown, content
-        if (
-            old is not None
-            and (old.width, old.unit) == (content.width, content.unit)
-            and same_array(old.points, content.points)
-            and same_array(old.colors, content.colors)
-        ):
+        if not differs(old, content, "points", "colors", "width", "unit"):
             return
         self.scene.add_line_segments(
             f"{self.path}/lines",

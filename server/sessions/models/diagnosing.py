@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 from mapper.sensors.scan import ScanLog
-from server.work.scheduler import Party, Scheduler
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
@@ -27,12 +27,12 @@ def _lower_priority() -> None:
         os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + _NICENESS)
 
 
-_PLACES = Scheduler(AT_ONCE)
+_TURNS = Scheduler(AT_ONCE)
 _EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_lower_priority)
 
 
 async def examination(
-    log: ScanLog, trajectory: str, scheduler: Scheduler, party: Party, wanted: Callable[[], bool]
+    log: ScanLog, trajectory: str, scheduler: Scheduler, job_owner: JobOwner, wanted: Callable[[], bool]
 ) -> list[Finding]:
     """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.examine`, which checks ``wanted``.
 
@@ -44,9 +44,9 @@ async def examination(
 
         return examine(log, trajectory, wanted=wanted)
 
-    place = _PLACES.ask(party, waited_for=False)
+    turn = _TURNS.request(job_owner, interactive=False)
     try:
-        await asyncio.wrap_future(place.granted)
-        return await scheduler.run(_EXAMINERS, party, examined, waited_for=False)
+        await asyncio.wrap_future(turn.granted)
+        return await scheduler.run(_EXAMINERS, job_owner, examined, interactive=False)
     finally:
-        _PLACES.leave(place)
+        _TURNS.release(turn)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -33,6 +36,8 @@ MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
 DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
 PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
+SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
+LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
 
 
 def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -53,6 +58,12 @@ def bounds_of(poses: NDArray[np.float64]) -> Bounds:
     """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
     (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
     return (float(x0), float(y0), float(x1), float(y1))
+
+
+def slice_is_over() -> Callable[[], bool]:
+    """Return a function that returns whether this thread has worked so long since that the map should be shown."""
+    began, used = time.monotonic(), time.thread_time()
+    return lambda: time.monotonic() - began > SHOWN_EVERY_S and time.thread_time() - used > LEAST_SLICE_S
 
 
 def _playback(times: NDArray[np.float64]) -> Playback:
@@ -83,6 +94,7 @@ class LogModel(SessionModel):
         self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
+        self._left_at = 0  #: the index at which the map was before it was requested
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
@@ -130,7 +142,10 @@ class LogModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the present computation that is done."""
-        return self.recording.replay.fraction
+        replay, first, last = self.recording.replay, self._left_at, self._target
+        if self.is_catching_up and first < replay.index < last:
+            return (replay.index - first) / (last - first)
+        return replay.fraction
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -184,7 +199,7 @@ class LogModel(SessionModel):
             "log": {
                 "id": recording.log_id,
                 "trajectory": recording.trajectory,
-                "trajectories": [{"name": k, "description": t.description} for k, t in log.trajectories.items()],
+                "trajectories": self._trajectories_message()["trajectories"],
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
                 "duration_s": float(recording.recorded[-1]),
@@ -199,6 +214,10 @@ class LogModel(SessionModel):
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+
+    def _trajectories_message(self) -> dict[str, Any]:
+        found = self.recording.log.trajectories.items()
+        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
 
     def _trajectory_message(self) -> dict[str, Any]:
         recording = self.recording
@@ -228,13 +247,20 @@ class LogModel(SessionModel):
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, or seek the index that a command requested."""
         replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
-        if dt > 0.0 and self._target < count:
+        if dt > 0.0 and self._target < count and not self.is_catching_up:
+            self._left_at = replay.index
             self._time += dt * playback.speed
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
-        if self._target != replay.index:
-            with self._host.cancellable():
-                result.add(replay.advance_to(self._target))
-        if playback.playing and self._target == count:
+        if self.is_catching_up:
+            try:
+                with self._host.cancellable():
+                    result.add(replay.advance_to(self._target, slice_is_over()))
+            except WorkCancelledError:
+                raise
+            except MapperError:
+                self._target = replay.index
+                raise
+        if playback.playing and replay.index == count:
             playback.playing = False
             result.changed = True
             result.notice("log.end", "The log has ended: all of its scans are in the map.")
@@ -243,6 +269,11 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the map is not yet that of the requested scan."""
+        return self._target != self.recording.replay.index
 
     @property
     def has_deferred_work(self) -> bool:
@@ -255,7 +286,7 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
-        if self._target == self.recording.log.n_scans:
+        if self.recording.replay.index == self.recording.log.n_scans:
             self._go_to(0)
         super().play()
 
@@ -276,10 +307,17 @@ class LogModel(SessionModel):
             case "restart":
                 self._go_to(0)
                 self.playback.playing = True
+            case "cancel":
+                self.parameters.cancel(result)
+                self.playback.playing = False
+                self._go_to(self.recording.replay.index)
             case "trajectory":
                 self.recording.choose(text(command, "name"))
+                self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
+            case "update_log":  # from the service, never from a client
+                self._update_log(command["log"], result)
             case "compare":
                 raise ProtocolError(
                     "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
@@ -290,6 +328,16 @@ class LogModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
+    def _update_log(self, log: ScanLog, result: TickResult) -> None:
+        """Go on with the same scans and other trajectories, which the library has now."""
+        if self.recording.update(log):
+            self._left_at = 0
+            result.new_grid = True
+        self.comparison.update_log(self.recording.log)
+        result.slot(self._trajectories_message())
+        result.slot(self._trajectory_message())
+
     def _go_to(self, index: int) -> None:
+        self._left_at = self.recording.replay.index
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])

@@ -11,6 +11,7 @@ from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import ExplainedMap
 from server.sessions.comparison_numbers import comparison_message
 from server.sessions.hosting import ModelHost
@@ -54,7 +55,7 @@ class LogComparison:
 
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
         """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
-        async with self._host.locked():
+        async with self._host.settled():
             other = self._compared_with()
             found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
             return other.description(), found
@@ -143,6 +144,11 @@ class LogComparison:
             if other is not None:
                 other.reconfigure(before)
             raise
+
+    def update_log(self, log: ScanLog) -> None:
+        """Go on with the session's ``log``, the same scans with other trajectories. Raises as :class:`Replay` does."""
+        if self._other is not None:
+            self._other.update_log(log)
 
     def draw(self, result: TickResult) -> None:
         """Advance A to the session's scan, and update its layer."""

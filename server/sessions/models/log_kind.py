@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
 from mapper.sensors.scan import ScanLog
-from server.sessions.hosting import ModelHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
-from server.sessions.models.log import LogModel
-from server.sessions.models.log_recording import first_replay
 from server.sessions.view import LogView
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 
 class NewLog(SessionRequest):
@@ -31,7 +32,11 @@ def log_plan(
     """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does."""
     shown = view or LogView()
 
-    def make(host: ModelHost, making: Making) -> LogModel:
+    def make(host: ModelHost, making: Making) -> SessionModel:
+        from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
+        from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
+
+        making.watched = lambda: ("Preparing the map", None)
         replay = first_replay(log, shown, host.limits(), making.may_continue)
         return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
 
@@ -39,7 +44,12 @@ def log_plan(
 
 
 async def _plan(wanted: NewLog, resources: Resources) -> Plan:
-    log = await resources.library.load(resources.visitor, wanted.log, wanted.topic)
+    library, making = resources.library, resources.making
+    making.watched = lambda: library.opening(wanted.log)
+    try:
+        log = await library.load(resources.visitor, wanted.log, wanted.topic)
+    finally:
+        making.watched = None
     title = resources.library.get(resources.visitor, wanted.log).name
     view = LogView(wanted.topic, wanted.trajectory)
     return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)

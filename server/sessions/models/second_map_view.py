@@ -13,6 +13,7 @@ from mapper.grid.merge import on_one_lattice
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
+from mapper.sensors.scan import ScanLog
 from mapper.simulation.second_map import SecondMap
 from server.sessions.view import Wanted
 from server.sessions.why import Source
@@ -32,6 +33,7 @@ class SecondMapView:
         """Make the map (worker thread). Raises as :class:`Replay` does."""
         self._wanted = wanted
         self._follows = wanted.log is None
+        self._limits = limits
         log = wanted.log or own.log
         self.replay = Replay(log, config.with_values(wanted.values), wanted.trajectory, limits)
         self.replay.wanted = is_wanted
@@ -69,6 +71,19 @@ class SecondMapView:
             self.second.add(change)
         else:
             self.second.begin(self.replay.config, self.replay.grid)
+
+    def update_log(self, log: ScanLog) -> None:
+        """Go on with the session's ``log``, the same scans with other trajectories. Raises as :class:`Replay` does."""
+        old = self.replay
+        if not self._follows or (old.trajectory in log.trajectories and old.adopt(log)):
+            return
+        if old.trajectory not in log.trajectories:
+            return  # it was deleted: this map goes on with it
+        replay = Replay(log, old.config, old.trajectory, self._limits)
+        replay.wanted = old.wanted
+        replay.advance_to(old.index)
+        self.replay = replay
+        self.second.begin(replay.config, replay.grid)
 
     def sources(self) -> list[Source]:
         """The scans that are in the map."""

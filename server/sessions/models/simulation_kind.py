@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mapper.simulation.live_map import world_named
-from server.sessions.hosting import ModelHost
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
-from server.sessions.models.simulation import SimulationModel
-from server.sessions.models.story import replayed
-from server.sessions.models.story_cost import check_story
 from server.work.scheduler import URGENT_S
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+    from server.sessions.model import SessionModel
 
 DEFAULT_WORLD = "office"
 
@@ -49,11 +49,6 @@ class NewSimulation(SessionRequest):
     world: str | None = Field(None, max_length=100, description="Name of the world; by default the first one.")
     seed: int | None = Field(None, ge=0, lt=2**31, description="The same seed and commands give the same scans.")
     story: Story | None = Field(None, description="Recorded history of a simulation, from /api/sessions/{id}/story.")
-    name: str | None = Field(
-        None,
-        max_length=100,
-        description="A name under which /api/sessions/making/{name} returns the progress of the replay.",
-    )
 
 
 def simulation_plan(
@@ -70,24 +65,30 @@ def simulation_plan(
     Raises :class:`mapper.core.errors.LimitError` for a story that would take more than ``max_story_s`` to replay and
     :class:`mapper.core.errors.ConfigError` for an unknown world; making it raises as :func:`replayed`.
     """
+    from mapper.simulation.live_map import world_named  # noqa: PLC0415 - the simulator is imported with the first session
+    from server.sessions.models.story_cost import check_story  # noqa: PLC0415
+
     story = story or {}
     cost_s = check_story(story, max_story_s)
     begun = {**story, "world": world_named(DEFAULT_WORLD if world is None else world).name}
     begun["seed"] = secrets.randbelow(2**31) if seed is None else seed
 
-    def make(host: ModelHost, making: Making) -> SimulationModel:
+    def make(host: ModelHost, making: Making) -> SessionModel:
+        from server.sessions.models.simulation import SimulationModel  # noqa: PLC0415
+        from server.sessions.models.story import replayed  # noqa: PLC0415
+
         mapper = replayed(begun, limits=host.limits, wanted=making.may_continue, report=making.report)
         model = SimulationModel(host, mapper, max_story_s)
         model.resume(story)
         return model
 
-    return Plan(make, name=name, waited_for=cost_s <= URGENT_S, playing=playing)
+    return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)
 
 
 async def _plan(wanted: NewSimulation, resources: Resources) -> Plan:
     story = None if wanted.story is None else wanted.story.model_dump()
     plan = partial(simulation_plan, max_story_s=resources.max_story_s, playing=wanted.playing, name=wanted.name)
-    return plan(wanted.world, wanted.seed, story)
+    return await asyncio.to_thread(plan, wanted.world, wanted.seed, story)
 
 
 SIMULATION = Kind(NewSimulation, _plan)

@@ -161,7 +161,7 @@ function Lab() {
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}
-      {store?.explainedPoint.value && <Why store={store} side="left" />}
+      {store?.explainedPoint.value && <Why store={store} />}
       {store && (
         <div class="lab-experiments">
           <Disclosure title="What goes wrong" note="seven faults to switch on">

@@ -48,14 +48,26 @@ function go({ log, topic, session }: Place, replace = false): void {
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
+/** Ends the request for the session that is being opened. */
+let ending: AbortController | null = null;
+
+function cancelOpening(): void {
+  ending?.abort();
+  close();
+}
+
 /** Open a session on a log; with `replace` the session is added to the current address. */
 async function open(log: string, topic: string | null, replace: boolean): Promise<void> {
   go({ log, topic, session: null }, replace);
+  ending?.abort();
+  const own = new AbortController();
+  ending = own;
   try {
-    const session = await openSession(log, topic);
+    const session = await openSession(log, topic, own.signal);
     failure.value = null;
     if (place.peek().log === log && place.peek().topic === topic) go({ log, topic, session }, true);
   } catch (error) {
+    if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
     failure.value = isAway ? "The server does not answer. The page tries again by itself." : (error as Error).message;
     if (isAway) setTimeout(resume, RETRY_MS);
@@ -63,6 +75,7 @@ async function open(log: string, topic: string | null, replace: boolean): Promis
 }
 
 addEventListener("popstate", () => {
+  ending?.abort();
   failure.value = null;
   place.value = placeOf(location.search);
   resume();
@@ -104,7 +117,7 @@ function Page() {
       </div>
     );
   }
-  return <Opening />;
+  return <Opening onCancel={cancelOpening} />;
 }
 
 resume();

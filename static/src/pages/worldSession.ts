@@ -1,11 +1,9 @@
 import { signal } from "@preact/signals";
 import { reducedMotion } from "../ui/reducedMotion";
 import type { Work } from "../ui/Working";
+import { followMaking, newName } from "./making";
 
 const KEY = "gridbloom.world";
-/** A replay that takes longer shows its progress. */
-const SHOWN_AFTER_MS = 300;
-const POLL_MS = 250;
 
 /** The progress of a world that the server replays from its story, and how to cancel it. */
 export interface Replay {
@@ -26,9 +24,11 @@ export class CancelledError extends Error {}
 export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
   const begin = { kind: "simulation", playing: !reducedMotion.peek() };
   if (!story) return await post(begin);
-  const name = Array.from(crypto.getRandomValues(new Uint32Array(3)), (n) => n.toString(36)).join("");
+  const name = newName();
   const ending = new AbortController();
-  const stop = showProgress(name, () => ending.abort());
+  const stop = followMaking(name, (work) => {
+    replay.value = work && { work, cancel: () => ending.abort() };
+  });
   try {
     return await post({ ...begin, world: story.world, seed: story.seed, story, name }, ending.signal);
   } catch (error) {
@@ -49,27 +49,6 @@ async function post(wanted: object, ending?: AbortSignal): Promise<string> {
   const body = (await answer.json()) as { id?: string; message?: string };
   if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);
   return body.id;
-}
-
-/** Show the progress of a replay until the returned function is called. */
-function showProgress(name: string, cancel: () => void): () => void {
-  let isOver = false;
-  const poll = async (): Promise<void> => {
-    try {
-      const answer = await fetch(`/api/sessions/making/${name}`);
-      if (answer.ok && !isOver) replay.value = { work: (await answer.json()) as Work, cancel };
-    } catch {
-      // The request for the world itself reports that the server does not answer.
-    }
-    if (isOver) replay.value = null;
-    else timer = setTimeout(() => void poll(), POLL_MS);
-  };
-  let timer = setTimeout(() => void poll(), SHOWN_AFTER_MS);
-  return () => {
-    isOver = true;
-    clearTimeout(timer);
-    replay.value = null;
-  };
 }
 
 /** The session storage; null if the browser forbids it. */

@@ -301,6 +301,11 @@ export class SessionState implements Receiver {
       case "trajectory":
         this.trajectory.value = message;
         return;
+      case "trajectories": {
+        const hello = this.hello.peek();
+        if (hello?.log) this.hello.value = { ...hello, log: { ...hello.log, trajectories: message.trajectories } };
+        return;
+      }
       case "parameters":
         if (this.mapping.update(message.values)) this.#shown.remake();
         if (message.sensor) this.sensor.update(message.sensor);

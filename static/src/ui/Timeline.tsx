@@ -2,19 +2,49 @@ import { useSignal } from "@preact/signals";
 import { useId, useRef } from "preact/hooks";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 
+/** A place on the seek bar with a text. */
+export interface TimelineMark {
+  readonly id: string;
+  readonly index: number;
+  readonly label: string;
+  readonly chosen: boolean;
+}
+
 interface TimelineProps {
   readonly index: number;
   readonly count: number;
   /** The recorded time at an index, where the log has times. */
   readonly timeAt?: ((index: number) => string) | undefined;
   readonly onSeek: (index: number) => void;
+  readonly marks?: readonly TimelineMark[];
+  /** Called with the id of a mark that was pressed. */
+  readonly onMark?: (id: string) => void;
 }
 
 /** Horizontal distance of a touch before it drags, px: until then it may become a scroll of the page. */
 const SLOP_TOUCH = 6;
 
 /** A seek bar over scans. While it is dragged the thumb follows the pointer, not the position of the server. */
-export function Timeline({ index, count, timeAt, onSeek }: TimelineProps) {
+export function Timeline({ marks = [], onMark, ...bar }: TimelineProps) {
+  return (
+    <div class="timeline-place">
+      <SeekBar {...bar} />
+      {marks.map((mark) => (
+        <button
+          key={mark.id}
+          type="button"
+          class={mark.chosen ? "timeline-mark chosen" : "timeline-mark"}
+          style={{ left: `${placeOf(mark.index, bar.count) * 100}%` }}
+          aria-label={mark.label}
+          title={mark.label}
+          onClick={() => onMark?.(mark.id)}
+        />
+      ))}
+    </div>
+  );
+}
+
+function SeekBar({ index, count, timeAt, onSeek }: Omit<TimelineProps, "marks" | "onMark">) {
   const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);

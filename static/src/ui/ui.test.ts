@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { keyedTab } from "./Dock";
 import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 
@@ -60,5 +61,16 @@ describe("a timeline's arithmetic", () => {
     expect(keyedIndex("End", false, 5, 910)).toBe(910);
     expect(keyedIndex("Home", false, 5, 910)).toBe(0);
     expect(keyedIndex("Tab", false, 5, 910)).toBeNull();
+  });
+});
+
+describe("the keys of a dock's tabs", () => {
+  it("go round, and to both ends", () => {
+    expect(keyedTab("ArrowRight", 6, 7)).toBe(0);
+    expect(keyedTab("ArrowLeft", 0, 7)).toBe(6);
+    expect(keyedTab("ArrowDown", 2, 7)).toBe(3);
+    expect(keyedTab("Home", 3, 7)).toBe(0);
+    expect(keyedTab("End", 3, 7)).toBe(6);
+    expect(keyedTab("Enter", 3, 7)).toBeNull();
   });
 });

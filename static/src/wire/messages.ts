@@ -322,6 +322,13 @@ export interface Trajectory {
   readonly stamps: readonly number[];
 }
 
+/** Log sessions: the trajectories of the log, after one was added, replaced or deleted. */
+export interface Trajectories {
+  readonly type: "trajectories";
+  /** all trajectories of the log */
+  readonly trajectories: readonly TrajectoryInfo[];
+}
+
 /** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -545,6 +552,11 @@ export interface SeekCommand {
   readonly index: number;
 }
 
+/** Log sessions: end the computation that goes on. A seek stays where it is; parameters are as before. */
+export interface CancelCommand {
+  readonly type: "cancel";
+}
+
 /** Change mapping parameters and recompute the map. */
 export interface ParametersCommand {
   readonly type: "parameters";
@@ -670,6 +682,7 @@ export type ServerMessage =
   | Geometry
   | FrameMessage
   | Trajectory
+  | Trajectories
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
@@ -691,6 +704,7 @@ export type Command =
   | StepCommand
   | SpeedCommand
   | SeekCommand
+  | CancelCommand
   | ParametersCommand
   | SensorCommand
   | FaultsCommand
@@ -847,6 +861,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     every: isInteger,
     poses: isListOf(isPoint),
     stamps: isListOf(isNumber),
+  },
+  trajectories: {
+    trajectories: isListOf(isTrajectoryInfo),
   },
   parameters: {
     values: isValues,

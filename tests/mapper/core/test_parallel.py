@@ -1,4 +1,4 @@
-"""More threads give the same map, bit for bit; the split of the rows is whole and fair."""
+"""Results are equal to the last bit with any number of threads; rows are divided completely and evenly."""
 
 import os
 from functools import partial
@@ -33,7 +33,7 @@ def test_the_number_of_threads_does_not_show(
 
 
 @given(st.lists(st.integers(0, 100), min_size=1, max_size=60), st.integers(1, 9))
-def test_bands_are_whole_and_fair(work: list[int], parts: int) -> None:
+def test_bands_cover_all_rows_in_equal_shares(work: list[int], parts: int) -> None:
     split = bands(np.array(work, dtype=float), parts)
     assert [row for low, high in split for row in range(low, high)] == list(range(len(work)))
     assert len(split) <= parts

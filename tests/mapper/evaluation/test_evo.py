@@ -1,15 +1,15 @@
-"""Against evo, which shares no line with this: what evo 1.38.1 (PyPI) gave for the same two trajectories."""
+"""Trajectory errors against evo 1.38.1 (PyPI), an independent program, on the same two trajectories."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import astuple
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mapper.evaluation import ComparisonOptions, compare_trajectories
+from mapper.evaluation import ComparisonOptions, ErrorSeries, compare_trajectories
 from mapper.io.trajectories import read_tum
 from tests.mapper.evaluation.trajectories import estimate, reference
 
@@ -78,13 +78,17 @@ INTEL_RELATIVE_M = (0.133058, 0.106867, 0.087485, 0.079270, 0.003126, 0.493810)
 DIGITS = 2e-9  #: evo's figures were written down with nine decimals; its angles come from arc cosines of matrices
 
 
+def assert_statistics(found: Sequence[ErrorSeries], expected: Sequence[object]) -> None:
+    """Compare translation and rotation with evo's figures."""
+    for series, figures in zip(found, expected, strict=True):
+        assert astuple(series.statistics) == pytest.approx(figures, rel=1e-9, abs=DIGITS)
+
+
 @pytest.mark.parametrize("how", ABSOLUTE)
 def test_absolute_errors_are_evos(how: str) -> None:
     found = compare_trajectories(reference(), estimate(), ComparisonOptions(align=how))
-    translation, rotation = ABSOLUTE[how]
     assert len(found.estimate) == 150
-    assert astuple(found.absolute_translation.statistics) == pytest.approx(translation, rel=1e-9, abs=DIGITS)
-    assert astuple(found.absolute_rotation.statistics) == pytest.approx(rotation, rel=1e-9, abs=DIGITS)
+    assert_statistics((found.absolute_translation, found.absolute_rotation), ABSOLUTE[how])
 
 
 def test_the_alignment_is_evos() -> None:
@@ -100,10 +104,9 @@ def test_relative_errors_are_evos(case: tuple[float, str, bool, bool]) -> None:
         align="none", delta=delta, delta_unit=unit, all_pairs=all_pairs, pairs_from_reference=from_reference
     )
     found = compare_trajectories(reference(), estimate(), options)
-    count, translation, rotation = RELATIVE[case]
+    count, *expected = RELATIVE[case]
     assert len(found.relative_translation.errors) == count
-    assert astuple(found.relative_translation.statistics) == pytest.approx(translation, rel=1e-9, abs=DIGITS)
-    assert astuple(found.relative_rotation.statistics) == pytest.approx(rotation, rel=1e-9, abs=DIGITS)
+    assert_statistics((found.relative_translation, found.relative_rotation), expected)
 
 
 def test_errors_of_real_trajectories_are_evos(data_file: Callable[[str], Path]) -> None:

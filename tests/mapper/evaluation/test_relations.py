@@ -1,4 +1,4 @@
-"""Relations: closed forms, and the figures that another program gave on Intel's."""
+"""Relations: closed forms, and the figures of another program for the Intel log."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_true_poses_have_no_error_in_any_frame() -> None:
     np.testing.assert_allclose(found.rotation.errors, 0.0, atol=1e-12)
 
 
-def test_a_known_error_of_one_pose_is_that_of_its_relations() -> None:
+def test_an_error_of_one_pose_appears_in_its_relations() -> None:
     poses, stamps = circle(50), np.arange(50) * S
     relations = relations_of(poses, stamps, [(0, 10), (10, 20), (20, 30)])
     estimate = poses.copy()
@@ -86,7 +86,7 @@ def test_one_scan_carries_all_records() -> None:
     np.testing.assert_allclose(poses_at_records(records, moved[7:8]), moved, atol=1e-9)
 
 
-def test_a_stamp_of_several_records_takes_the_one_that_fits_the_odometry() -> None:
+def test_of_records_with_one_stamp_the_one_that_fits_the_odometry_is_used() -> None:
     true, stamps = circle(60), np.arange(60) * S // 10
     stamps[30:33] = stamps[30]  # three messages with one stamp
     records = OdometryRecords(TimedPoses(stamps, true), np.arange(60))

@@ -1,4 +1,4 @@
-"""Association, alignment, pairs and errors: closed forms, and what the textbook says of the same input."""
+"""Association, alignment, pairs and errors: against closed forms and the textbook."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two trajectories that are written down in closed form, so that other programs can be given the same."""
+"""Two trajectories in closed form, which other programs can be given too."""
 
 from __future__ import annotations
 

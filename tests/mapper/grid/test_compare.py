@@ -1,4 +1,4 @@
-"""Two maps compared: counts by hand, and signs."""
+"""Comparison of two maps: counts by hand, and signs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_states_and_differences_by_hand() -> None:
     assert found.entropy_bits[0] == pytest.approx(2 * float(entropy(2.0)) + 1 + float(entropy(0.1)))
 
 
-def test_maps_that_lie_apart_are_laid_over_one_another() -> None:
+def test_maps_with_other_origins_are_aligned() -> None:
     a, b = grid([[2.0, 2.0]]), grid([[2.0, -2.0]], (1.0, 0.0, 0.0))
     found = compare(a, b)
     assert found.geometry.shape == (1, 3)

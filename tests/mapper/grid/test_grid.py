@@ -23,7 +23,7 @@ geometries = st.builds(
 )
 
 
-def test_the_first_cell_lies_up_and_right_of_the_origin() -> None:
+def test_the_first_cell_is_up_and_right_of_the_origin() -> None:
     geometry = GridGeometry(0.5, 4, 6, (-1.0, 2.0, 0.0))
     assert geometry.world_to_cell([-1.0, 2.0]).tolist() == [0, 0]
     assert geometry.world_to_cell([-0.6, 3.9]).tolist() == [3, 0]
@@ -40,7 +40,7 @@ def test_yaw_turns_the_lattice_about_the_origin() -> None:
 
 
 @given(geometries, st.tuples(st.integers(-100, 100), st.integers(-100, 100)))
-def test_the_centre_of_a_cell_lies_in_it(geometry: GridGeometry, cell: tuple[int, int]) -> None:
+def test_the_centre_of_a_cell_is_inside_it(geometry: GridGeometry, cell: tuple[int, int]) -> None:
     assert tuple(geometry.world_to_cell(geometry.cell_to_world(cell))) == cell
     inside = 0 <= cell[0] < geometry.rows and 0 <= cell[1] < geometry.cols
     assert geometry.contains(cell) == inside
@@ -49,7 +49,7 @@ def test_the_centre_of_a_cell_lies_in_it(geometry: GridGeometry, cell: tuple[int
 @given(
     st.floats(-500, 500), st.floats(-500, 500), st.floats(0, 40), st.floats(0, 40), st.sampled_from([0.05, 0.1, 0.3])
 )
-def test_covering_holds_its_box_in_whole_tiles(x: float, y: float, width: float, height: float, side: float) -> None:
+def test_covering_contains_its_box_in_whole_tiles(x: float, y: float, width: float, height: float, side: float) -> None:
     geometry = GridGeometry.covering((x, y), (x + width, y + height), side)
     assert geometry.rows % TILE == geometry.cols % TILE == 0
     tiles = np.array(geometry.origin[:2]) / (TILE * side)
@@ -110,13 +110,13 @@ def test_errors_state_sizes_as_width_by_height() -> None:
         GridGeometry.covering((0, 0), (1, 1), 0.0)
 
 
-def test_a_point_that_is_not_finite_lies_in_no_cell() -> None:
+def test_a_point_that_is_not_finite_has_no_cell() -> None:
     with pytest.raises(ConfigError, match="no cell"):
         GridGeometry(0.1, 2, 2).world_to_cell([[0.1, 0.1], [np.nan, 0.0]])
 
 
 @given(st.floats(-30, 30), st.floats(-30, 30))
-def test_growing_keeps_what_is_there(x: float, y: float) -> None:
+def test_growing_keeps_the_values_of_cells(x: float, y: float) -> None:
     grid = OccupancyGrid(GridGeometry(0.25, 20, 30, (1.0, -2.0, 0.0)), log_odds_prior=0.5)
     grid.log_odds[:] = np.arange(600, dtype=np.float32).reshape(20, 30)
     grid.observed[3, 4] = True
@@ -168,7 +168,7 @@ def test_certainty_is_infinite() -> None:
     assert probability([-np.inf, np.inf]).tolist() == [0.0, 1.0]
 
 
-def test_a_grid_says_in_one_line_what_it_is() -> None:
+def test_the_repr_of_a_grid_is_one_line() -> None:
     grid = OccupancyGrid(GridGeometry(0.05, 384, 960, (-12.8, 3.2, 0.5)))
     grid.observed[3, :7] = True
     assert repr(grid) == "<OccupancyGrid 960 × 384 cells of 0.05 m, origin (-12.8, 3.2, 0.5), 7 known>"

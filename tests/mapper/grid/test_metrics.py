@@ -33,7 +33,7 @@ def test_a_map_in_figures() -> None:
     assert metrics.entropy_bits == pytest.approx(1 + 2 * float(entropy(3.0)))
 
 
-def test_information_gain_is_what_was_open_less_what_is() -> None:
+def test_information_gain_is_the_decrease_of_entropy() -> None:
     prior = np.full((1, 4), np.nan, dtype=np.float32)
     prior[0, 1] = 2.0
     grid = OccupancyGrid(GridGeometry(1.0, 1, 4), prior_map=prior)

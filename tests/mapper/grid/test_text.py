@@ -1,4 +1,4 @@
-"""Golden pictures of tiny maps, and walls that survive being drawn small."""
+"""Expected pictures of tiny maps, and thin walls at reduced size."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_map_wider_than_the_picture_has_blocks_twice_as_high_as_wide():
     assert three_state(grid, 4) == "####\n####"
 
 
-def test_nothing_observed_is_a_blank_or_unknown():
+def test_unobserved_cells_are_blank_or_unknown():
     grid = OccupancyGrid(GridGeometry(0.1, 4, 4))
     assert set(three_state(grid, 80)) == {"?", "\n"}
     assert density(grid, 80).strip() == ""

@@ -1,4 +1,4 @@
-"""A simulated lidar whose beams are measured one after another while the robot drives in a circle, in a plain room."""
+"""A simulated lidar whose beams are measured one after another while the robot drives in a circle."""
 
 from __future__ import annotations
 

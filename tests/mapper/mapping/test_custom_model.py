@@ -1,4 +1,4 @@
-"""Sensor models of one's own: the same map as a built-in model of the same profile, and clear errors."""
+"""Custom sensor models: the same map as a built-in model with the same profile, and clear errors."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_the_same_profile_gives_the_same_map_to_the_last_bit(
     assert theirs.log_odds.tobytes() == ours.log_odds.tobytes()
 
 
-def test_a_model_is_told_distance_reading_and_greatest_range() -> None:
+def test_a_model_is_called_with_distance_reading_and_greatest_range() -> None:
     told: list[tuple[list[float], list[float], float]] = []
 
     class Ten:
@@ -110,7 +110,7 @@ def test_a_scan_without_readings_changes_nothing() -> None:
     assert (change.box, change.geometry_changed, change.cells_updated) == (None, False, 0)
 
 
-def test_sonars_take_one_too() -> None:
+def test_sonars_accept_custom_models() -> None:
     scan = SonarScan(np.array([2.0, 3.0], dtype=np.float32), np.array([0.0, 1.5]), 0.3, 0.1, 8.0)
     grid = OccupancyGrid(GridGeometry(0.5, 20, 20, (-5.0, -5.0, 0.0)))
     config = MappingConfig(model="sonar_cone", resolution=0.5)
@@ -130,7 +130,7 @@ def test_sonars_take_one_too() -> None:
         (lambda s: np.full(len(s), 1e300), "it says 1e\\+300"),
     ],
 )
-def test_what_is_no_evidence_is_refused_and_changes_nothing(answer: Any, sentence: str) -> None:
+def test_invalid_evidence_is_refused_and_changes_nothing(answer: Any, sentence: str) -> None:
     grid = OccupancyGrid(GridGeometry(0.5, 4, 4))
     geometry = grid.geometry
     scan = LaserScan(np.full(5, 6.1, dtype=np.float32), 0.0, 0.1, 0.0, 8.0)

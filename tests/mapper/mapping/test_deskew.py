@@ -1,4 +1,4 @@
-"""A robot that turns while its lidar sweeps: each beam is placed where the sensor was when it was measured."""
+"""Deskewing: each beam is placed at the sensor's pose at the time of the beam."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_each_beam_has_the_true_pose_of_its_time() -> None:
         ),
     ],
 )
-def test_by_itself_nothing_is_deskewed_where_the_poses_do_not_say_enough(log: ScanLog) -> None:
+def test_auto_does_not_deskew_without_close_poses(log: ScanLog) -> None:
     plan = plan_update(MappingConfig(), log.range_min, log.range_max)
     scans, beams = np.divmod(np.arange(20 * BEAMS), BEAMS)
     poses = sensor_poses_of_readings(log, plan, None, scans, beams)
@@ -70,7 +70,7 @@ def test_by_itself_nothing_is_deskewed_where_the_poses_do_not_say_enough(log: Sc
     np.testing.assert_allclose(np.exp(1j * poses[:, 2]), np.exp(1j * own[:, 2]))
 
 
-def test_poses_a_second_apart_deskew_where_that_is_asked_for() -> None:
+def test_on_deskews_with_poses_a_second_apart() -> None:
     log = swept(4, rate=1.0)
     plan = plan_update(MappingConfig(deskew="on"), log.range_min, log.range_max)
     last = sensor_poses_of_readings(log, plan, None, np.array([1]), np.array([BEAMS - 1]))
@@ -80,7 +80,7 @@ def test_poses_a_second_apart_deskew_where_that_is_asked_for() -> None:
 
 
 @pytest.mark.parametrize("values", [{"update": "per_scan"}, {"model": "moravec_elfes"}])
-def test_updates_of_whole_scans_take_them_from_one_place(values: dict[str, str]) -> None:
+def test_per_scan_updates_use_one_pose_per_scan(values: dict[str, str]) -> None:
     log = swept(3)
     on, off = (made(log, **values, deskew=how, resolution=0.2) for how in ("on", "off"))
     np.testing.assert_array_equal(on.log_odds, off.log_odds)

@@ -1,4 +1,4 @@
-"""Putting scans into a grid: what counts as a reading, mounts, errors."""
+"""Integration of scans: valid readings, mounts, errors."""
 
 from dataclasses import replace
 
@@ -8,8 +8,8 @@ import pytest
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox, Change, geometry_for, integrate_log, integrate_scan
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.mapping.integrate import Change, geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 
@@ -42,7 +42,7 @@ def test_a_beam_in_the_open() -> None:
 
 @pytest.mark.parametrize("z", [np.nan, -np.inf, -1.0, 0.05])
 @UPDATES
-def test_what_is_no_reading_says_nothing(z: float, update: str) -> None:
+def test_invalid_readings_add_no_evidence(z: float, update: str) -> None:
     grid = corridor()
     config = MappingConfig(update=update, no_return="free", resolution=1.0)
     assert integrate_scan(grid, one_beam(z, range_min=0.1), (0.5, 1.5, 0.0), config) == Change(None, False, 0)
@@ -134,7 +134,7 @@ def test_progress_counts_scans_and_changes_nothing() -> None:
     np.testing.assert_array_equal(plain.log_odds, told.log_odds)
 
 
-def test_what_cannot_be_is_refused_and_changes_nothing() -> None:
+def test_invalid_input_is_refused_and_changes_nothing() -> None:
     grid = corridor()
     with pytest.raises(ConfigError, match="finite"):
         integrate_scan(grid, one_beam(5.0), (np.nan, 0.0, 0.0), CONFIG)

@@ -1,4 +1,4 @@
-"""The parameter table and the config that holds one value for each row."""
+"""The parameter table, and the config with one value for each row."""
 
 from dataclasses import fields
 
@@ -20,7 +20,7 @@ def test_the_table_and_the_config_name_the_same_things() -> None:
 
 
 @pytest.mark.parametrize("row", PARAMETERS, ids=lambda row: row.name)
-def test_each_row_is_whole(row: Parameter) -> None:
+def test_each_row_is_complete(row: Parameter) -> None:
     assert row.sentence.endswith(".")
     assert row.label
     assert row.check(row.initial) == row.initial
@@ -36,7 +36,7 @@ def name(row: Parameter) -> str:
 
 @pytest.mark.parametrize("row", NUMBERS, ids=name)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, "1", None, True, [1.0]])
-def test_what_is_no_number_is_refused_by_name(row: Parameter, value: object) -> None:
+def test_a_value_that_is_no_number_is_refused_with_the_parameters_name(row: Parameter, value: object) -> None:
     with pytest.raises(ConfigError, match=rf"\({row.name}\) must be a finite number") as refused:
         MappingConfig().with_values({row.name: value})
     assert refused.value.code == f"parameter.{row.name}"
@@ -71,7 +71,7 @@ def test_an_unknown_name_is_refused() -> None:
         MappingConfig().with_values({"hit": 1.0})
 
 
-def test_what_concerns_two_parameters_at_once() -> None:
+def test_constraints_between_two_parameters_are_checked() -> None:
     with pytest.raises(ConfigError, match="below the upper clamp"):
         MappingConfig(log_odds_min=0.0, log_odds_max=0.0)
     with pytest.raises(ConfigError, match="p_free ≤ p_prior"):

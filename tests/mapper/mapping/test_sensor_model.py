@@ -1,4 +1,4 @@
-"""The profile along a beam, against the books' tables and against the map that a reading makes."""
+"""The profile along a beam, against the books' tables and against the map of one reading."""
 
 from math import lgamma
 
@@ -41,7 +41,7 @@ def test_evidence_is_counted_from_the_prior() -> None:
     assert model.log_odds_hit == pytest.approx(log_odds(0.9) - log_odds(0.4))
 
 
-def test_no_return_says_nothing_or_free() -> None:
+def test_no_return_adds_nothing_or_free_evidence() -> None:
     model, s = FixedIncrements(), [0.0, 5.0, 10.0, 10.1]
     for z in (np.inf, 12.0):
         assert beam_profile(model, z, s, 10.0).tolist() == [0.0] * 4
@@ -49,12 +49,12 @@ def test_no_return_says_nothing_or_free() -> None:
 
 
 @pytest.mark.parametrize("z", [np.nan, -np.inf, -1.0])
-def test_no_reading_says_nothing(z: float) -> None:
+def test_an_invalid_reading_adds_nothing(z: float) -> None:
     assert not beam_profile(FixedIncrements(), z, np.linspace(0, 10, 50), 10.0, no_return="free").any()
 
 
 @given(st.floats(0.5, 9.0), st.floats(0.05, 2.0), st.sampled_from(["per_beam", "per_scan"]))
-def test_the_profile_is_what_the_map_gets(z: float, window: float, update: str) -> None:
+def test_the_profile_equals_the_update_of_the_map(z: float, window: float, update: str) -> None:
     config = MappingConfig(update=update, window=window, clamp=False, resolution=0.1)
     z = float(np.float32(z))
     grid = OccupancyGrid(GridGeometry(0.1, 1, 130))
@@ -125,7 +125,7 @@ def test_counting_gives_the_mean_of_the_beta_posterior(hits: int, misses: int, w
     assert float(model.p_reflect(hits, misses)) == pytest.approx(mean, rel=1e-9)
 
 
-def test_counting_says_half_of_a_cell_that_reflects_half_of_all_beams() -> None:
+def test_counting_gives_one_half_for_a_cell_that_reflects_half_of_its_beams() -> None:
     counted, believed = (
         OccupancyGrid(GridGeometry(1.0, 1, 10)),
         OccupancyGrid(GridGeometry(1.0, 1, 10)),

@@ -1,4 +1,4 @@
-"""Two lidars on one robot make one map, in the order of time."""
+"""Two lidars of one robot make one map, in the order of time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import geometry_for, integrate_scan
+from mapper.mapping.integrate import bounds_of_logs, geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.several import bounds_of_logs, integrate_logs, stretches
+from mapper.mapping.provenance import provenance
+from mapper.mapping.several import integrate_logs
+from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.mapping.sweeping import HALF, off_the_walls, to_the_walls, true_poses
 
@@ -55,16 +57,68 @@ def made(logs: list[ScanLog], config: MappingConfig, count: int | None = None) -
     return grid
 
 
-@pytest.mark.parametrize("update", ["per_beam", "per_scan"])
-def test_the_map_is_that_of_the_scans_one_by_one_in_the_order_of_time(logs: list[ScanLog], update: str) -> None:
-    config = MappingConfig(update=update, log_odds_max=1.0)  # with a tight clamp the order of the scans matters
-    grid = made(logs, config)
+def other_beams(log: ScanLog) -> ScanLog:
+    """The same scans with a third of the beams, from the other end, and other limits."""
+    return replace(
+        log, ranges=log.ranges[:, ::-3].copy(), angle_min=-log.angle_min, angle_increment=-3 * log.angle_increment,
+        range_min=0.6, range_max=3.5,
+    )  # fmt: skip
+
+
+def one_by_one(logs: list[ScanLog], config: MappingConfig, grid: OccupancyGrid) -> OccupancyGrid:
     expected = OccupancyGrid(grid.geometry)
     scans = sorted((log.stamps_ns[t], k, t) for k, log in enumerate(logs) for t in range(log.n_scans))
     for _, k, t in scans:
-        integrate_scan(expected, logs[k].scan(t), logs[k].sensor_poses()[t], config)
+        if logs[k].time_increment:
+            integrate_log(expected, logs[k], config, None, t, t + 1)
+        else:
+            integrate_scan(expected, logs[k].scan(t), logs[k].sensor_poses()[t], config)
     assert expected.geometry == grid.geometry
+    return expected
+
+
+@pytest.mark.parametrize(
+    ("rear", "values"),
+    [
+        ("alike", {}),
+        ("alike", {"update": "per_scan"}),
+        ("alike", {"model": "hit_counting"}),
+        ("swept", {}),
+        ("both swept", {}),
+        ("other beams", {}),
+        ("other beams", {"traversal": "amanatides_woo"}),
+        ("other beams", {"update": "per_scan"}),
+        ("other beams", {"no_return": "free"}),
+        ("other beams", {"no_return": "hit"}),
+    ],
+)
+def test_the_map_is_that_of_the_scans_one_by_one_in_the_order_of_time(
+    logs: list[ScanLog], rear: str, values: dict[str, object]
+) -> None:
+    logs = [first_of(log, 12) for log in logs]
+    if rear == "other beams":
+        logs[1] = other_beams(logs[1])
+    elif rear != "alike":
+        logs = [replace(log, time_increment=1e-4 if "both" in rear or k else 0.0) for k, log in enumerate(logs)]
+    # With a tight clamp the order of the scans matters.
+    config = MappingConfig(resolution=0.1).with_values({"log_odds_max": 1.0, **values})
+    grid = made(logs, config)
+    expected = one_by_one(logs, config, grid)
     np.testing.assert_array_equal(grid.log_odds, expected.log_odds)
+    np.testing.assert_array_equal(grid.observed, expected.observed)
+
+    joint = JointLog.of(logs)
+    again = OccupancyGrid(geometry_for(joint, config))
+    assert again.geometry == grid.geometry
+    for start, stop in ((0, 1), (1, 14), (14, joint.n_scans)):
+        integrate_log(again, joint, config, None, start, stop)
+    np.testing.assert_array_equal(again.log_odds, expected.log_odds)
+    for row, col in np.argwhere(grid.observed)[::400].tolist():
+        told = provenance(grid.geometry, joint, config, (row, col))
+        assert told.after == grid.log_odds[row, col]
+        assert (np.diff(told.scans) >= 0).all()
+        for scan, beam, reading in zip(told.scans.tolist(), told.beams.tolist(), told.ranges.tolist(), strict=True):
+            assert joint.scan(scan).ranges[beam] == reading
 
 
 def test_both_lidars_see_the_true_walls(logs: list[ScanLog]) -> None:
@@ -78,20 +132,42 @@ def test_both_lidars_see_the_true_walls(logs: list[ScanLog]) -> None:
 
 
 def test_the_first_scans_are_the_earliest(logs: list[ScanLog]) -> None:
-    taken = list(stretches(logs, 5))
-    assert taken == [(0, 0, 1), (1, 0, 1), (0, 1, 2), (1, 1, 2), (0, 2, 3)]
-    assert sum(stop - start for _, start, stop in stretches(logs)) == sum(log.n_scans for log in logs)
+    parts, scans = scan_order(logs)
+    assert list(zip(parts[:5].tolist(), scans[:5].tolist(), strict=True)) == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2)]
+    assert len(parts) == sum(log.n_scans for log in logs)
 
 
-def test_a_clock_that_jumps_back_keeps_the_order_of_the_file(logs: list[ScanLog]) -> None:
+def test_scans_with_stamps_that_jump_back_keep_the_order_of_the_file(logs: list[ScanLog]) -> None:
     stamps = logs[0].stamps_ns.copy()
     stamps[5] = stamps[2]
-    taken = [part for part in stretches([replace(logs[0], stamps_ns=stamps), logs[1]]) if part[0] == 0]
-    assert [start for _, start, _ in taken] == sorted(start for _, start, _ in taken)
-    assert taken[-1][2] == len(stamps)
+    parts, scans = scan_order([replace(logs[0], stamps_ns=stamps), logs[1]])
+    assert scans[parts == 0].tolist() == list(range(len(stamps)))
 
 
-def test_more_scans_than_there_are_and_a_trajectory_that_one_lacks_are_refused(logs: list[ScanLog]) -> None:
+def test_a_joint_log_is_a_log(logs: list[ScanLog]) -> None:
+    narrow = other_beams(logs[1])
+    joint = JointLog.of([logs[0], narrow])
+    assert (joint.n_scans, joint.n_beams) == (logs[0].n_scans + narrow.n_scans, 180)
+    assert (np.diff(joint.stamps_ns) >= 0).all()
+    for t in (0, 1, 7, joint.n_scans - 1):
+        part, own = joint.parts[joint.part_of_scan[t]], int(joint.scan_of_part[t])
+        assert joint.stamps_ns[t] == part.stamps_ns[own]
+        np.testing.assert_array_equal(joint.scan(t).ranges, part.scan(own).ranges)
+        np.testing.assert_array_equal(joint.sensor_poses()[t], part.sensor_poses()[own])
+        np.testing.assert_array_equal(joint.trajectory().poses[t], part.trajectory().poses[own])
+    moved = replace(joint, trajectories={**joint.trajectories, "moved": Trajectory(joint.trajectory().poses + 1.0)})
+    np.testing.assert_array_equal(moved.parts[1].trajectory("moved").poses, narrow.trajectory().poses + 1.0)
+    few = joint.take(np.arange(10, 20))
+    np.testing.assert_array_equal(few.stamps_ns, joint.stamps_ns[10:20])
+    np.testing.assert_array_equal(few.sensor_poses(), joint.sensor_poses()[10:20])
+    with pytest.raises(ConfigError, match="Sonars and lidars"):
+        JointLog.of([logs[0], replace(narrow, beam_width=0.3)])
+    strange = replace(narrow, trajectories={"true": replace(narrow.trajectory(), frame_id="map")})
+    with pytest.raises(ConfigError, match="in one frame"):
+        JointLog.of([logs[0], strange])
+
+
+def test_too_many_scans_and_a_missing_trajectory_are_refused(logs: list[ScanLog]) -> None:
     grid = made(logs, MappingConfig(), 0)
     with pytest.raises(ConfigError, match=r"no scans 0 to 1000; they have 68"):
         integrate_logs(grid, logs, MappingConfig(), count=1000)

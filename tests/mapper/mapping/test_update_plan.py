@@ -61,7 +61,7 @@ def test_increments_are_rounded_and_the_clamp_can_be_off() -> None:
         ({"model": "moravec_elfes", "update": "per_scan"}, FLAT, True, True),
     ],
 )
-def test_what_is_drawn_over_a_whole_field(values: dict[str, str], profile: int, cones: bool, fields: bool) -> None:
+def test_which_models_update_the_whole_field(values: dict[str, str], profile: int, cones: bool, fields: bool) -> None:
     plan = plan_update(MappingConfig().with_values(values), 0.0, 10.0)
     assert (plan.cone.profile, plan.draws_cones, plan.sees_fields) == (profile, cones, fields)
     assert plan.per_scan == (values.get("update") == "per_scan" and values["model"] != "moravec_elfes")

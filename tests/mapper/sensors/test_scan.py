@@ -1,4 +1,4 @@
-"""Scans and logs: what they refuse, where their beams point."""
+"""Scans and logs: validation, and the directions of beams."""
 
 from dataclasses import replace
 
@@ -8,7 +8,8 @@ import pytest
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose
-from mapper.sensors.scan import LaserScan, ScanLog, Trajectory, beam_fields, uneven_fields
+from mapper.sensors.beam_fields import beam_fields, uneven_fields
+from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
 
 
 @pytest.fixture
@@ -82,7 +83,7 @@ def test_poses_are_checked() -> None:
         Trajectory(np.full((1, 3), 2e6))
 
 
-def test_an_upside_down_ring_of_sonars_has_its_left_on_the_right(log: ScanLog) -> None:
+def test_an_upside_down_ring_of_sonars_is_mirrored(log: ScanLog) -> None:
     bearings = np.linspace(-0.5, 1.5, log.n_beams) ** 3
     standing = replace(log, bearings=bearings, beam_width=0.1)
     hanging = replace(standing, upside_down=True)
@@ -114,7 +115,7 @@ def test_a_beam_sees_half_an_increment_to_either_side() -> None:
     np.testing.assert_array_equal(fields[:-1, 2:], fields[1:, :2])
 
 
-def test_a_full_turn_closes_and_what_goes_beyond_sees_nothing() -> None:
+def test_the_fields_of_a_full_turn_are_closed_and_beams_beyond_it_have_none() -> None:
     whole = beam_fields(0.3, 2 * np.pi / 7, 7)
     np.testing.assert_array_equal(whole[-1, 2:], whole[0, :2])
     more = beam_fields(0.3, 2 * np.pi / 7, 9)
@@ -133,7 +134,7 @@ def test_coarse_beams_never_see_the_same_place() -> None:
     np.testing.assert_array_equal(fields[2:, :2], fields[2:, 2:])
 
 
-def test_uneven_beams_share_what_lies_between_them_by_halves() -> None:
+def test_uneven_beams_divide_the_angle_between_them_in_halves() -> None:
     # In any order; a gap of more than twice ``widest`` has a middle that nobody sees, and of twins the first sees all.
     fields = uneven_fields(np.array([1.0, 0.2, 0.0, 0.2]), widest=0.3)
     edges = np.arctan2(fields[:, [1, 3]], fields[:, [0, 2]])

@@ -31,7 +31,7 @@ def test_a_wall_is_as_thick_as_walls_are() -> None:
     assert world.clearance((4.0, 5.0)) == pytest.approx(-0.06)
 
 
-def test_ids_say_which_solid_is_which() -> None:
+def test_ids_identify_solids() -> None:
     edits = Edits((Drawn("box", 480, 480, 520, 520), Drawn("wall", 400, 450, 400, 550)), frozenset([INNER]))
     world = edited(ROOM, edits)
     ids = solid_ids(ROOM, edits)
@@ -72,7 +72,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("added", "erased", "code"), BAD.values(), ids=BAD)
-def test_what_makes_no_sense_is_refused_with_a_sentence(added: object, erased: object, code: str) -> None:
+def test_invalid_edits_are_refused_with_a_sentence(added: object, erased: object, code: str) -> None:
     with pytest.raises(ConfigError) as error:
         edited(ROOM, Edits.of(added, erased))
     assert error.value.code == code
@@ -85,7 +85,7 @@ def test_too_many_are_too_many() -> None:
         edited(ROOM, many, Limits(max_added_solids=4))
 
 
-def test_the_robot_makes_way_and_goes_on() -> None:
+def test_the_robot_leaves_a_new_solid_and_continues() -> None:
     simulation = Simulation(ROOM, seed=3)
     simulation.advance(3.0)
     x, y, yaw = simulation.robot.pose

@@ -24,7 +24,7 @@ HALL = World(
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, -2.9])
-def test_a_beam_is_lost_where_it_meets_a_long_wall_at_a_slant(yaw: float) -> None:
+def test_a_beam_is_reflected_away_at_a_grazing_angle(yaw: float) -> None:
     x, y = 2.0, 2.0
     ranges = true_ranges(HALL, SENSOR, (x, y, yaw))
     lost = reflected_away(HALL, ranges, ANGLES, (x, y, yaw))
@@ -41,7 +41,7 @@ def test_a_beam_is_lost_where_it_meets_a_long_wall_at_a_slant(yaw: float) -> Non
     assert 100 < lost.sum() < 200  # by the closed form each wall keeps the 60° before it
 
 
-def test_what_returns_from_nothing_is_not_reflected_away() -> None:
+def test_readings_without_return_are_not_reflected_away() -> None:
     short = SensorConfig(range_max=1.0)
     ranges = true_ranges(HALL, short, (4.0, 3.0, 0.0))
     assert np.isinf(ranges).sum() > 100
@@ -73,7 +73,7 @@ def echo_in(x: float, y: float, low: float, high: float) -> float:
 
 @pytest.mark.parametrize("width", [0.35, 0.8])
 @pytest.mark.parametrize("pose", [(2.0, 2.0, 0.013), (4.2, 2.3, 0.27), (1.0, 5.0, -2.2)])
-def test_a_sonar_hears_the_nearest_of_what_sends_its_sound_back(pose: tuple[float, float, float], width: float) -> None:
+def test_a_sonar_measures_the_nearest_reflecting_surface(pose: tuple[float, float, float], width: float) -> None:
     ring = SensorConfig(kind="sonar_ring", n_sonars=24, beam_width=width, range_max=12.0)
     true = true_ranges(HALL, ring, pose)
     heard = true + lengthened(HALL, ring, pose)
@@ -127,7 +127,7 @@ def test_the_same_seed_drifts_the_same_way() -> None:
     assert ways[0] == ways[1] != ways[2]
 
 
-def test_a_recording_holds_truth_and_faults_side_by_side() -> None:
+def test_a_recording_has_true_and_faulty_values() -> None:
     sensor = SensorConfig(n_beams=30)
     recording = Recording(sensor, capacity=40)
     rng = np.random.default_rng(5)

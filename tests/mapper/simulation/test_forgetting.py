@@ -1,4 +1,4 @@
-"""How many scans a map needs to forget: held against the arithmetic of one cell."""
+"""The number of scans that a map needs to forget, against the arithmetic of one cell."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_the_count_is_that_of_the_arithmetic(clamp: bool) -> None:
     assert np.diff(forgetting.free).min() >= 0.0
 
 
-def test_what_the_map_never_saw_cannot_be_forgotten() -> None:
+def test_unobserved_cells_are_not_forgotten() -> None:
     grid = OccupancyGrid(GridGeometry.covering([-1.0, -1.0], [11.0, 9.0], 0.05))
     cells = cells_of(grid, [ROOM.solids[8]], 0.1)
     with pytest.raises(ConfigError, match="nothing to forget"):

@@ -40,7 +40,7 @@ def test_a_full_turn_has_no_beam_twice_and_a_fan_has_both_edges():
     np.testing.assert_allclose(scan.angles[[0, 90, 180]], [-np.pi / 2, 0.0, np.pi / 2], atol=1e-12)
 
 
-def test_the_noise_has_the_spread_that_was_asked_for():
+def test_the_noise_has_the_configured_standard_deviation():
     sensor = SensorConfig(n_beams=1080, range_max=30.0, range_noise=0.05)
     rng = np.random.default_rng(2)
     truth = true_ranges(HALL, sensor, HALL.start)
@@ -63,7 +63,7 @@ def test_no_reading_is_negative_and_none_is_beyond_the_range():
     assert np.isclose(seen, RANGE_MIN).any()
 
 
-def test_a_scan_says_what_the_sensor_is():
+def test_a_scan_has_the_properties_of_its_sensor():
     sensor = SensorConfig(n_beams=90, range_max=7.5)
     scan = measure(HALL, sensor, HALL.start, np.random.default_rng(0), 123)
     assert (len(scan.ranges), scan.range_max, scan.stamp_ns) == (90, 7.5, 123)

@@ -1,4 +1,4 @@
-"""The recording holds what was appended, grows without copies handed out changing, and forgets no place."""
+"""The recording has what was appended, does not change arrays that it returned, and is thinned evenly."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_log_is_a_view_and_later_scans_do_not_change_it():
     np.testing.assert_array_equal(recording.as_log().ranges[:100], kept)
 
 
-def test_a_full_recording_is_thinned_and_keeps_every_place_in_order():
+def test_a_full_recording_is_thinned_evenly():
     capacity = 1000
     recording = Recording(SENSOR, capacity)
     taken = walk(300.0)

@@ -1,4 +1,4 @@
-"""The sample log: a run that maps to the world it was taken in, and an odometry that drifts as the model says."""
+"""The sample log: its map is that of its world, and its odometry drifts as the model states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The live world: walking, driving, teleporting; the same again for the same seed."""
+"""The simulation: exploring, driving, teleporting; reproducible with the same seed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPARSE = SensorConfig(n_beams=30, scan_rate=1.0)
 
 
 @pytest.mark.parametrize("name", WORLDS)
-def test_in_ten_minutes_the_robot_sees_the_whole_place_and_touches_nothing(name):
+def test_in_ten_minutes_the_robot_explores_the_world_without_collision(name):
     world = WORLDS[name]
     simulation = Simulation(world, SPARSE, seed=1)
     poses, speeds = [], []
@@ -44,7 +44,7 @@ def test_in_ten_minutes_the_robot_sees_the_whole_place_and_touches_nothing(name)
 
 
 @pytest.mark.parametrize("name", WORLDS)
-def test_a_teleport_into_each_solid_lands_on_free_ground_and_says_so(name):
+def test_a_teleport_into_a_solid_moves_to_free_space_and_is_reported(name):
     world = WORLDS[name]
     simulation = Simulation(world, SPARSE)
     for solid in world.solids:
@@ -113,7 +113,7 @@ def test_driven_by_hand_into_anything_the_robot_never_enters_it(name, commands):
     assert not simulation.auto
 
 
-def test_a_velocity_holds_for_half_a_second_then_the_robot_halts_until_auto_resumes():
+def test_a_velocity_command_expires_after_half_a_second():
     simulation = Simulation(WORLDS["hall"], SPARSE)
     simulation.teleport(5.0, 8.0, 0.0)
     simulation.drive(0.5, 0.0)
@@ -152,7 +152,7 @@ def test_driving_straight_into_a_wall_stops():
     assert abs(simulation.robot.linear) < 0.1
 
 
-def test_scans_come_at_the_sensors_rate_from_where_the_robot_was():
+def test_scans_have_the_sensors_rate_and_the_robots_pose():
     mount = (0.1, 0.05, 0.3)
     simulation = Simulation(WORLDS["office"], SensorConfig(n_beams=60, scan_rate=5.0, range_noise=0.0), mount=mount)
     taken = [pair for _ in range(300) for pair in simulation.advance(1 / 30)]
@@ -170,7 +170,7 @@ def test_scans_come_at_the_sensors_rate_from_where_the_robot_was():
         np.testing.assert_allclose(simulation.world.clearance(ends), 0.0, atol=1e-5)
 
 
-def test_the_same_seed_gives_the_same_run_however_time_is_cut():
+def test_the_same_seed_gives_the_same_run_with_any_time_step():
     def run(seed: int, cuts: list[float]) -> tuple[np.ndarray, np.ndarray]:
         simulation = Simulation(WORLDS["office"], SensorConfig(n_beams=45), seed)
         taken = [pair for dt in cuts for pair in simulation.advance(dt)]
@@ -194,7 +194,7 @@ def test_a_change_of_sensor_changes_the_scans_and_not_the_way():
     assert {len(scan.ranges) for scan, _ in taken} == {120}
 
 
-def test_a_faster_sensor_does_not_wait_for_the_slow_ones_turn():
+def test_a_faster_scan_rate_takes_effect_immediately():
     simulation = Simulation(WORLDS["maze"], SPARSE)
     simulation.advance(0.1)
     simulation.set_sensor(SensorConfig(scan_rate=20.0))

@@ -1,4 +1,4 @@
-"""The ring of sonars in worlds whose distances are known, and the map that it makes."""
+"""The ring of sonars in worlds with known distances, and its map."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ROOM = World(
 
 @pytest.mark.parametrize("yaw", [0.0, 0.1, 0.3, np.pi / 4])
 @pytest.mark.parametrize("width", [0.05, 0.35, 1.0])
-def test_a_cone_hears_the_wall_where_it_is_nearest(yaw: float, width: float) -> None:
+def test_a_cone_measures_the_nearest_point_of_a_wall(yaw: float, width: float) -> None:
     ring = SensorConfig(kind="sonar_ring", n_sonars=8, beam_width=width, range_noise=0.0, range_max=10.0)
     ranges = true_ranges(ROOM, ring, (0.0, 0.0, yaw))
     # To the wall 3.9 m ahead: straight on where the cone holds its normal, else along the edge that is nearer to it.

@@ -1,4 +1,4 @@
-"""The floor plans hold together: closed, reachable, furnished with sensible sizes."""
+"""The floor plans: closed, reachable, with furniture of plausible sizes."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_places_far_outside_have_a_nearest_free_place_too():
     assert not world.is_free((-1.0, 7.0), 0.0)
 
 
-def test_what_is_no_world_is_refused():
+def test_an_invalid_world_is_refused():
     box = (0.0, 0.0, 2.0, 2.0)
     with pytest.raises(ConfigError, match="Solid 1"):
         World("w", "W", box, (rect(0, 0, 1, 1), np.array([(0.0, 0.0), (1.0, 1.0)])), (1, 1, 0))

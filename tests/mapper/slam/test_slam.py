@@ -36,7 +36,7 @@ def errors(log: ScanLog, poses: np.ndarray) -> np.ndarray:
     return absolute_errors(true, align(true, poses).apply(poses))[0]
 
 
-def test_a_loop_closes_and_the_drift_is_gone(ring: ScanLog, healed: SlamResult) -> None:
+def test_a_loop_closure_removes_the_drift(ring: ScanLog, healed: SlamResult) -> None:
     assert healed.odometry == "odometry"
     assert errors(ring, ring.trajectory("odometry").poses).max() > 3.0
     assert healed.graph.n_loops >= 1

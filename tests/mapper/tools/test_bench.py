@@ -1,4 +1,4 @@
-"""The measurement counts what the map counts; its times are not judged here."""
+"""The benchmark counts the updates of the map; its times are not checked here."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""``python -m mapper.tools.precompile`` leaves no kernel for the first visitor to wait for."""
+"""``python -m mapper.tools.precompile`` compiles every kernel."""
 
 from __future__ import annotations
 

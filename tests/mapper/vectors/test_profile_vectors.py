@@ -1,4 +1,4 @@
-"""The vectors by which the pages' profile is held to the mapper: written here, read by the pages' own tests.
+"""Vectors that compare the pages' profile with the mapper: written here, read by the tests of the pages.
 
 ``python tests/mapper/vectors/test_profile_vectors.py --write`` writes them anew after a change of the models.
 """

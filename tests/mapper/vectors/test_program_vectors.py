@@ -1,4 +1,4 @@
-"""Which lines of the textbook Python executes for a scan: what the lecture lights must be the same, one by one.
+"""The lines of textbook Python that a scan executes: the lecture must highlight the same lines.
 
 ``python tests/mapper/vectors/test_program_vectors.py --write`` writes the vectors anew after a change of the textbook.
 """

@@ -1,4 +1,4 @@
-"""The vectors by which the lecture's sonar maps are held to the textbook: written here, read by the pages' own tests.
+"""Vectors that compare the lecture's sonar maps with the textbook: written here, read by the tests of the pages.
 
 ``python tests/mapper/vectors/test_sonar_vectors.py --write`` writes them anew after a change of the models.
 """

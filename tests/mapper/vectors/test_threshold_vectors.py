@@ -1,4 +1,4 @@
-"""The vectors by which the lecture's map file is held to the mapper's: written here, read by the pages' own tests.
+"""Vectors that compare the lecture's map file with the mapper: written here, read by the tests of the pages.
 
 ``python tests/mapper/vectors/test_threshold_vectors.py --write`` writes them anew after a change of the file's text.
 """

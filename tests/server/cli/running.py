@@ -1,4 +1,4 @@
-"""What running the command gives."""
+"""The result of running the command."""
 
 from __future__ import annotations
 

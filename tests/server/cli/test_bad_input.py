@@ -1,4 +1,4 @@
-"""What is wrong with an option or a log is said in one sentence, with exit status 2."""
+"""Errors of options and logs are one sentence, with exit status 2."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BAD_OPTIONS = {
 
 
 @pytest.mark.parametrize("case", BAD_OPTIONS)
-def test_a_bad_option_is_one_sentence_and_status_2(run, log, case):
+def test_a_bad_option_prints_one_sentence_and_exits_with_status_2(run, log, case):
     options, words = BAD_OPTIONS[case]
     status, out, err = run("map", log, *options)
     assert (status, out) == (2, "")
@@ -42,7 +42,7 @@ def test_an_unknown_option_and_a_value_for_a_switch_are_refused(run, log):
 
 
 @pytest.mark.parametrize("command", ["info", "map"])
-def test_a_bad_log_is_one_sentence_with_its_path_and_status_2(run, tmp_path, command):
+def test_a_bad_log_prints_one_sentence_with_its_path_and_exits_with_status_2(run, tmp_path, command):
     bad = tmp_path / "bad.log"
     bad.write_text("FLASER 2 1.0\n")
     status, out, err = run(command, bad, "--json")

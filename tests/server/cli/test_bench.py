@@ -1,4 +1,4 @@
-"""``bench map``: how long a log's map takes."""
+"""``bench map``: the time that mapping a log takes."""
 
 from __future__ import annotations
 

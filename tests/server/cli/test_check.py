@@ -13,7 +13,7 @@ __all__ = ["run_of_a_robot"]  # a fixture
 LIMITS = ["--max-drift", "0.17", "--min-sharpness", "0.67", "--no-findings", "mount, walls.drift"]
 
 
-def test_a_log_that_keeps_the_limits_is_status_0(run, run_of_a_robot):
+def test_a_log_within_the_limits_exits_with_status_0(run, run_of_a_robot):
     status, out, err = run("check", run_of_a_robot, *LIMITS)
     assert (status, err, out.count("\n")) == (0, "", 1)
     assert out.startswith("robot.log: passed, drift 0.")
@@ -59,7 +59,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_options_are_one_sentence_and_status_2(run, run_of_a_robot, case):
+def test_bad_options_print_one_sentence_and_exit_with_status_2(run, run_of_a_robot, case):
     options, words = BAD[case]
     status, out, err = run("check", run_of_a_robot, *options)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -74,6 +74,7 @@ def test_a_log_that_cannot_be_judged_is_status_2(run, log, tmp_path):
     assert "too short to judge" in err
 
 
+@pytest.mark.long  # a simulated run is judged above
 def test_a_corrected_log_passes_and_its_raw_odometry_fails(run, data_file):
     options = ["--max-drift", "0.3", "--min-sharpness", "0.45", "--no-findings", "mount,poses,walls"]
     assert run("check", data_file("carmen/intel-corrected.log.gz"), *options).status == 0

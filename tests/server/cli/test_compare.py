@@ -1,4 +1,4 @@
-"""``compare``: two maps side by side."""
+"""``compare``: two maps compared."""
 
 from __future__ import annotations
 

@@ -50,6 +50,8 @@ def test_the_doctor_names_the_time_offset_that_puts_a_delay_right(run, tmp_path)
     assert offset == pytest.approx(0.2, abs=0.06)
     assert f"--time-offset {offset:g}" in out
     assert "timing.delay" not in run("doctor", path, "--time-offset", offset).out
+    assert run("check", path, "--no-findings", "timing").status == 1
+    assert run("check", path, "--no-findings", "timing", "--time-offset", offset).status == 0
     wrong, right = occupied(run, path), occupied(run, path, "--time-offset", str(offset))
     assert np.mean(right) < 0.5 * np.mean(wrong), (np.mean(right), np.mean(wrong))
 
@@ -61,7 +63,7 @@ def test_why_tells_of_the_beams_that_the_map_is_made_of(run, tmp_path):
     assert all(0 <= one["beam"] < BEAMS for one in told["contributions"])
 
 
-def test_it_is_said_how_many_scans_are_deskewed_and_left_out(run, tmp_path):
+def test_the_numbers_of_deskewed_and_omitted_scans_are_printed(run, tmp_path):
     path = written(tmp_path, swept(20), "mcap")
     facts = state_counts(run, path)
     assert (facts["scans"], facts["deskewed_scans"]) == (20, 19)  # during the last sweep no pose is known

@@ -88,7 +88,7 @@ def test_trajectories_of_logs(run: Run, log: Path, tmp_path: Path) -> None:
         (["LOG", "true.tum", "--relations", "a.relations"], "true.tum: There are 21 poses, and 4 scans in the log"),
     ],
 )
-def test_bad_input_is_one_sentence(
+def test_bad_input_prints_one_sentence(
     run: Run,
     log: Path,
     pair: tuple[Path, Path],

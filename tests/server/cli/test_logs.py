@@ -1,4 +1,4 @@
-"""``info`` and ``doctor``: what they say of a log."""
+"""``info`` and ``doctor``: their output."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from tests.mapper.io.logs import recorded
 
 
-def test_info_says_what_a_log_holds(run, log):
+def test_info_prints_the_contents_of_a_log(run, log):
     status, out, err = run("info", log)
     assert (status, err) == (0, "")
     assert "4 scans of 180 beams over 179.0°, 3.0 s" in out
@@ -27,7 +27,7 @@ def test_info_as_json_is_one_object_and_nothing_else(run, log):
     assert [trajectory["name"] for trajectory in facts["trajectories"]] == ["scan", "wheel"]
 
 
-def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
+def test_info_lists_the_topics_of_a_recording_and_map_selects_one(run, tmp_path):
     at = 1_700_000_000 * recorded.SECOND
     said = [recorded.scan(at + i, [2.0, 3.0], "/front", "front") for i in range(3)]
     said += [recorded.scan(at + i * recorded.SECOND, [4.0], "/rear", "rear") for i in range(2)]
@@ -37,6 +37,10 @@ def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
     assert "from 2023-11-14 22:13:20 UTC" in out
     assert "* /front: 3 × sensor_msgs/LaserScan, 2 beams over 5.7°" in out
     assert "  /rear: 2 × sensor_msgs/LaserScan, 1 beam over 0.0°, 1.0 Hz, frame rear" in out
+    size = len(recorded.serialised(said[-1], 1))
+    assert f"frame rear, {2 * size} B in 1.0 s" in out
+    assert "B in" not in run("info", path, "--no-contents").out
+    assert json.loads(run("info", path, "--json").out)["contents"][1]["bytes"] == 2 * size
     assert "the file holds no poses" in out.lower()
     rear = json.loads(run("info", path, "--topic", "/rear", "--json").out)
     assert (rear["scans"], rear["topics"][1]["chosen"]) == (2, True)
@@ -46,7 +50,7 @@ def test_info_lists_the_topics_of_a_recording_and_map_takes_one(run, tmp_path):
     assert "'/left'; it has /front, /rear" in err
 
 
-def test_the_doctor_says_what_is_wrong(run, tmp_path):
+def test_the_doctor_prints_its_findings(run, tmp_path):
     # A robot that turns in a square room, whose laser is said to look backwards.
     lines = ["PARAM robot_frontlaser_offset 0.0"]
     for t in range(40):

@@ -50,7 +50,7 @@ def test_sizes_are_width_by_height_as_in_the_image(run, tmp_path):
         assert f"{width} × {height} cells of 0.05 m" in out
 
 
-def test_map_takes_the_run_away(run, log, tmp_path):
+def test_map_writes_the_log_as_mcap_and_tum(run, log, tmp_path):
     mcap, tum = tmp_path / "run.mcap", tmp_path / "way.tum"
     facts = json.loads(run("map", log, "--mcap", mcap, "--tum", tum, "--json").out)
     assert facts["files"] == [str(mcap), str(tum)]
@@ -65,7 +65,7 @@ def test_map_takes_the_run_away(run, log, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.mcap", "way.tum"]
 
 
-def test_map_for_people_says_what_was_written(run, log, tmp_path):
+def test_map_prints_the_written_files(run, log, tmp_path):
     status, out, err = run("map", log, "--out", tmp_path / "room")
     assert (status, err) == (0, "")
     assert "4 scans of 180 beams, trajectory scan" in out
@@ -106,7 +106,7 @@ def test_every_model_maps_from_the_command_line(run, log, model, update):
     assert facts["information_gain_bits"] > 0
 
 
-def test_mapping_goes_on_from_a_map_file(run, log, tmp_path):
+def test_mapping_continues_from_a_map_file(run, log, tmp_path):
     known = state_counts(run, log, "--out", tmp_path / "known", "--resolution", 0.1)
     again = state_counts(run, log, "--prior", tmp_path / "known.yaml", "--hit", 0, "--miss", 0)
     same = ("resolution", "rows", "cols", "origin", "occupied", "free", "unknown")
@@ -180,7 +180,7 @@ def test_view_draws_both_pictures_as_wide_as_the_terminal(run, log, tmp_path, mo
     assert len(ramp.split("\n")) == len(picture) + 1
 
 
-def test_view_of_a_bad_map_is_one_sentence_and_status_2(run, tmp_path):
+def test_view_of_a_bad_map_prints_one_sentence_and_exits_with_status_2(run, tmp_path):
     bad = tmp_path / "m.yaml"
     bad.write_text(
         "image: ../secret.pgm\nresolution: 1\norigin: [0,0,0]\nnegate: 0\noccupied_thresh: 1\nfree_thresh: 0\n"
@@ -192,7 +192,7 @@ def test_view_of_a_bad_map_is_one_sentence_and_status_2(run, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="needs a pseudo-terminal")
-def test_a_terminal_sees_progress_and_standard_output_stays_clean(log):
+def test_progress_is_shown_on_a_terminal_and_not_on_standard_output(log):
     ours, theirs = os.openpty()
     try:
         done = subprocess.run(
@@ -265,7 +265,7 @@ def test_the_two_scanners_of_a_real_recording_make_one_map(run, data_file):
         (["--topic", "/left"], "'/left'; it has"),
     ],
 )
-def test_what_is_for_one_sensor_is_refused_with_two(run, tmp_path, options, words):
+def test_options_for_one_sensor_are_refused_with_two(run, tmp_path, options, words):
     path = two_lidars(tmp_path)
     status, _, err = run("map", path, "--topic", "/front", "--topic", "/rear", *options)
     assert (status, err.count("\n")) == (2, 1)

@@ -1,4 +1,4 @@
-"""``merge``: map files of one place as one."""
+"""``merge``: map files of one place combined."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_the_odds_of_two_maps_are_multiplied(run, tmp_path):
     np.testing.assert_array_equal(values_of(tmp_path / "both.pgm"), [[80, 50, 255, 30], [50, 69, 31, 255]])
 
 
-def test_maps_of_the_halves_of_a_log_are_the_map_of_the_whole(run, log, tmp_path):
+def test_merging_the_maps_of_two_halves_gives_the_map_of_the_whole(run, log, tmp_path):
     options = ["--resolution", 0.1, "--no-clamp", "--hit", 0.3, "--miss", -0.1, "--mode", "raw"]
     whole = state_counts(run, log, *options, "--out", tmp_path / "whole")
     state_counts(run, log, *options, "--scans", 2, "--out", tmp_path / "first")

@@ -29,7 +29,7 @@ def recording(tmp_path: Path) -> Path:
     return recorded.write_bag(tmp_path / "run.bag", said)
 
 
-def test_a_map_file_states_its_frame_and_map_servers_read_it_all_the_same(run, recording, tmp_path):
+def test_a_map_file_states_its_frame_and_map_servers_can_read_it(run, recording, tmp_path):
     for name, frame in (("tf/odom", "odom"), ("tf/map", "map")):
         facts = state_counts(run, recording, "--trajectory", name, "--out", tmp_path / frame)
         assert facts["frame"] == frame

@@ -1,4 +1,4 @@
-"""``gridbloom map`` on real logs, against a program that shares no line with it.
+"""``gridbloom map`` on real logs, against an independent program.
 
 The other program reads the columns of the FLASER lines, walks each beam with Bresenham's error term (IBM Systems
 Journal 4, 1965), and adds −0.4 to each cell passed and +0.85 to the last, clamped to −2 … 3.5.
@@ -17,6 +17,7 @@ import yaml
 from numpy.typing import NDArray
 
 from server.cli import main
+from tests.marks import also_long
 
 RESOLUTION, MAX_RANGE = 0.05, 30.0
 
@@ -61,7 +62,7 @@ def bresenham_map(path: Path, rows: int, cols: int, origin: list[float]) -> NDAr
     return log_odds
 
 
-@pytest.mark.parametrize("name", ["intel-corrected", "aces-corrected", "fhw-corrected"])
+@pytest.mark.parametrize("name", ["intel-corrected", *also_long("aces-corrected", "fhw-corrected")])
 def test_the_written_map_is_that_of_an_independent_program(data_file, tmp_path, monkeypatch, capsys, name):
     log = data_file(f"carmen/{name}.log.gz")
     options = ["--max-range", str(MAX_RANGE), "--resolution", str(RESOLUTION), "--out", str(tmp_path / "out" / name)]

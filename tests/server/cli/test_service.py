@@ -1,4 +1,4 @@
-"""``serve``, and what the command imports to say what it can do."""
+"""``serve``, and what the command imports for ``--help``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def test_version_is_that_of_the_package(run):
     assert run("--version") == (0, f"gridbloom {stated}\n", "")
 
 
-def test_serve_refuses_what_the_settings_refuse(run, tmp_path):
+def test_serve_refuses_invalid_settings(run, tmp_path):
     for options, words in ((["--port", "70000"], "port"), (["--logs-dir", tmp_path / "gone"], "is no folder")):
         status, out, err = run("serve", *options)
         assert (status, out) == (2, "")
@@ -25,7 +25,7 @@ def test_serve_refuses_what_the_settings_refuse(run, tmp_path):
         assert "Traceback" not in err
 
 
-def test_serve_gives_its_options_to_the_service(run, tmp_path, monkeypatch):
+def test_serve_passes_its_options_to_the_service(run, tmp_path, monkeypatch):
     given: list[Settings] = []
     monkeypatch.setattr("server.serving.run", given.append)
     monkeypatch.setenv("GRIDBLOOM_HOST", "::1")
@@ -50,13 +50,3 @@ def test_help_imports_neither_numba_nor_the_web_server():
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.endswith("0\n[]\n")
     assert "bench" in done.stdout
-
-
-def test_the_service_starts_without_the_parts_that_few_sessions_need():
-    program = (
-        "import sys\nfrom server.app import create_app\ncreate_app()\n"
-        "unwanted = ('viser', 'scipy.linalg', 'dask', 'sqlalchemy', 'numba', 'mapper.io.logs.opening')\n"
-        "print([name for name in unwanted if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"

@@ -1,4 +1,4 @@
-"""``why``: what made a cell what it is."""
+"""``why``: the contributions to a cell."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mapper.mapping.parameters import MODELS
 from tests.server.cli.running import state_counts
 
 
-def test_every_beam_that_touched_a_cell_is_told_with_what_it_added(run, log):
+def test_every_beam_that_updated_a_cell_is_printed_with_its_increment(run, log):
     # 1.5 m ahead of the first scan, half-way to the left of the last: passed by beams whose readings are 2 m.
     status, out, err = run("why", log, "--at", "1.5,0.02", "--resolution", 0.1, "--json")
     facts = json.loads(out)
@@ -26,7 +26,7 @@ def test_every_beam_that_touched_a_cell_is_told_with_what_it_added(run, log):
     assert 90 in {touch["beam"] for touch in facts["contributions"] if touch["scan"] == 0}
 
 
-def test_the_wall_is_told_by_its_hits_and_a_beam_without_return_by_what_it_says(run, log):
+def test_hits_of_a_wall_and_beams_without_return_are_printed(run, log):
     wall = json.loads(run("why", log, "--at", "2.01,0.05", "--resolution", 0.1, "--json").out)
     assert wall["hits"] > 0
     assert wall["p_occ"] > 0.65
@@ -51,14 +51,14 @@ def test_every_model_tells_of_the_map_that_it_makes(run, log, tmp_path, model):
     assert value == pytest.approx(100 * told["p_occ"], abs=1.0)
 
 
-def test_a_cell_of_a_prior_map_is_told_from_there(run, log, tmp_path):
+def test_the_explanation_of_a_cell_includes_the_prior_map(run, log, tmp_path):
     state_counts(run, log, "--resolution", 0.1, "--mode", "raw", "--out", tmp_path / "known")
     told = json.loads(run("why", log, "--at", "1.5,0.02", "--prior", tmp_path / "known.yaml", "--json").out)
     assert told["prior"] == pytest.approx(-1.99, abs=0.02)  # 12 in 100
     assert told["contributions"][0]["log_odds"] == -2.0
 
 
-def test_what_there_is_not_is_refused(run, log):
+def test_missing_cells_and_scans_are_refused(run, log):
     for options, words in (
         (["--at", "50,0"], "is outside the grid"),
         (["--at", "1"], "--at needs two numbers"),

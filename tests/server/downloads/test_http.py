@@ -1,4 +1,4 @@
-"""Map files over HTTP: a pair is of one instant however the map grows, and ends with its client."""
+"""Map files over HTTP: yaml and pgm are of one map, and a download ends with its client."""
 
 from __future__ import annotations
 
@@ -92,7 +92,9 @@ def test_an_instant_that_is_no_longer_kept_is_said(service: Service) -> None:
     assert (answer.status_code, answer.json()["code"]) == (422, "request.invalid")
 
 
-def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disconnected_client_releases_its_slot_and_ends_the_work(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
     session = service.begin(kind="simulation", world="room", seed=7)
     asked, bands = threading.Event(), []
 
@@ -117,7 +119,7 @@ def test_who_leaves_gives_the_place_back_and_nothing_goes_on(service: Service, m
     assert len(bands) == made
 
 
-def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
+def test_the_third_download_waits_for_a_slot_and_is_refused_after_a_time(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = service.begin(kind="simulation", world="room", seed=8)
@@ -147,7 +149,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
         monkeypatch.setattr(slots, "_wait_s", 60.0)
         threads.append(threading.Thread(target=take))
         threads[-1].start()
-        until(lambda: len(slots._line) == 1)
+        until(lambda: len(slots._waiting) == 1)
     finally:
         release.set()
         for thread in threads:
@@ -155,7 +157,7 @@ def test_the_third_waits_for_its_place_and_is_refused_in_the_end(
     assert [answer.status_code for answer in answers] == [200] * 3
 
 
-def test_who_takes_in_nothing_loses_the_place(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_client_that_reads_nothing_loses_its_slot(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     session = service.begin(kind="simulation", world="room", seed=9)
     noise = np.random.default_rng(2).integers(0, 256, (1, 1 << 16), dtype=np.uint8)
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", lambda _: itertools.repeat(noise, 2000))

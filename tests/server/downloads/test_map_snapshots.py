@@ -1,4 +1,4 @@
-"""Maps of named instants: one for each name, kept in bounded memory, gone with their session."""
+"""Named map snapshots: one for each name, in bounded memory, dropped with their session."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from mapper.grid import GridGeometry
-from server.downloads import MapSnapshot, MapSnapshots, Snapshot
+from server.downloads import CompressedImage, MapSnapshot, MapSnapshots
 from server.downloads.map_snapshots import MAX_KEPT, MAX_KEPT_BYTES, MAX_NAMES
 
 
@@ -23,7 +23,7 @@ class Session:
 
 def make(folder: Path, nbytes: int = 10) -> Callable[[], asyncio.Future[MapSnapshot]]:
     """A maker of snapshots whose images say that they have so many bytes."""
-    image = Snapshot((1, 1), [np.zeros((1, 1), np.uint8)], folder, lambda: None)
+    image = CompressedImage((1, 1), [np.zeros((1, 1), np.uint8)], folder, lambda: None)
     image.nbytes = nbytes
 
     async def made() -> MapSnapshot:
@@ -33,7 +33,7 @@ def make(folder: Path, nbytes: int = 10) -> Callable[[], asyncio.Future[MapSnaps
     return lambda: asyncio.ensure_future(made())
 
 
-async def test_one_name_is_one_map_also_for_those_who_ask_at_the_same_time(tmp_path: Path) -> None:
+async def test_concurrent_requests_with_one_name_get_one_map(tmp_path: Path) -> None:
     snapshots, session = MapSnapshots(), Session("a")
     first, second = await asyncio.gather(*(snapshots.get(session, "x", make(tmp_path)) for _ in range(2)))
     assert first is second
@@ -42,7 +42,7 @@ async def test_one_name_is_one_map_also_for_those_who_ask_at_the_same_time(tmp_p
     assert await snapshots.get(Session("b"), "x", make(tmp_path)) is not first
 
 
-async def test_a_session_keeps_a_few_images_and_of_older_ones_the_geometry(tmp_path: Path) -> None:
+async def test_a_session_keeps_few_images_and_the_geometry_of_older_ones(tmp_path: Path) -> None:
     snapshots, session = MapSnapshots(), Session("a")
     for number in range(MAX_KEPT + 1):
         await snapshots.get(session, f"n{number}", make(tmp_path))
@@ -55,7 +55,7 @@ async def test_a_session_keeps_a_few_images_and_of_older_ones_the_geometry(tmp_p
     assert len(snapshots._sessions["a"]) == MAX_NAMES
 
 
-async def test_who_keeps_most_loses_first(tmp_path: Path) -> None:
+async def test_the_session_with_most_bytes_loses_its_images_first(tmp_path: Path) -> None:
     snapshots, modest, greedy = MapSnapshots(), Session("modest"), Session("greedy")
     small = await snapshots.get(modest, "x", make(tmp_path))
     for number in range(3):
@@ -66,7 +66,7 @@ async def test_who_keeps_most_loses_first(tmp_path: Path) -> None:
     assert (await snapshots.get(greedy, "n0", make(tmp_path))).image is None
 
 
-async def test_a_map_that_could_not_be_made_can_be_asked_for_again_and_a_closed_session_keeps_none(
+async def test_a_failed_snapshot_can_be_requested_again_and_a_closed_session_keeps_none(
     tmp_path: Path,
 ) -> None:
     snapshots, session = MapSnapshots(), Session("a")

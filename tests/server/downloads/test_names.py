@@ -1,4 +1,4 @@
-"""Names of downloaded files: safe everywhere, and the one in the header is the one in the yaml."""
+"""Names of downloaded files: valid on all systems, and equal in header and yaml."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from server.downloads.names import disposition
         ("office", "office"),
     ],
 )
-def test_a_log_gives_its_name_to_its_files(title: str, stem: str) -> None:
+def test_files_are_named_after_their_log(title: str, stem: str) -> None:
     assert file_stem(title) == stem
 
 

@@ -1,4 +1,4 @@
-"""A log taken away over HTTP: the files are those of the log and the map that the session shows."""
+"""Downloads of a log over HTTP: the files are those of the log and the map that the session shows."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_the_trajectory(service: Service, session: Any) -> None:
     assert answer.headers["content-disposition"] == 'attachment; filename="A_simulated_office_sample.tum"'
 
 
-def test_a_world_has_no_run_to_take_away(service: Service) -> None:
+def test_a_simulation_has_no_log_to_download(service: Service) -> None:
     world = service.begin(kind="simulation", world="room", seed=5)
     for name in ("run.mcap", "trajectory.tum"):
         answer = service.http.get(f"/api/sessions/{world}/{name}")
@@ -61,7 +61,7 @@ def test_a_world_has_no_run_to_take_away(service: Service) -> None:
     assert service.http.get("/api/sessions/none/run.mcap").status_code == 404
 
 
-def test_who_leaves_in_the_middle_leaves_nothing(service: Service, session: Any) -> None:
+def test_a_client_that_disconnects_during_a_download_leaves_no_files(service: Service, session: Any) -> None:
     for _ in range(9):
         with service.http.stream("GET", f"/api/sessions/{session.id}/run.mcap") as answer:
             assert answer.status_code == 200

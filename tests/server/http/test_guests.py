@@ -26,6 +26,10 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}"),
     ("SOCKET", "/api/sessions/{session_id}/stream"),
     ("GET", "/api/sessions/{session_id}/doctor"),
+    ("GET", "/api/sessions/{session_id}/contents"),
+    ("GET", "/api/sessions/{session_id}/contents/series"),
+    ("GET", "/api/sessions/{session_id}/contents/frames"),
+    ("GET", "/api/sessions/{session_id}/notes"),
     ("GET", "/api/sessions/{session_id}/compare"),
     ("PUT", "/api/sessions/{session_id}/compare"),
     ("DELETE", "/api/sessions/{session_id}/compare"),
@@ -50,6 +54,9 @@ NEVER = {
     ("GET", "/api/sessions"),
     ("POST", "/api/sessions"),
     ("DELETE", "/api/sessions/{session_id}"),
+    ("POST", "/api/sessions/{session_id}/notes"),
+    ("PUT", "/api/sessions/{session_id}/notes/{note_id}"),
+    ("DELETE", "/api/sessions/{session_id}/notes/{note_id}"),
     ("GET", "/api/sessions/making/{name}"),
     ("GET", "/api/sessions/{session_id}/story"),
     ("GET", "/api/sessions/{session_id}/run.mcap"),
@@ -81,7 +88,7 @@ def rights() -> Iterator[tuple[tuple[str, str], GuestRight]]:
             yield (method, route.path), guest_right(route.endpoint)
 
 
-def test_every_route_gives_guests_the_right_in_the_table() -> None:
+def test_guests_have_the_rights_of_the_table_on_every_route() -> None:
     expected = (
         dict.fromkeys(ALWAYS, GuestRight.ALWAYS)
         | dict.fromkeys(LINKED_SESSION, GuestRight.LINKED_SESSION)

@@ -20,7 +20,7 @@ from server.http.routes import pages
 from tests.server.service import PATIENCE_S, Service
 
 
-def test_a_session_can_begin_standing_still(service: Service) -> None:
+def test_a_session_can_begin_paused(service: Service) -> None:
     sample = service.http.get("/api/logs").json()["logs"][0]["id"]
     for wanted in ({"kind": "simulation", "world": "room"}, {"kind": "log", "log": sample}):
         for playing in (True, False):
@@ -42,7 +42,7 @@ def test_a_session_from_beginning_to_end(service: Service) -> None:
     assert service.http.get(address).status_code == 404
 
 
-def test_the_map_can_be_taken_away(service: Service, tmp_path: Path) -> None:
+def test_the_map_can_be_downloaded(service: Service, tmp_path: Path) -> None:
     session_id = service.begin(kind="simulation", world="room", seed=5)
     for ending in ("yaml", "pgm"):
         answer = service.http.get(f"/api/sessions/{session_id}/map.{ending}")
@@ -117,7 +117,7 @@ def test_a_defect_shows_nothing_of_itself(service: Service, monkeypatch: pytest.
     assert answer.headers["x-content-type-options"] == "nosniff"
 
 
-def test_who_has_too_many_sessions_is_told_so(service: Service) -> None:
+def test_a_visitor_with_too_many_sessions_is_refused(service: Service) -> None:
     state = service.state.sessions
     original = service.state.settings
     state._settings = original.model_copy(update={"max_sessions_per_visitor": 1})
@@ -195,7 +195,7 @@ def test_pages_and_assets(service: Service) -> None:
         assert service.http.get(hidden).status_code in (404, 307), hidden
 
 
-def test_without_built_pages_it_says_what_to_do(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_built_pages_the_front_page_gives_advice(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pages, "PLACES", ())
     answer = service.http.get("/")
     assert answer.status_code == 503

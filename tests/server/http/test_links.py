@@ -1,4 +1,4 @@
-"""Links that open a view of a log, read-only, until they are revoked: on an open service and on one with a token."""
+"""Read-only links to a view of a log, on an open service and on one with a token."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
             pass
 
 
-def test_whoever_knows_the_services_token_gets_no_more_of_the_log(
+def test_a_guest_with_the_services_token_gets_no_more_of_the_log(
     browser: Callable[..., httpx.Client], ann: httpx.Client
 ) -> None:
     log_id = uploaded(ann)
@@ -183,7 +183,7 @@ def test_whoever_knows_the_services_token_gets_no_more_of_the_log(
     assert bob.get(f"/api/links?log={log_id}").json() == {"links": []}
 
 
-async def test_a_link_that_is_revoked_opens_nothing_and_ends_what_it_opened(
+async def test_a_revoked_link_opens_nothing_and_its_sessions_end(
     service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
 ) -> None:
     log_id = await asyncio.to_thread(uploaded, ann)
@@ -213,7 +213,7 @@ async def test_a_link_that_is_revoked_opens_nothing_and_ends_what_it_opened(
     assert (await ask(ann, "get", f"/api/sessions/{session}")).status_code == 200
 
 
-def test_guests_take_no_place_of_others(
+def test_guests_do_not_evict_sessions_of_visitors(
     service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
 ) -> None:
     log_id = uploaded(ann)

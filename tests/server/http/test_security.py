@@ -1,4 +1,4 @@
-"""Host, Origin, token, visitor, headers, sizes: who may ask what."""
+"""Host, Origin, token, visitor, headers, sizes: which requests are accepted."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ async def test_our_own_pages_can(service: Service) -> None:
 @pytest.mark.parametrize(
     "path", ["/", "/api/worlds", "/api/logs", "/readyz", "/metrics", "/api/openapi.json", "/assets/../api/logs"]
 )
-def test_without_the_token_nothing_is_told(browser: httpx.Client, path: str) -> None:
+def test_without_the_token_requests_are_refused(browser: httpx.Client, path: str) -> None:
     assert is_error(browser.get(path), 401, "security.token")
     assert is_error(browser.get(path, headers={"authorization": "Bearer wrong"}), 401, "security.token")
     assert is_error(browser.get(path, headers={"authorization": "Basic " + TOKEN}), 401, "security.token")
@@ -150,7 +150,7 @@ def test_each_browser_is_a_visitor_of_its_own(service: Service) -> None:
 @pytest.mark.parametrize(
     "cookie", ["gridbloom_visitor=../../x", "gridbloom_visitor=", "a=b; ;;=", "gridbloom_visitor=" + "x" * 5000]
 )
-def test_a_visitor_who_says_nonsense_is_new(service: Service, cookie: str) -> None:
+def test_an_invalid_cookie_makes_a_new_visitor(service: Service, cookie: str) -> None:
     answer = httpx.get(f"http://127.0.0.1:{service.port}/livez", headers={"cookie": cookie})
     assert answer.status_code == 200
     assert "gridbloom_visitor=" in answer.headers["set-cookie"]
@@ -214,14 +214,14 @@ def test_off_loopback_there_is_always_a_token(host: str, loopback: bool) -> None
         ("*", True),
     ],
 )
-def test_a_name_beyond_loopback_asks_for_a_token(names: str, asks: bool) -> None:
+def test_a_host_name_beyond_loopback_requires_a_token(names: str, asks: bool) -> None:
     options: dict[str, Any] = {"allowed_hosts": names}
     settings = Settings(**options)
     assert (settings.with_token().token is not None) is asks
     assert Settings(**options, no_token=True).with_token().token is None
 
 
-def test_a_service_behind_a_reverse_proxy_asks_for_the_token_that_it_made(tmp_path: Path) -> None:
+def test_a_service_behind_a_reverse_proxy_requires_its_generated_token(tmp_path: Path) -> None:
     with running(settings_for(tmp_path, allowed_hosts="maps.example.org")) as service:
         for host in ("maps.example.org", "127.0.0.1"):
             assert is_error(service.http.get("/api/worlds", headers={"host": host}), 401, "security.token")

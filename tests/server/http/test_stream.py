@@ -1,4 +1,4 @@
-"""The stream over a real socket: what a browser gets, and what it can do wrong."""
+"""The stream over a real socket: what a browser receives, and the errors that it can cause."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
-from server.http.routes.stream import COMMAND_BURST, COMMANDS_PER_S
+from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
 
@@ -94,7 +94,7 @@ async def test_a_teleport_brings_new_cells_around_the_new_place(service: Service
         assert new[row - 20 : row + 20, col - 20 : col + 20].sum() > 100
 
 
-async def test_a_teleport_into_a_wall_says_where_it_landed(service: Service) -> None:
+async def test_a_teleport_into_a_wall_reports_the_actual_pose(service: Service) -> None:
     session_id = service.begin()
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
@@ -121,7 +121,7 @@ async def test_inspect_reads_one_cell(service: Service) -> None:
         assert cell["y"] == pytest.approx(g["origin"][1] + (row + 0.5) * g["resolution"])
 
 
-async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
+async def test_a_client_that_resumes_gets_only_new_tiles(service: Service) -> None:
     session_id = service.begin(kind="simulation", world="office", seed=1)
     async with service.connect(session_id) as socket:
         first = Watcher(socket)
@@ -142,7 +142,7 @@ async def test_who_comes_back_gets_only_what_is_new(service: Service) -> None:
         np.testing.assert_allclose(again.log_odds(), expected, atol=5.5 / 254 + 1e-6)
 
 
-async def test_a_second_map_comes_and_goes_on_the_same_socket(service: Service) -> None:
+async def test_a_second_map_is_added_and_removed_on_the_same_socket(service: Service) -> None:
     session_id = service.begin(kind="simulation", world="room", seed=8)
     async with service.connect(session_id) as socket:
         watcher = Watcher(socket)
@@ -203,7 +203,7 @@ MALFORMED: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("sent", "code"), MALFORMED)
-async def test_a_malformed_frame_gets_its_error_and_the_session_goes_on(
+async def test_a_malformed_frame_is_answered_with_an_error_and_the_session_continues(
     service: Service, sent: str | bytes, code: str
 ) -> None:
     session_id = service.begin()
@@ -266,7 +266,7 @@ async def test_a_flood_of_commands_slows_only_its_sender(service: Service) -> No
 
 
 async def test_a_flood_without_end_ends_the_connection(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.http.routes.stream.MAX_THROTTLED", 30)
+    monkeypatch.setattr("server.http.stream_connection.MAX_THROTTLED", 30)
     monkeypatch.setattr("server.stream.hub.ACK_TIMEOUT_S", PATIENCE_S)  # nothing is acknowledged here
     async with service.connect(service.begin()) as socket:
         for _ in range(1000):
@@ -281,13 +281,13 @@ async def test_the_subprotocol_is_required(service: Service) -> None:
         assert socket.close_code == 1008
 
 
-async def test_a_session_that_is_not_there_says_so(service: Service) -> None:
+async def test_the_socket_of_an_unknown_session_is_closed_with_its_reason(service: Service) -> None:
     async with service.connect("nothing") as socket:
         await until_closed(socket)
         assert (socket.close_code, socket.close_reason) == (4404, "session.unknown")
 
 
-async def test_a_session_that_is_ended_says_so(service: Service) -> None:
+async def test_the_socket_of_an_ended_session_is_closed_with_its_reason(service: Service) -> None:
     session_id = service.begin()
     async with service.connect(session_id) as socket:
         await asyncio.wait_for(socket.recv(), PATIENCE_S)

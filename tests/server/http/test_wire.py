@@ -1,4 +1,4 @@
-"""Real sessions send every message that is stated, and nothing else (which the Watcher checks as it reads)."""
+"""Real sessions send every message that is stated, and no other (checked by Watcher)."""
 
 from __future__ import annotations
 

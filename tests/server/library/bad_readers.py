@@ -1,4 +1,4 @@
-"""Jobs for the reading process in which the reader does what a reader must not: each is run by its name there."""
+"""Jobs for the reading process whose readers misbehave; each is run by its name there."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from typing import Any
 
 from mapper.io.logs import opening
 from mapper.io.logs.summary import LogSummary
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.robot_log import RobotLog
 from server.library import job as jobs
 from tests.server.library.small_logs import carmen
 
 BAD = carmen(2).replace(b"FLASER 3 1.0", b"FLASER 3 6.0")  #: the log that they read so badly
-OPEN = "open_log"  #: what the job imports from there and calls
+OPEN = "open_robot_log"  #: what the job imports from there and calls
 
 
 def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
     good = getattr(opening, OPEN)
 
-    def read(path: Any, **options: Any) -> ScanLog:
+    def read(path: Any, **options: Any) -> RobotLog:
         if path.read_bytes() == BAD:
             reader()
-        log: ScanLog = good(path, **options)
+        log: RobotLog = good(path, **options)
         return log
 
     setattr(opening, OPEN, read)

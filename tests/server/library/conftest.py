@@ -1,4 +1,4 @@
-"""A library in a folder of the test's own; the process that reads logs is the module's, for a new one takes time."""
+"""A library in a temporary folder; the reading process is shared by the module, since starting one is slow."""
 
 from __future__ import annotations
 

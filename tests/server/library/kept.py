@@ -1,4 +1,4 @@
-"""What tests ask of a library: the files that it keeps, and a log's record once it was read."""
+"""What tests check of a library: its files, and a log's record after reading."""
 
 from __future__ import annotations
 

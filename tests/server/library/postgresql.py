@@ -112,7 +112,7 @@ def main() -> int:
         try:
             folder = programs()
         except MissingProgramError:
-            apt_install("postgresql", PURPOSE, ADVICE)
+            apt_install(("postgresql",), PURPOSE, ADVICE)
             folder = programs()
     except MissingProgramError as error:
         print(error, file=sys.stderr)

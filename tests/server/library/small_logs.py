@@ -1,4 +1,4 @@
-"""Small logs as bytes, and as the pieces in which they come over the network."""
+"""Small logs as bytes, and in pieces as they arrive over the network."""
 
 from __future__ import annotations
 
@@ -15,3 +15,8 @@ def carmen(scans: int, start: int = 0) -> bytes:
 async def in_pieces(data: bytes, size: int = 1000) -> AsyncIterator[bytes]:
     for at in range(0, len(data), size):
         yield data[at : at + size]
+
+
+def tum(scans: int, y: float = 0.0, start: int = 0) -> bytes:
+    """A line for each scan of ``carmen(scans)``: where its robot is, but at ``y``."""
+    return "".join(f"{start + i}.0 {start + i}.0 {y} 0 0 0 0 1\n" for i in range(scans)).encode()

@@ -1,4 +1,4 @@
-"""A store of blobs keeps each file once, whole or not at all: in a folder, and in a store that is none."""
+"""A store of blobs keeps each file completely or not at all: in a folder, and in a remote store."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ async def put(blobs: Blobs, data: bytes, piece: int = 100_000) -> str:
     for start in range(0, len(data), piece):
         await incoming.write(data[start : start + piece])
     assert incoming.size == len(data)
-    await incoming.place()
-    await incoming.drop()  # too late to change anything
+    await incoming.commit()
+    await incoming.discard()  # too late to change anything
     return incoming.sha256
 
 
 @pytest.mark.parametrize("piece", [7_777, 300_000, len(DATA)])
-async def test_what_goes_in_comes_out_by_its_digest(blobs: Blobs, tmp_path: Path, piece: int) -> None:
+async def test_blobs_are_read_back_by_their_digest(blobs: Blobs, tmp_path: Path, piece: int) -> None:
     assert await put(blobs, DATA, piece) == NAME
     assert await put(blobs, DATA) == NAME
     other = await put(blobs, b"other")
@@ -49,7 +49,7 @@ async def test_what_goes_in_comes_out_by_its_digest(blobs: Blobs, tmp_path: Path
     assert await blobs.names() == {other}
 
 
-async def test_in_a_folder_a_blob_is_read_where_it_lies(tmp_path: Path) -> None:
+async def test_in_a_folder_a_blob_is_read_without_a_copy(tmp_path: Path) -> None:
     blobs = Blobs.at(str(tmp_path / "elsewhere"), tmp_path / "data")
     (tmp_path / "data" / "incoming").mkdir(parents=True)
     await put(blobs, DATA)
@@ -60,37 +60,37 @@ async def test_in_a_folder_a_blob_is_read_where_it_lies(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("size", [10, 3 * REMOTE_PART_BYTES])
-async def test_what_is_given_up_leaves_nothing(blobs: Blobs, tmp_path: Path, size: int) -> None:
+async def test_a_discarded_upload_leaves_no_file(blobs: Blobs, tmp_path: Path, size: int) -> None:
     incoming = blobs.incoming()
     await incoming.write(bytes(size))
-    await incoming.drop()
+    await incoming.discard()
     await incoming.write(b"late")
-    await incoming.drop()
-    await blobs.sweep([])
+    await incoming.discard()
+    await blobs.remove_unreferenced([])
     assert await blobs.names() == set()
     assert left(tmp_path) == []
 
 
-async def test_a_sweep_keeps_what_it_is_told_to(blobs: Blobs, tmp_path: Path) -> None:
+async def test_remove_unreferenced_keeps_the_named_blobs(blobs: Blobs, tmp_path: Path) -> None:
     await put(blobs, DATA)
     await put(blobs, b"nobody's")
     half = blobs.incoming()
     await half.write(DATA)
     (tmp_path / "incoming" / "half#1").write_bytes(b"of a killed process")
-    await blobs.sweep({NAME, "not there"})
+    await blobs.remove_unreferenced({NAME, "not there"})
     assert await blobs.names() == {NAME}
     assert not left(tmp_path / "incoming")
 
 
-async def test_a_file_of_this_machine_moves_in(blobs: Blobs, tmp_path: Path) -> None:
+async def test_a_local_file_is_moved_into_the_store(blobs: Blobs, tmp_path: Path) -> None:
     (tmp_path / "old").write_bytes(DATA)
-    await blobs.take(tmp_path / "old", NAME)
+    await blobs.move_in(tmp_path / "old", NAME)
     assert not (tmp_path / "old").exists()
     async with blobs.file(NAME) as path:
         assert path.read_bytes() == DATA
 
 
-async def test_a_bucket_that_is_away_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_unreachable_bucket_gives_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.library.blobs.RETRY", {"max_retries": 0})
     monkeypatch.setenv("AWS_ENDPOINT", "http://127.0.0.1:1")
     for name in ("AWS_ALLOW_HTTP", "AWS_SKIP_SIGNATURE"):
@@ -98,14 +98,14 @@ async def test_a_bucket_that_is_away_is_one_sentence(tmp_path: Path, monkeypatch
     blobs = Blobs.at("s3://a-bucket/logs", tmp_path)
     incoming = blobs.incoming()
     await incoming.write(b"a log")
-    for refused in (incoming.place(), blobs.names()):
+    for refused in (incoming.commit(), blobs.names()):
         with pytest.raises(StorageError) as caught:
             await refused
         assert (caught.value.code, caught.value.message[-1]) == ("log.store", ".")
-    await incoming.drop()
+    await incoming.discard()
 
 
-async def test_what_a_store_refuses_is_one_sentence(tmp_path: Path) -> None:
+async def test_an_error_of_a_store_gives_one_sentence(tmp_path: Path) -> None:
     memory = Blobs(MemoryStore(), None, tmp_path)
     with pytest.raises(StorageError) as caught:
         async with memory.file(NAME):
@@ -117,7 +117,7 @@ async def test_what_a_store_refuses_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "blobs").rmdir()
     (tmp_path / "blobs").write_bytes(b"a file where the folder was")
     with pytest.raises(StorageError) as caught:
-        await incoming.place()
+        await incoming.commit()
     assert caught.value.code == "log.storage"
     assert str(tmp_path) not in caught.value.message
     assert left(tmp_path / "incoming") == []

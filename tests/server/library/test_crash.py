@@ -1,4 +1,4 @@
-"""A disk that is full at the n-th write, a process that is killed there, for each n: an upload is there whole or
+"""A disk that is full at the n-th write, a process that is killed there, for each n: an upload is stored whole or
 not at all.
 """
 
@@ -106,7 +106,7 @@ async def test_a_process_that_is_killed_before_its_nth_write(
     assert seen == {(-9, False), (-9, True), (0, True)}
 
 
-async def test_a_log_whose_reading_ends_the_service_is_not_read_for_ever(
+async def test_a_log_that_crashes_the_service_is_not_read_again_and_again(
     make_library: Callable[..., Library], settings: Settings
 ) -> None:
     first = make_library()

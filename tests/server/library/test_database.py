@@ -1,4 +1,4 @@
-"""The records in their database: up to date, whole, and with one sentence for each thing that is wrong with it."""
+"""The records in their database: migrated, consistent, and with one sentence for each error."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ import pytest_asyncio
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import event, text
+from sqlalchemy import Connection, Engine, event, inspect, text
 
 from mapper.io.logs.summary import summarise
 from mapper.simulation import sample_log
-from server.library.database import MIGRATIONS, Database
+from server.library.database import Database, _engine
 from server.library.log_rows import LogRows
 from server.library.migrations import HEAD
 from server.library.records import Failure, Record
+from server.library.schema import MIGRATIONS, bring_up_to_date, upgrade
 from server.library.storage import StorageError
 from server.library.tables import metadata
 
@@ -38,15 +39,46 @@ async def database(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncItera
     opened.close()
 
 
-async def test_the_revisions_make_the_tables(database: Database) -> None:
-    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD]
-    differences = await database.run(
-        lambda connection: compare_metadata(MigrationContext.configure(connection), metadata)
-    )
-    assert differences == []
+def _empty_database(kind: str, request: pytest.FixtureRequest, folder: Path) -> Engine:
+    url = None if kind == "sqlite" else request.getfixturevalue("postgresql").new_database()
+    folder.mkdir()
+    return _engine(url, folder)
 
 
-async def test_records_come_back_as_they_went_in(database: Database) -> None:
+def _schema(connection: Connection) -> dict[str, Any]:
+    """Return what the database itself states of its tables."""
+    found = inspect(connection)
+    return {
+        table: (
+            [{**column, "type": str(column["type"])} for column in found.get_columns(table)],
+            found.get_pk_constraint(table),
+            found.get_foreign_keys(table),
+            found.get_indexes(table),
+            found.get_unique_constraints(table),
+        )
+        for table in sorted(found.get_table_names())
+    }
+
+
+@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
+def test_an_empty_database_gets_the_tables_that_the_revisions_make(
+    kind: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    found = []
+    for name, make in (("created", bring_up_to_date), ("upgraded", lambda connection: upgrade(connection, None))):
+        engine = _empty_database(kind, request, tmp_path / name)
+        with engine.begin() as connection:
+            make(connection)
+            versions = connection.execute(text("SELECT version_num FROM alembic_version")).scalars().all()
+            found.append((_schema(connection), versions))
+            assert compare_metadata(MigrationContext.configure(connection), metadata) == []
+        engine.dispose()
+    assert list(found[0][0]) == sorted(["alembic_version", *metadata.tables])
+    assert found[0] == found[1]
+    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD] == found[0][1]
+
+
+async def test_records_are_read_back_unchanged(database: Database) -> None:
     rows = LogRows(database)
     summary = summarise(sample_log(5))
     records = [
@@ -64,7 +96,7 @@ async def test_records_come_back_as_they_went_in(database: Database) -> None:
     assert [record.id for record in await rows.load()] == ["c", "d", "a"]
 
 
-async def test_what_is_asked_is_done_in_its_order(database: Database) -> None:
+async def test_work_is_done_in_the_order_of_the_calls(database: Database) -> None:
     rows = LogRows(database)
     asked: list[asyncio.Future[Any]] = []
     for n in range(20):
@@ -90,7 +122,7 @@ def with_file(folder: Path, statement: str) -> None:
         connection.execute(statement)
 
 
-async def test_it_is_configured_as_it_should_be(tmp_path: Path) -> None:
+async def test_sqlite_is_configured(tmp_path: Path) -> None:
     database = Database.open(None, tmp_path)
     pragmas = ("journal_mode", "foreign_keys", "busy_timeout", "synchronous")
     found = await database.run(
@@ -101,7 +133,7 @@ async def test_it_is_configured_as_it_should_be(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["library.db"]  # noqa: PTH208 - which is what an async function may not do
 
 
-async def test_a_newer_one_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+async def test_a_newer_database_is_refused_and_not_changed(tmp_path: Path) -> None:
     Database.open(None, tmp_path).close()
     with_file(tmp_path, "UPDATE alembic_version SET version_num = '9999'")
     before = (tmp_path / "library.db").read_bytes()
@@ -111,7 +143,7 @@ async def test_a_newer_one_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
     assert (tmp_path / "library.db").read_bytes() == before
 
 
-async def test_a_damaged_one_is_refused(tmp_path: Path) -> None:
+async def test_a_damaged_database_is_refused(tmp_path: Path) -> None:
     database = Database.open(None, tmp_path)
     rows = LogRows(database)
     await asyncio.gather(*(rows.put(replace(RECORD, id=str(n), name="n" * 500)) for n in range(40)))
@@ -122,7 +154,7 @@ async def test_a_damaged_one_is_refused(tmp_path: Path) -> None:
         assert refusal(tmp_path).code == "library.damaged"
 
 
-async def test_a_locked_one_is_waited_for_and_then_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_locked_database_is_refused_after_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.library.database.BUSY_S", 0.05)
     database = Database.open(None, tmp_path)
     with contextlib.closing(sqlite3.connect(tmp_path / "library.db", isolation_level=None)) as other:
@@ -136,9 +168,9 @@ async def test_a_locked_one_is_waited_for_and_then_refused(tmp_path: Path, monke
     database.close()
 
 
-async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> None:
+async def test_on_a_full_disk_a_record_is_written_completely_or_not_at_all(tmp_path: Path) -> None:
     database = Database.open(None, tmp_path)
-    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 16"))
+    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 24"))
     rows = LogRows(database)
     ends = await asyncio.gather(
         *(rows.put(replace(RECORD, id=str(n), name="n" * 5000)) for n in range(30)), return_exceptions=True
@@ -149,7 +181,7 @@ async def test_a_full_disk_takes_all_of_a_record_or_nothing(tmp_path: Path) -> N
     database.close()
 
 
-async def test_an_address_that_leads_nowhere_is_one_sentence(tmp_path: Path) -> None:
+async def test_an_unreachable_database_gives_one_sentence(tmp_path: Path) -> None:
     assert refusal(tmp_path, "sqlite:////no/such/folder/library.db").code == "library.unreachable"
     assert refusal(tmp_path, "postgresql://127.0.0.1:1/none?connect_timeout=2").code == "library.unreachable"
 
@@ -159,6 +191,8 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
     await LogRows(opened).put(RECORD)
     opened.close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
+        older.execute("DROP TABLE trajectories")
+        older.execute("DROP TABLE notes")
         older.execute("ALTER TABLE logs DROP COLUMN attempts")
         older.execute("UPDATE alembic_version SET version_num = '0003'")
     opened = Database.open(None, tmp_path)

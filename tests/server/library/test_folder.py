@@ -1,4 +1,4 @@
-"""The folder that the operator shares, and the sample: found out by themselves, and open to everybody."""
+"""The shared folder of the operator, and the sample: read without a request, and open to all visitors."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ async def test_a_folder_in_it_that_is_one_log_is_one_log(
     assert again["run"].summary.scans < 24
 
 
-async def test_what_the_folder_holds_is_found_out_by_itself(
+async def test_logs_of_the_folder_are_read_without_a_request(
     make_library: Callable[..., Library], settings: Settings, folder: Path
 ) -> None:
     (folder / "a.log").write_bytes(carmen(6))
@@ -155,7 +155,7 @@ async def test_a_log_of_the_folder_opens_for_everybody(library: Library, folder:
         library.get("ann", record.id)
 
 
-async def test_who_opens_a_log_does_not_wait_for_the_whole_folder(
+async def test_opening_a_log_does_not_wait_for_the_whole_folder(
     make_library: Callable[..., Library], folder: Path
 ) -> None:
     for i in range(20):
@@ -167,7 +167,7 @@ async def test_who_opens_a_log_does_not_wait_for_the_whole_folder(
     assert "queued" in [one.state for one in library._folder.records()]
 
 
-async def test_a_log_of_the_folder_that_fails_says_why(library: Library, folder: Path) -> None:
+async def test_a_log_of_the_folder_that_fails_has_its_reason(library: Library, folder: Path) -> None:
     (folder / "bad.log").write_bytes(b"PARAM robot_width 1 host 1\n")
     record = (await in_folder(library))["bad.log"]
     with pytest.raises(ReadError) as caught:
@@ -193,7 +193,7 @@ async def test_a_record_of_an_older_summary_finds_it_out_again(
     await eventually(lambda: second.get("ann", record.id).public()["scans"] == 7)
 
 
-async def test_a_folder_that_is_gone_is_empty(library: Library, settings: Settings) -> None:
+async def test_a_removed_folder_is_listed_as_empty(library: Library, settings: Settings) -> None:
     assert settings.logs_dir is not None
     settings.logs_dir.rmdir()
     assert [r.source for r in await library.list("ann")] == ["sample"]
@@ -209,7 +209,7 @@ async def test_the_sample_is_always_there(library: Library) -> None:
         await library.delete("ann", SAMPLE_ID)
 
 
-async def test_what_the_sample_holds_is_known_soon_after_a_look(library: Library) -> None:
+async def test_listing_the_logs_starts_making_the_sample(library: Library) -> None:
     await library.list("ann")
     await eventually(lambda: library.get("ann", SAMPLE_ID).summary is not None)
     assert library.get("ann", SAMPLE_ID).public()["scans"] == (await library.load("ann", SAMPLE_ID)).n_scans

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from mapper.io.logs import open_log
+from mapper.io.logs import open_robot_log
 from server.library import Library
 from server.library.log_pack import write_pack
 from server.settings import Settings
@@ -44,7 +44,7 @@ def keep(root: Path, log_id: str, owner: str, data: bytes, **more: Any) -> None:
     (root / "blobs" / log_id).write_bytes(data)
     (root / "records" / f"{log_id}.json").write_text(json.dumps(record, ensure_ascii=False, indent=1))
     if record["state"] == "ready":
-        write_pack(open_log(root / "blobs" / log_id), root / "packs" / f"{log_id}.npz")
+        write_pack(open_robot_log(root / "blobs" / log_id), root / "packs" / f"{log_id}.npz")
 
 
 async def test_an_older_data_folder_is_taken_over(make_library: Callable[..., Library], settings: Settings) -> None:

@@ -1,4 +1,4 @@
-"""Uploads from the first byte to the loaded log, who sees what, and what a restart finds."""
+"""Uploads from the first byte to the loaded log, access of visitors, and restarts."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Cal
     np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
 
 
-async def test_a_damaged_pack_is_made_anew(library: Library, settings: Settings) -> None:
+async def test_a_damaged_pack_is_made_again(library: Library, settings: Settings) -> None:
     record = await library.put("ann", "run.log", in_pieces(carmen(5)))
     await library.load("ann", record.id)
     library._cache.drop(record.id)
@@ -153,7 +153,7 @@ async def test_delete_while_the_log_is_queued_or_read(
     ],
     ids=["binary", "letter", "truncated gzip", "no scans", "bad line"],
 )
-async def test_what_is_no_log_fails_with_a_sentence(
+async def test_a_file_that_is_no_log_fails_with_a_sentence(
     library: Library, settings: Settings, data: bytes, code: str
 ) -> None:
     record = await library.put("ann", "bad.log", in_pieces(data))
@@ -171,7 +171,7 @@ async def test_what_is_no_log_fails_with_a_sentence(
     assert (await library.load("ann", good.id)).n_scans == 4
 
 
-async def test_a_log_that_was_cut_is_read_as_far_as_it_goes(library: Library) -> None:
+async def test_a_truncated_log_is_read_up_to_its_end(library: Library) -> None:
     record = await library.put("ann", "cut.log.gz", in_pieces(gzip.compress(carmen(500))[:1500]))
     log = await library.load("ann", record.id)
     assert 0 < log.n_scans < 500

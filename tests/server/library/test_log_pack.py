@@ -1,15 +1,25 @@
-"""A pack gives back the log that went in, whatever is in it, and refuses everything else."""
+"""A pack is read back unchanged, and every other file is refused."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 from server.library.cache import LogCache
-from server.library.log_pack import StalePackError, nbytes, read_pack, write_pack
+from server.library.log_pack import (
+    NotPackedError,
+    StalePackError,
+    nbytes,
+    read_pack,
+    read_transforms,
+    write_pack,
+)
 
 
 def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
@@ -44,11 +54,11 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
 
 @pytest.mark.parametrize("n_scans", [0, 1, 7])
 @pytest.mark.parametrize("range_max", [20.0, float("inf")])
-def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) -> None:
+def test_a_pack_is_read_back_unchanged(tmp_path: Path, n_scans: int, range_max: float) -> None:
     log = log_of(n_scans, range_max=range_max)
     if n_scans:
         log.ranges[0] = [np.nan, np.inf, -np.inf, 1.0]
-    write_pack(log, tmp_path / "log.npz")
+    write_pack(RobotLog.of_one(log), tmp_path / "log.npz")
     again = read_pack(tmp_path / "log.npz")
     np.testing.assert_array_equal(again.ranges, log.ranges)
     np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
@@ -65,9 +75,9 @@ def test_what_goes_in_comes_out(tmp_path: Path, n_scans: int, range_max: float) 
     assert again.bearings is None
 
 
-def test_the_bearings_of_sonars_come_out(tmp_path: Path) -> None:
+def test_the_bearings_of_sonars_are_packed(tmp_path: Path) -> None:
     log = log_of(3, bearings=np.array([-1.5, -0.1, 0.1, 1.5]), beam_width=0.35)
-    write_pack(log, tmp_path / "log.npz")
+    write_pack(RobotLog.of_one(log), tmp_path / "log.npz")
     again = read_pack(tmp_path / "log.npz")
     assert log.bearings is not None
     assert again.bearings is not None
@@ -75,8 +85,42 @@ def test_the_bearings_of_sonars_come_out(tmp_path: Path) -> None:
     assert again.beam_width == 0.35
 
 
+def test_each_packed_sensor_is_read_with_its_own_poses(tmp_path: Path) -> None:
+    path = tmp_path / "log.npz"
+    timed = TimedPoses(np.arange(50) * 10, np.random.default_rng(0).uniform(-1, 1, (50, 3)), ("a note",))
+    topics = [Topic("/front", "sensor_msgs/LaserScan", 3, chosen=True), Topic("/rear", "sensor_msgs/LaserScan", 5)]
+    logs = {}
+    for name, n in (("/front", 3), ("/rear", 5)):
+        way = Trajectory(np.zeros((n, 3)), "tf", "odom", timed=timed)
+        odometry = OdometryRecords(timed, np.arange(n) - 1, np.ones((n, 3)))
+        listed = tuple(replace(one, chosen=one.name == name) for one in topics)
+        logs[name] = log_of(n, topic=name, topics=listed, trajectories={"tf": way}, odometry=odometry)
+    edge = TransformEdge("base", "laser", is_static=True, moves=False, count=1, first_stamp_ns=5, last_stamp_ns=5)
+    write_pack(RobotLog(logs, transforms=(edge,)), path)
+    assert read_transforms(path) == (edge,)
+    assert read_pack(path).topic == "/front"
+    for name, log in logs.items():
+        again = read_pack(path, name)
+        np.testing.assert_array_equal(again.ranges, log.ranges)
+        assert again.topics == log.topics
+        found = again.trajectory("tf").timed
+        assert found is not None
+        assert again.odometry is not None
+        assert log.odometry is not None
+        np.testing.assert_array_equal(found.stamps_ns, timed.stamps_ns)
+        np.testing.assert_array_equal(found.poses, timed.poses)
+        assert found.notes == timed.notes
+        np.testing.assert_array_equal(again.odometry.messages.poses, timed.poses)
+        np.testing.assert_array_equal(again.odometry.before_scan, log.odometry.before_scan)
+        assert again.odometry.at_scans is not None
+        assert nbytes(again) == nbytes(log)
+    with pytest.raises(NotPackedError):
+        read_pack(path, "/left")
+    assert path.stat().st_size < 12_000  # the poses that both share are stored once
+
+
 def test_no_other_file_is_left(tmp_path: Path) -> None:
-    write_pack(log_of(2), tmp_path / "log.npz")
+    write_pack(RobotLog.of_one(log_of(2)), tmp_path / "log.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
 
 
@@ -84,7 +128,7 @@ def test_nothing_else_is_a_pack(tmp_path: Path) -> None:
     path = tmp_path / "log.npz"
     with pytest.raises(StalePackError):
         read_pack(path)
-    write_pack(log_of(3), path)
+    write_pack(RobotLog.of_one(log_of(3)), path)
     whole = path.read_bytes()
     for data in (b"", b"PK", whole[:100], whole[: len(whole) // 2], whole[:-10], b"x" * 1000):
         path.write_bytes(data)

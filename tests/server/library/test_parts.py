@@ -1,4 +1,4 @@
-"""Uploads that come in parts, and that are cut: at each tenth, by a hand-written client that just goes away."""
+"""Uploads in parts that are cut at each tenth, sent by a client that disconnects."""
 
 from __future__ import annotations
 
@@ -54,6 +54,31 @@ def offset(client: httpx.Client, key: str = KEY) -> int:
     return int(client.get(f"/api/logs/uploads/{key}").json()["offset"])
 
 
+def test_an_upload_that_is_given_up_is_removed(client: httpx.Client, folder: Path) -> None:
+    assert part(client, 0, 999).status_code == 200
+    assert offset(client) == 1000
+    assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204
+    assert offset(client) == 0
+    until(lambda: incoming(folder) == [])
+    assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204  # there is none any more
+
+
+def test_an_upload_that_is_given_up_while_it_comes_in_is_removed_at_its_end(
+    service: Service, client: httpx.Client, folder: Path
+) -> None:
+    cookies = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+    with socket.create_connection(("127.0.0.1", service.port)) as line:
+        line.sendall(
+            f"PUT /api/logs?name=a&upload={KEY} HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\nCookie: {cookies}\r\n"
+            f"Content-Length: {len(DATA)}\r\nContent-Range: bytes 0-{len(DATA) - 1}/{len(DATA)}\r\n\r\n".encode()
+        )
+        line.sendall(DATA[:1000])
+        until(lambda: [one.busy for one in service.state.library._intake._partial.values()] == [True])
+        assert client.delete(f"/api/logs/uploads/{KEY}").status_code == 204
+    until(lambda: incoming(folder) == [])
+    assert offset(client) == 0
+
+
 def incoming(folder: Path) -> list[Path]:
     return list((folder / "library" / "incoming").iterdir())
 
@@ -74,7 +99,7 @@ def test_in_ten_parts(client: httpx.Client, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("tenth", range(11))
-def test_cut_at_each_tenth_and_gone_on_with(service: Service, client: httpx.Client, folder: Path, tenth: int) -> None:
+def test_an_upload_cut_at_a_tenth_is_resumed(service: Service, client: httpx.Client, folder: Path, tenth: int) -> None:
     sent = len(DATA) * tenth // 10
     cookie = f"gridbloom_visitor={client.cookies['gridbloom_visitor']}"
     head = (
@@ -105,7 +130,7 @@ def test_the_same_file_twice_is_stored_once(client: httpx.Client) -> None:
     assert client.put("/api/logs", content=DATA).json()["id"] == first
 
 
-def test_a_part_from_the_wrong_place_is_refused_and_a_first_one_begins_anew(client: httpx.Client) -> None:
+def test_a_part_with_a_wrong_offset_is_refused_and_offset_0_begins_again(client: httpx.Client) -> None:
     assert part(client, 0, 999).status_code == 200
     wrong = part(client, 2000, 2999)
     assert (wrong.status_code, wrong.json()["code"]) == (409, "upload.offset")

@@ -1,4 +1,4 @@
-"""Uploads that stop, stall, trickle, or are too much; and names that are only shown."""
+"""Uploads that stop, stall, are very slow or too large; and names that are only shown."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def test_an_upload_that_is_cancelled_leaves_nothing(library: Library, sett
     assert files(settings) == []
 
 
-async def test_an_upload_that_stalls_is_given_up(make_library: Callable[..., Library], settings: Settings) -> None:
+async def test_an_upload_that_stalls_is_cancelled(make_library: Callable[..., Library], settings: Settings) -> None:
     library = make_library(idle_s=0.05)
 
     async def stalls() -> AsyncIterator[bytes]:
@@ -58,7 +58,7 @@ async def test_an_upload_that_stalls_is_given_up(make_library: Callable[..., Lib
     assert files(settings) == []
 
 
-async def test_an_upload_that_trickles_is_given_up(make_library: Callable[..., Library], settings: Settings) -> None:
+async def test_a_very_slow_upload_is_cancelled(make_library: Callable[..., Library], settings: Settings) -> None:
     """A byte now and then would hold one of the few places for ever."""
     library = make_library(idle_s=0.5)
 
@@ -120,7 +120,7 @@ async def test_caps(make_library: Callable[..., Library], settings: Settings) ->
     assert await refused("eve", in_pieces(b"y"), 200_000) == "library.full"
 
 
-async def test_what_was_read_of_a_log_takes_room_too(make_library: Callable[..., Library]) -> None:
+async def test_packs_count_towards_the_quota(make_library: Callable[..., Library]) -> None:
     """A small upload may hold a thousand times its bytes in readings."""
     library = make_library(max_total_bytes=20_000)
     packed = [gzip.compress(carmen(2000, start)) for start in range(3)]

@@ -1,4 +1,4 @@
-"""A log of several sensors: each of them can be mapped, and nothing but memory is spent on the others."""
+"""A log of several sensors: each can be mapped, and the others use only memory."""
 
 from __future__ import annotations
 

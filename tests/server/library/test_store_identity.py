@@ -1,4 +1,4 @@
-"""Two stores of logs never share the records of one: the second is refused, and the first one's records stay."""
+"""Two stores of logs never share the records of one: the second is refused, and the records stay."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_second_data_folder_on_the_same_database_is_refused(url: str, tmp_path
     forget(url, tmp_path)
 
 
-def test_a_bucket_belongs_to_its_records_too(tmp_path: Path) -> None:
+def test_records_of_another_bucket_are_refused(tmp_path: Path) -> None:
     bucket, other = Blobs(MemoryStore(), None, tmp_path), Blobs(MemoryStore(), None, tmp_path)
     database = Database.open(None, tmp_path)
     check_store_identity(database, bucket)
@@ -58,7 +58,7 @@ def test_a_bucket_belongs_to_its_records_too(tmp_path: Path) -> None:
     database.close()
 
 
-def test_a_store_that_is_away_is_let_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreachable_store_is_accepted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bucket that does not answer for a moment keeps no service from starting."""
     monkeypatch.setattr("server.library.blobs.RETRY", {"max_retries": 0})
     monkeypatch.setenv("AWS_ENDPOINT", "http://127.0.0.1:1")
@@ -70,7 +70,7 @@ def test_a_store_that_is_away_is_let_pass(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("names", [set(), {"f" * 64}])
-async def test_nothing_is_deleted_because_a_store_lacks_it_that_did_not_say_who_it_is(
+async def test_nothing_is_deleted_while_the_stores_identity_is_unknown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: set[str]
 ) -> None:
     """It was away when it was asked, and is another bucket than the one that the records know."""
@@ -98,7 +98,7 @@ async def test_nothing_is_deleted_because_a_store_lacks_it_that_did_not_say_who_
     assert deleted == []
 
 
-def test_of_two_that_claim_a_database_at_once_one_is_refused(url: str, tmp_path: Path) -> None:
+def test_of_two_stores_that_claim_a_database_concurrently_one_is_refused(url: str, tmp_path: Path) -> None:
     databases = [Database.open(url, tmp_path) for _ in range(2)]
     stores = [Blobs(MemoryStore(), None, tmp_path) for _ in range(2)]
     together = threading.Barrier(2)

@@ -1,4 +1,4 @@
-"""UploadSlots of uploads: slow ones make room for those that wait, and one address leaves the others theirs."""
+"""Upload slots: slow uploads are cancelled for waiting ones, and one address does not use all slots."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ async def test_the_slowest_upload_makes_room(monkeypatch: pytest.MonkeyPatch) ->
     assert len(slots) == 0
 
 
-async def test_fast_uploads_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_fast_uploads_are_not_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.library.upload_slots.SLOW_BYTES_PER_S", 100)
     slots = UploadSlots(2, 2, IDLE_S)
     tasks = await begun(slots, 2, "a", 3000)
@@ -92,7 +92,7 @@ async def test_an_address_with_more_uploads_makes_room_for_one_with_fewer(monkey
     assert await ended(tasks) == ["library.busy"]
 
 
-async def test_who_goes_while_waiting_leaves_nothing() -> None:
+async def test_an_upload_cancelled_while_waiting_takes_no_slot() -> None:
     slots = UploadSlots(1, 4, IDLE_S)
     async with slots.take("ann", "a"):
         waiting = [asyncio.create_task(upload(slots, "eve", "b", 3000)) for _ in range(4)]

@@ -1,4 +1,4 @@
-"""Logs read on an executor that is not ours: the same promises, kept by a process for each log."""
+"""Logs read on an external executor: the same guarantees, with one process for each log."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def test_a_log_is_read_and_packed(reader: Reader, tmp_path: Path) -> None:
     assert caught.value.code == "log.unknown_format"
 
 
-async def test_a_job_says_how_far_it_is_and_is_cancelled(reader: Reader, tmp_path: Path) -> None:
+async def test_a_job_reports_progress_and_can_be_cancelled(reader: Reader, tmp_path: Path) -> None:
     source = tmp_path / "long.log"
     source.write_bytes(carmen(500) * 600)
     reading = asyncio.ensure_future(reader.read(source, tmp_path / "a.npz"))
@@ -58,7 +58,7 @@ async def test_a_job_says_how_far_it_is_and_is_cancelled(reader: Reader, tmp_pat
     assert not (tmp_path / "a.npz").exists()
 
 
-async def test_a_job_keeps_to_its_limits(tmp_path: Path) -> None:
+async def test_a_job_is_limited_in_memory_and_time(tmp_path: Path) -> None:
     worker = ExecutorWorker(ThreadPoolExecutor(1), tmp_path)
     source = log(tmp_path, carmen(500) * 100)
     short = Reader(timeout_s=0.01, memory_bytes=2 << 30, worker=worker)
@@ -72,7 +72,7 @@ async def test_a_job_keeps_to_its_limits(tmp_path: Path) -> None:
     await small.close()
 
 
-async def test_an_executor_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
+async def test_a_missing_executor_gives_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(StorageError) as caught:
         await asyncio.to_thread(worker_at, "tcp://127.0.0.1:1", 1 << 30, tmp_path)
     assert caught.value.code == "library.executor"

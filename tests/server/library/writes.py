@@ -1,4 +1,4 @@
-"""The writes of a library, counted: at the n-th of them something happens, which may be that the disk is full.
+"""The writes of a library, counted: at the n-th write a test's action runs, for example an error of a full disk.
 
 A write is each piece of an upload, the last of it, the rename that shows it, and each statement that changes a record.
 """

@@ -199,7 +199,7 @@ class BallDrawer(Drawer[Ball, Ball]):
         self.scene.add_icosphere(f"{self.path}/ball", radius=0.5)
 
 
-async def test_a_type_of_its_own_needs_one_drawer(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_new_type_of_drawing_needs_one_drawer(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service.scenes, "_drawers", {**DRAWERS, Ball: BallDrawer})
     async with showing(service, monkeypatch, Ball(name="ball", label="Ball")) as (_, client):
         await client.until(named("IcosphereMessage", "/ball/ball"))
@@ -262,7 +262,7 @@ async def test_a_moved_gizmo_becomes_a_command(service: Service, monkeypatch: py
         assert await shown.drawn(client) == []
 
 
-async def test_a_gizmo_whose_move_is_not_taken_returns(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_gizmo_whose_move_is_refused_returns(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     gizmo = Gizmo(name="goal", position=(1.0, 1.0, 0.0))
     async with showing(service, monkeypatch, gizmo) as (_, client):
         client.forget()
@@ -331,7 +331,7 @@ async def test_a_mesh_of_64_mib_passes_and_a_larger_one_is_left_out(
         assert (line["drawing"], line["bytes"], line["limit"]) == ("large", 12 * (rows + 1), 64 << 20)
 
 
-async def test_two_large_meshes_do_not_come_in_one_message(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_two_large_meshes_are_sent_in_two_messages(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = (40 << 20) // 12
     meshes = [replace(large(rows), name=name) for name in ("one", "two")]
     async with showing(service, monkeypatch, *meshes) as (_, client):  # both wait for a client that connects

@@ -1,4 +1,4 @@
-"""What is drawn of a map lies where the map is, and is as sure as the map is."""
+"""The 3D map has the map's place, and its values."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def covered(vertices: np.ndarray, cell: float, shape: tuple[int, int]) -> np.nda
     return heights
 
 
-def test_columns_stand_on_the_occupied_cells_and_nowhere_else() -> None:
+def test_occupied_cells_and_no_others_have_columns() -> None:
     grid = grid_of(100, 150)
     drawn = map_levels(grid.geometry, grid.log_odds, grid.observed)
     assert drawn.cell == 0.1

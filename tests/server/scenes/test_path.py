@@ -1,4 +1,4 @@
-"""Paths lie where the numbers say."""
+"""Positions of paths in the 3D view."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ async def test_a_later_tick_does_not_change_what_was_read(service: Service) -> N
     np.testing.assert_array_equal(robot.beams, before[1])
 
 
-async def test_what_is_not_due_is_not_read(service: Service) -> None:
+async def test_drawings_that_are_not_due_are_not_read(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     state = await read_state(session, DRAWERS, lambda drawing: not isinstance(drawing, GridColumns))
     assert contents(state, GridColumns) is None

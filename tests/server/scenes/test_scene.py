@@ -1,4 +1,4 @@
-"""A real viser server behind the real proxy: what a browser is sent, and what it can bring about."""
+"""A real viser server behind the proxy: what a browser receives, and what it can do."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ async def test_the_scene_shows_the_world_the_map_and_the_robot(service: Service)
     assert not any("http://" in str(m) or "https://" in str(m) for m in client.seen)
 
 
-def test_the_proxy_speaks_the_installed_visers_protocol() -> None:
+def test_the_proxy_uses_the_protocol_of_the_installed_viser() -> None:
     assert f"viser-v{viser.__version__}" == SUBPROTOCOL
 
 
@@ -352,7 +352,7 @@ GRIP = {"type": "TransformControlsDragStartMessage", "name": "/goal/handles", "o
         (17, False),
     ],
 )
-def test_what_passes(message: Any, passed: bool) -> None:
+def test_messages_that_pass_the_proxy(message: Any, passed: bool) -> None:
     encoded = msgspec.msgpack.encode(message)
     assert passes(encoded) is passed
     if passed:  # viser, which would close the connection otherwise, can read it
@@ -362,7 +362,7 @@ def test_what_passes(message: Any, passed: bool) -> None:
 # -- the life of scenes --------------------------------------------------------------------------------------------
 
 
-async def test_no_work_while_nobody_looks(service: Service) -> None:
+async def test_no_work_without_a_browser(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.control("Hit increment")
@@ -371,7 +371,7 @@ async def test_no_work_while_nobody_looks(service: Service) -> None:
     assert not session.watched
 
 
-async def test_scenes_that_nobody_looks_at_are_closed(sessions: SessionRegistry) -> None:
+async def test_scenes_without_a_browser_are_closed(sessions: SessionRegistry) -> None:
     scenes = Scenes(check_s=0.05)
     session = await new_simulation(sessions, "ann", "room", seed=1)
     one, two = await asyncio.gather(scenes.get(session), scenes.get(session))

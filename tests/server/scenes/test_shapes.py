@@ -1,4 +1,4 @@
-"""Meshes: areas and volumes against closed forms, every face seen from outside."""
+"""Meshes: areas and volumes against closed forms, all faces oriented outwards."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""viser's client as far as the tests need it: a socket, its messages unpacked, a camera, a click, a slider."""
+"""The part of viser's client that the tests need: a socket, its messages, a camera, a click, a slider."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beams lie where the numbers say."""
+"""Positions of beams in the 3D view."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_the_correction_of_the_mount_turns_the_beams() -> None:
     assert segments[0, 1, :2] == pytest.approx((0.5, 2.0), abs=1e-5)
 
 
-def test_what_hit_nothing_is_not_drawn() -> None:
+def test_beams_without_a_hit_are_not_drawn() -> None:
     ranges = np.array([np.nan, np.inf, -np.inf, 0.0, 0.1, 10.1, 9.0], dtype=np.float32)
     assert len(segments_of(ranges)) == 1
     assert segments_of(np.zeros(0)).shape == (0, 2, 3)

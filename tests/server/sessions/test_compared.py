@@ -1,4 +1,4 @@
-"""A log's map beside another one: what A is, what follows the hand, and the numbers against plain NumPy."""
+"""A log's map compared with another one: which parameters follow, and the numbers against plain NumPy."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ async def at_its_end(registry: SessionRegistry, obey: Callable[..., Any], log: S
     return session
 
 
-async def test_a_keeps_its_parameters_while_b_follows_the_hand(
+async def test_map_a_keeps_its_parameters_while_those_of_b_change(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
@@ -72,7 +72,7 @@ async def test_another_trajectory_follows_all_parameters(
     assert (told["trajectory"], told["values"], told["log"]) == (wheel, {}, None)
 
 
-async def test_what_has_no_lattice_in_common_is_told_and_seen_all_the_same(
+async def test_maps_without_a_common_lattice_are_shown_with_the_reason(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await at_its_end(registry, obey, office_log)
@@ -227,7 +227,7 @@ async def test_the_numbers_are_those_of_the_two_downloaded_maps(service: Service
         assert watcher.newest["parameters"]["compare"] is None
 
 
-def test_a_wish_that_cannot_be_fulfilled_is_told_in_a_sentence(service: Service) -> None:
+def test_a_comparison_that_fails_gives_one_sentence(service: Service) -> None:
     sample = service.http.get("/api/logs").json()["logs"][-1]["id"]
     session, world = service.begin(kind="log", log=sample), service.begin()
     address = f"/api/sessions/{session}/compare"

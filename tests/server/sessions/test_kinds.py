@@ -1,4 +1,4 @@
-"""A kind of session that says no more than it has to: everything else of the service copes with it."""
+"""A kind of session with the required methods only works in the whole service."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A log session: its clock, and its map against the mapper's own."""
+"""A log session: its clock, and its map against the mapper's."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_play_times_are_the_recorded_ones_where_those_are_sound() -> None:
     assert play_times(stamps) == pytest.approx([0.0, 0.1, 0.25, 0.25, 2.25, 2.35])
 
 
-async def test_the_end_of_the_log_is_the_whole_map(
+async def test_at_the_end_of_the_log_the_map_is_complete(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await new_log(registry, "me", office_log)
@@ -184,7 +184,7 @@ async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegis
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only there has a thread a niceness of its own")
-async def test_an_examination_steps_back_behind_what_somebody_waits_for(
+async def test_an_examination_is_deferred_to_interactive_work(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own = os.getpriority(os.PRIO_PROCESS, 0)
@@ -235,7 +235,7 @@ async def test_a_newer_command_does_not_end_an_examination(
         assert await session.model.recording.examined() == []
 
 
-async def test_an_examination_that_failed_is_made_anew(
+async def test_a_failed_examination_is_repeated(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log)
@@ -290,7 +290,7 @@ async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
 
 
 @pytest.mark.parametrize(("n_scans", "every"), [(20_000, 1), (20_001, 2), (50_000, 3)])
-async def test_the_way_of_a_long_log_is_thinned_and_says_so(
+async def test_the_path_of_a_long_log_is_thinned_and_noted(
     registry: SessionRegistry, office_log: ScanLog, n_scans: int, every: int
 ) -> None:
     log = replace(

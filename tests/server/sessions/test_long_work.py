@@ -1,4 +1,4 @@
-"""What takes long shows how far it is, hands its turn on, and is given up when it is of no use any more."""
+"""Long computations report their progress, yield their turn, and are cancelled when they are outdated."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Parts:
         return integrate_scans(grid, log, config, *more)
 
 
-async def test_a_map_is_given_up_for_newer_parameters(
+async def test_newer_parameters_cancel_a_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log, playing=False)
@@ -91,7 +91,7 @@ async def test_a_map_is_given_up_for_newer_parameters(
     assert "error" not in {message["type"] for message in texts}
 
 
-async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished(
+async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # they have come for long
@@ -106,7 +106,7 @@ async def test_commands_without_an_end_do_not_keep_every_map_from_being_finished
     assert parts.windows.count(0.41) == parts.windows.count(0.42) > 1
 
 
-async def test_a_seek_is_given_up_for_another(
+async def test_a_newer_seek_cancels_a_seek(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_log(registry, "me", office_log, playing=False)
@@ -123,22 +123,128 @@ async def test_a_seek_is_given_up_for_another(
     np.testing.assert_array_equal(shown, view_of(session).observed)
 
 
-def test_the_parts_of_a_map_take_a_few_hundredths_of_a_second(
-    office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+class Slices:
+    """Lets a seek go on slice by slice, each of one part."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.allowed = threading.Semaphore(0)
+        monkeypatch.setattr(host_module, "SHOWN_AFTER_S", 0.0)
+        monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
+        monkeypatch.setattr("server.sessions.models.log.slice_is_over", lambda: self._over)
+
+    def _over(self) -> bool:
+        assert self.allowed.acquire(timeout=PATIENCE_S)
+        return True
+
+
+def whole_map(log: ScanLog, config: MappingConfig, count: int) -> OccupancyGrid:
+    grid = OccupancyGrid(geometry_for(log, config), config.log_odds_prior)
+    integrate_scans(grid, log, config, None, 0, count)
+    return grid
+
+
+async def test_a_long_seek_shows_the_map_on_the_way(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    session = await new_log(registry, "me", office_log, playing=False)
+    session.join()
+    slices = Slices(monkeypatch)
+    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    for _ in range(3):
+        slices.allowed.release()
+    shown = session.model.layers[0].picture.cells
+    await eventually(lambda: bool((shown != -128).any()))
+    assert 0 < session.model.progress[0] < office_log.n_scans
+    await eventually(lambda: json.loads(session.hub.slots.get("working", "{}")).get("fraction") not in (None, 0.0))
+    assert session.is_busy
+    reading = asyncio.ensure_future(settled_index(session))
+    for _ in range(office_log.n_scans):
+        slices.allowed.release()
+    assert await reading == office_log.n_scans  # who reads the map waits until it is whole
+    await eventually(lambda: json.loads(session.hub.slots["working"])["elapsed_s"] is None)
+    assert not session.is_busy
+    view = view_of(session)
+    np.testing.assert_array_equal(view.log_odds, whole_map(office_log, view.config, office_log.n_scans).log_odds)
+
+
+async def settled_index(session: Any) -> int:
+    async with session.settled():
+        return int(session.model.progress[0])
+
+
+async def test_a_long_seek_can_be_cancelled_where_it_is(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await new_log(registry, "me", office_log, playing=False)
+    session.join()
+    slices = Slices(monkeypatch)
+    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    slices.allowed.release()
+    await eventually(lambda: session.model.progress[0] > 0)
+    session.enqueue({"type": "cancel"})
+    slices.allowed.release()
+    index = await settled_index(session)
+    assert 0 < index < office_log.n_scans
+    view = view_of(session)
+    np.testing.assert_array_equal(view.log_odds, whole_map(office_log, view.config, index).log_odds)
+
+
+async def test_new_parameters_can_be_cancelled(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
+    session = await new_log(registry, "me", office_log, playing=False)
+    client = session.join()
+    await obey(session, type="seek", index=office_log.n_scans)
+    before = view_of(session).log_odds.copy()
+    client.take()
+    parts = Parts(monkeypatch)
+    session.enqueue({"type": "parameters", "values": {"window": 0.41}}, client)
+    await asyncio.to_thread(parts.held.wait, PATIENCE_S)
+    session.enqueue({"type": "cancel"}, client)
+    parts.released.set()
+    await eventually(lambda: not session.has_queued_commands)
+    await between_ticks(session)
+    assert parts.windows == [0.41]
+    assert session.model.config.window == 0.0
+    np.testing.assert_array_equal(view_of(session).log_odds, before)
+    texts = [json.loads(message) for message in client.take() if isinstance(message, str)]
+    assert [m["values"]["window"] for m in texts if m["type"] == "parameters"] == [0.0]  # the page's slider goes back
+
+
+async def test_what_nobody_waits_for_stands_aside_for_a_long_seek(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await new_log(registry, "me", office_log, playing=False)
+    session.join()
+    slices = Slices(monkeypatch)
+    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    await eventually(lambda: "working" in session.hub.slots)  # its progress is shown
+    is_open = session.in_background()
+    asked = asyncio.ensure_future(asyncio.to_thread(is_open))
+    slices.allowed.release()
+    await eventually(lambda: session.model.progress[0] > 0)
+    assert not asked.done()
+    session.enqueue({"type": "cancel"})
+    for _ in range(office_log.n_scans):
+        slices.allowed.release()
+    assert await asked is True
+
+
+def test_a_long_map_is_computed_in_short_parts(office_log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a clock that counts 5 ms for each scan no part is larger than the four scans that fill the time."""
     now, sizes = 0.0, []
 
-    of_part = integrate._integrate
+    of_part = integrate.integrate_scans
 
-    def counted(grid: Any, log: Any, plan: Any, trajectory: Any, start: int, stop: int) -> Any:
+    def counted(grid: Any, log: Any, config: Any, trajectory: Any, start: int, stop: int) -> Any:
         nonlocal now
         now += 0.005 * (stop - start)
         sizes.append(stop - start)
-        return of_part(grid, log, plan, trajectory, start, stop)
+        return of_part(grid, log, config, trajectory, start, stop)
 
     monkeypatch.setattr("time.thread_time", lambda: now)
-    monkeypatch.setattr(integrate, "_integrate", counted)
+    monkeypatch.setattr(integrate, "integrate_scans", counted)
     config = MappingConfig(resolution=0.1)
     parts, whole = (OccupancyGrid(geometry_for(office_log, config)) for _ in range(2))
     reached = [at for at, _ in integrate.integrate_parts(parts, office_log, config, None, 0, 100)]

@@ -158,7 +158,7 @@ def content(messages: list[dict[str, str]]) -> list[Any]:
     ]
 
 
-def test_what_the_pages_are_tested_with_is_what_the_server_sends() -> None:
+def test_the_vectors_of_the_pages_are_current() -> None:
     assert content(json.loads(RECORDED.read_text(encoding="utf-8"))) == content(sent())
 
 

@@ -1,4 +1,4 @@
-"""What is computed while nobody waits: seeks ahead are prepared, and whoever commands has the machine at once."""
+"""Prefetching of checkpoints in idle time, which a command interrupts."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def reached(session: Any) -> int:
     return int(session.model.recording.replay._replay.checkpoints.reached)
 
 
-async def test_a_log_that_stands_still_is_prepared_to_its_end(
+async def test_a_paused_log_is_prefetched_to_its_end(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
@@ -56,7 +56,7 @@ async def test_a_log_that_stands_still_is_prepared_to_its_end(
     session.leave(client)
 
 
-async def test_nothing_is_prepared_that_nobody_watches(
+async def test_logs_without_a_client_are_not_prefetched(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preparing, "QUIET_S", 0.0)
@@ -120,7 +120,7 @@ async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() 
     await asyncio.gather(task, return_exceptions=True)
 
 
-async def test_a_defect_or_a_lack_of_room_keeps_nobody_else_from_it() -> None:
+async def test_a_failure_or_lack_of_room_does_not_stop_other_prefetching() -> None:
     broken, large, good = Watched(Steps(MemoryError())), Watched(Steps(), cells=100), Watched(Steps())
     task = asyncio.create_task(
         CheckpointPrefetching(lambda: [broken, large, good], lambda one: one.cells < 50, lambda: 10.0).run()

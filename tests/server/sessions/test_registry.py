@@ -1,4 +1,4 @@
-"""Budgets: how many sessions, for whom, how large, how long unwatched."""
+"""Budgets: number of sessions, per visitor, size, idle time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.server.service import eventually
 Make = Callable[..., SessionRegistry]
 
 
-async def test_an_unwatched_session_gives_way_and_a_watched_one_never(make_registry: Make, office_log: ScanLog) -> None:
+async def test_idle_sessions_are_evicted_and_watched_ones_never(make_registry: Make, office_log: ScanLog) -> None:
     registry = make_registry(max_sessions=3, max_sessions_per_visitor=3)
     watched = await new_log(registry, "a", office_log)
     watched.join()
@@ -47,7 +47,7 @@ async def test_one_visitors_budget_does_not_touch_anothers(make_registry: Make, 
     assert refused.value.code == "session.too_many"
 
 
-async def test_sessions_that_begin_at_once_count_each_other(make_registry: Make, office_log: ScanLog) -> None:
+async def test_sessions_created_concurrently_count_towards_the_limits(make_registry: Make, office_log: ScanLog) -> None:
     registry = make_registry(max_sessions=100, max_sessions_per_visitor=3)
 
     async def begin() -> Any:
@@ -149,7 +149,7 @@ async def test_ids_cannot_be_guessed(registry: SessionRegistry, office_log: Scan
     assert all(len(session_id) >= 24 for session_id in ids)
 
 
-async def test_what_is_not_there(registry: SessionRegistry) -> None:
+async def test_an_unknown_session_is_refused(registry: SessionRegistry) -> None:
     with pytest.raises(SessionNotFoundError):
         registry.get("x")
     with pytest.raises(SessionNotFoundError):

@@ -1,4 +1,4 @@
-"""The live world: what its map is made of, and what commands do to it."""
+"""The simulation session: what its map is made of, and the effects of commands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tests.server.view import view_of
 
 
 @pytest.mark.parametrize("values", [{}, {"resolution": 0.1}, {"update": "per_scan", "window": 0.4}, {"range_max": 3.0}])
-def test_a_remade_map_is_the_replay_of_what_was_seen(values: dict[str, Any]) -> None:
+def test_a_recomputed_map_equals_the_replay_of_the_recording(values: dict[str, Any]) -> None:
     mapper = LiveMap(WORLDS["room"], seed=1)
     mapper.advance(6.0)
     mapper.remake(mapper.config.with_values(values))
@@ -101,7 +101,7 @@ async def test_the_same_seed_gives_the_same_map(registry: SessionRegistry) -> No
     assert view_of(one).log_odds.tobytes() != view_of(other).log_odds.tobytes()
 
 
-async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) -> None:
+async def test_a_simulation_runs_only_while_a_client_is_connected(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     count = view_of(session).count
     await asyncio.sleep(0.3)
@@ -118,7 +118,7 @@ async def test_it_runs_only_while_somebody_watches(registry: SessionRegistry) ->
     assert view_of(session).pose == stopped
 
 
-async def test_whoever_comes_late_is_not_sent_the_past(registry: SessionRegistry) -> None:
+async def test_a_late_client_gets_the_present_state_only(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     for _ in range(2):
         await asyncio.sleep(0.3)
@@ -152,7 +152,7 @@ def cell_centres(geometry: Any) -> NDArray[np.float64]:
     return np.asarray(geometry.cell_to_world(cells), dtype=np.float64)
 
 
-async def test_step_takes_that_many_scans(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+async def test_step_adds_the_given_number_of_scans(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     count = view_of(session).count
     await obey(session, type="step", scans=7)
@@ -190,7 +190,7 @@ def test_steps_back_and_on_are_the_map_of_so_many_scans(values: dict[str, bool])
     assert mapper.scans - mapper.hidden == 1  # the first stays
 
 
-async def test_a_step_back_is_told(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+async def test_a_negative_step_restores_the_earlier_map(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
     before = view_of(session)
@@ -204,7 +204,7 @@ async def test_a_step_back_is_told(registry: SessionRegistry, obey: Callable[...
     np.testing.assert_array_equal(view_of(session).log_odds, log_odds)
 
 
-async def test_restart_and_another_world_begin_anew(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+async def test_restart_and_another_world_begin_a_new_map(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     count, first = view_of(session).count, view_of(session).log_odds.copy()
     await obey(session, type="step", scans=50)
@@ -294,7 +294,7 @@ async def test_there_is_no_such_world(registry: SessionRegistry) -> None:
     assert len(registry) == 0
 
 
-async def test_a_defect_stops_the_session_and_says_so(
+async def test_a_defect_pauses_the_session_and_is_reported(
     registry: SessionRegistry, obey: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
@@ -314,14 +314,14 @@ async def test_a_defect_stops_the_session_and_says_so(
     await eventually(lambda: view_of(session).count != count)
 
 
-async def test_commands_come_from_any_thread(registry: SessionRegistry) -> None:
+async def test_commands_may_be_queued_from_any_thread(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await asyncio.to_thread(session.post, {"type": "parameters", "values": {"window": 0.5}})
     await asyncio.to_thread(session.post, {"type": "nonsense"})
     await eventually(lambda: session.model.config.window == 0.5)
 
 
-async def test_closing_calls_what_hangs_on_it(registry: SessionRegistry) -> None:
+async def test_closing_calls_the_callbacks(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     closed: list[int] = []
     session.on_close += [lambda: closed.append(1), lambda: closed.remove(7), lambda: closed.append(2)]
@@ -331,7 +331,7 @@ async def test_closing_calls_what_hangs_on_it(registry: SessionRegistry) -> None
     assert closed == [1, 2]
 
 
-async def test_a_sensor_of_another_kind_begins_the_map_anew_with_the_model_that_suits_it(
+async def test_a_new_kind_of_sensor_begins_a_new_map_with_its_default_model(
     registry: SessionRegistry, obey: Callable[..., Any]
 ) -> None:
     session = await new_simulation(registry, "me", "room")

@@ -1,4 +1,4 @@
-"""A world whose robot has faults, a second map beside the first, edits under watch, and a story told again."""
+"""A simulation with faults, a second map beside the first, watched edits, and replayed stories."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def by_hand(mapper: LiveMap, grid: OccupancyGrid, config: MappingConfig, faults:
 
 
 @pytest.mark.parametrize("values", [{"drift": True}, {"specular": True}, {"drift": True, "specular": True}])
-def test_the_map_that_grows_with_faults_is_the_one_made_anew(values: dict[str, bool]) -> None:
+def test_a_map_with_faults_equals_its_recomputation(values: dict[str, bool]) -> None:
     mapper = LiveMap(WORLDS["room"], seed=1)
     honest = mapper.grid.log_odds.copy()
     mapper.set_up(mapper.config, Faults(**values))
@@ -48,7 +48,7 @@ def test_the_map_that_grows_with_faults_is_the_one_made_anew(values: dict[str, b
     np.testing.assert_array_equal(mapper.second.grid.observed.sum(), mapper.grid.observed.sum())
 
 
-def test_sonars_beside_polished_walls_hear_farther_and_map_what_they_hear() -> None:
+def test_sonars_beside_polished_walls_measure_too_far() -> None:
     mapper = LiveMap(WORLDS["office"], seed=1, sensor=SensorConfig(kind="sonar_ring"))
     mapper.set_up(mapper.config, Faults(specular=True))
     mapper.advance(8.0)
@@ -139,7 +139,7 @@ def test_a_change_of_parameters_ends_the_count() -> None:
     assert mapper.vanishing is None
 
 
-def test_what_was_never_seen_is_not_watched_and_stays() -> None:
+def test_solids_that_the_map_never_showed_cannot_be_forgotten() -> None:
     mapper = LiveMap(WORLDS["office"], seed=3)
     edits = Edits((Drawn("box", 1700, 1250, 1720, 1270),))
     mapper.edit(edits)
@@ -158,7 +158,7 @@ ACTS: tuple[dict[str, Any], ...] = (
 )
 
 
-async def test_a_story_told_again_is_the_same_map(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+async def test_replaying_a_story_gives_the_same_map(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     await obey(session, type="pause")
     for command in ACTS:
@@ -179,7 +179,7 @@ async def test_a_story_told_again_is_the_same_map(registry: SessionRegistry, obe
     assert json.loads(json.dumps(await other.model.story.current())) == story
 
 
-def test_a_story_that_is_too_long_begins_where_it_stands() -> None:
+def test_a_story_that_is_too_long_begins_at_the_present_state() -> None:
     mapper = LiveMap(WORLDS["room"], seed=3)
     for i in range(1001):
         mapper.journal.append((i, {"type": "auto", "value": True}))
@@ -215,7 +215,7 @@ async def test_a_story_that_makes_no_sense_is_refused(
     assert len(registry) == 0
 
 
-async def test_whoever_watches_the_second_map_sees_it(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
+async def test_subscribers_of_the_second_map_receive_it(registry: SessionRegistry, obey: Callable[..., Any]) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
     client = session.join()
     client.subscribe(["second_map"])

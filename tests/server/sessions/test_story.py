@@ -1,4 +1,4 @@
-"""Stories are replayed in slices, at a cost that is estimated before, and only as long as somebody waits."""
+"""Stories are replayed in slices, at an estimated cost, and only while their client is connected."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
     assert len(registry) == 0
 
 
-def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> None:
+def test_the_story_of_a_long_simulation_can_be_opened() -> None:
     """What the service tells, the service takes: where the whole story is too costly, it tells where things stand."""
     mapper = LiveMap(WORLDS["room"], 3)
     for i in range(20):
@@ -143,7 +143,7 @@ def test_the_story_of_a_world_that_ran_for_long_can_be_opened_all_the_same() -> 
     check_story(short, 0.99 * cost)
 
 
-async def test_a_story_whose_visitor_has_gone_ends(registry: SessionRegistry) -> None:
+async def test_replaying_a_story_ends_when_its_client_disconnects(registry: SessionRegistry) -> None:
     task = asyncio.ensure_future(new_simulation(registry, "me", "room", 1, edits(900, every=30), name="mine"))
     await eventually(lambda: not registry.under_way.is_empty)
     making = registry.under_way.get("me", "mine")

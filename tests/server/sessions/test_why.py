@@ -1,4 +1,4 @@
-"""What is told of a cell: against the textbook's own recount, the map, and the cap on what one message holds."""
+"""The explanation of a cell: against the textbook, the map, and the limit on the size of a message."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ async def test_a_live_world_tells_of_all_its_sensors(registry: SessionRegistry, 
     assert both > 0
 
 
-async def test_earlier_touches_can_be_asked_for(
+async def test_earlier_contributions_can_be_requested(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
 ) -> None:
     session = await new_log(registry, "me", office_log)
@@ -199,7 +199,7 @@ async def test_of_many_questions_the_last_is_answered(registry: SessionRegistry,
 
 
 @pytest.mark.parametrize("n", [0, 1, 600, 601, 5000])
-def test_a_thinned_curve_keeps_every_extreme(n: int) -> None:
+def test_a_thinned_curve_keeps_its_extremes(n: int) -> None:
     log_odds = np.random.default_rng(n).normal(size=n).astype(np.float32)
     if n > 1000:
         log_odds[777] = 9.0

@@ -1,4 +1,4 @@
-"""An example of a session kind, whole in one file: a wave on water, and floats that ride on it.
+"""An example of a session kind in one file: a wave on water, and floats on it.
 
 It shows a grid layer (the height of the water), a point layer (the floats) and a 3D drawing (the surface). The page's
 side is ``static/src/tools/example/waves.ts``.

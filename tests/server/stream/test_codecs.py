@@ -1,4 +1,4 @@
-"""Binary frames come back as they went out, and what is no frame is refused in one sentence."""
+"""Binary frames are decoded unchanged, and invalid ones are refused with one sentence."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def assert_same(codec: Codec[Any], read: Any, content: Any) -> None:
 
 
 @given(CONTENTS, U16, U32, U32, st.booleans())
-def test_content_comes_back(sent: tuple[Codec[Any], Any], layer: int, epoch: int, seq: int, complete: bool) -> None:
+def test_content_round_trip(sent: tuple[Codec[Any], Any], layer: int, epoch: int, seq: int, complete: bool) -> None:
     codec, content = sent
     frame = decode_frame(encode_frame(codec, content, layer=layer, epoch=epoch, seq=seq, complete=complete))
     assert (frame.kind, frame.layer, frame.epoch, frame.seq) == (codec.kind, layer, epoch, seq)
@@ -100,5 +100,5 @@ def test_an_edge_to_no_node_is_refused() -> None:
     assert refused.value.code == "frame.edge"
 
 
-def test_each_way_of_sending_has_a_number_of_its_own() -> None:
+def test_each_encoding_has_its_own_number() -> None:
     assert {name: codec.kind for name, codec in CODECS.items()} == {"grid": 1, "points": 2, "path": 2, "graph": 3}

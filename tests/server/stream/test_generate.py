@@ -1,4 +1,4 @@
-"""What is generated from the messages is up to date, and what is not is named."""
+"""What is generated from the messages is up to date, and outdated files are named."""
 
 from __future__ import annotations
 

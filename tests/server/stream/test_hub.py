@@ -1,4 +1,4 @@
-"""What a client has in the end is what the server shows, whatever happened on the way; and it is never stale."""
+"""A client ends with the state of the server after any sequence of events, and never gets outdated state."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
 from server.stream.layers import GridLayer
@@ -209,7 +208,7 @@ def test_at_most_two_frames_are_unacknowledged_and_one_where_acknowledgements_ar
 
 
 @pytest.mark.parametrize("period", [0.5, 0.3, 1.0])
-def test_what_a_slow_reader_gets_is_never_older_than_its_own_period(period: float) -> None:
+def test_a_slow_client_gets_state_no_older_than_its_period(period: float) -> None:
     """The server ticks at 30 Hz; the client empties its socket only every ``period`` seconds, and then acknowledges."""
     source = Source()
     source.publish()
@@ -264,7 +263,7 @@ def test_nothing_is_sent_where_nothing_changes() -> None:
     assert browser.read() == 0
 
 
-def test_the_tiles_around_the_robot_come_first_and_frames_are_bounded() -> None:
+def test_tiles_near_the_robot_are_sent_first_in_frames_of_limited_size() -> None:
     source = Source(64 * 40, 64 * 40)
     rng = np.random.default_rng(0)
     source.grid.log_odds[:] = rng.normal(size=source.grid.log_odds.shape)  # does not compress: 1,600 full tiles
@@ -320,7 +319,7 @@ def test_a_client_whose_frames_are_late_because_they_are_large_gets_smaller_ones
     assert min(sizes[-10:]) > 4_000
 
 
-def test_a_client_that_never_acknowledges_is_lost_after_a_while() -> None:
+def test_a_client_that_never_acknowledges_is_dropped_after_a_time() -> None:
     source = Source()
     source.publish()
     client = source.hub.join()
@@ -373,7 +372,7 @@ def test_answers_do_not_pile_up() -> None:
 
 
 @pytest.mark.parametrize("seq", [-1, 2, 2**40])
-def test_acknowledging_what_was_not_sent_is_refused(seq: int) -> None:
+def test_acknowledging_an_unsent_frame_is_refused(seq: int) -> None:
     source = Source()
     source.publish()
     client: Client = source.hub.join()

@@ -1,4 +1,4 @@
-"""Several layers over one socket: who is sent what, who comes first, and that none disturbs another."""
+"""Several layers over one socket: what each client gets, in which order, and that none disturbs another."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def same(page: Page, layer: GridLayer) -> bool:
     return page.cells[layer.name].tobytes() == layer.picture.cells.tobytes()
 
 
-def test_a_client_is_sent_the_first_layer_until_it_says_what_it_wants() -> None:
+def test_a_client_gets_the_first_layer_until_it_subscribes() -> None:
     first, second, dots = grid("map"), grid("costs"), points("particles")
     shown = Shown(first, second, dots)
     shown.publish()
@@ -142,7 +142,7 @@ def test_a_client_is_sent_the_first_layer_until_it_says_what_it_wants() -> None:
     assert page.contents["not yet"].shape == (2, 3)
 
 
-def test_who_subscribes_to_nothing_is_still_told_that_time_passes() -> None:
+def test_a_client_without_subscriptions_gets_one_batch_without_frames() -> None:
     shown = Shown(grid("map"))
     shown.publish()
     page = Page(shown)
@@ -288,7 +288,7 @@ def test_each_grid_is_resumed_by_its_name_in_its_own_epoch() -> None:
     assert same(other, second)
 
 
-def test_a_layer_that_is_made_anew_under_its_name_is_another() -> None:
+def test_a_new_layer_of_the_same_name_is_another_layer() -> None:
     first, old = grid("map"), grid("second_map")
     shown = Shown(first, old)
     shown.publish()
@@ -311,7 +311,7 @@ def test_a_layer_that_is_made_anew_under_its_name_is_another() -> None:
         assert same(one, new)
 
 
-def test_a_layer_that_is_forgotten_is_sent_whole_when_it_is_wanted_again() -> None:
+def test_a_layer_is_sent_completely_after_a_new_subscription() -> None:
     first, second = grid("map"), grid("costs")
     shown = Shown(first, second)
     shown.publish()
@@ -346,7 +346,7 @@ def test_a_table_is_encoded_once_for_all_and_sent_again_only_when_it_changes() -
         assert len(page.frames) == 1
 
 
-def test_what_is_written_shows_only_when_it_is_published() -> None:
+def test_changes_take_effect_when_they_are_published() -> None:
     first, dots = grid("map"), points("particles", 2)
     shown = Shown(first, dots)
     shown.publish()

@@ -1,4 +1,4 @@
-"""What is no command is refused in one sentence."""
+"""Invalid commands are refused with one sentence."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from server.stream.protocol import (
         ('{"type": "seek", "index": ' + "9" * 5000 + "}", "command.json"),
     ],
 )
-def test_what_is_no_command_is_refused(sent: str | bytes, code: str) -> None:
+def test_invalid_commands_are_refused(sent: str | bytes, code: str) -> None:
     with pytest.raises(ProtocolError) as refused:
         decode_command(sent)
     assert refused.value.code == code
@@ -45,7 +45,7 @@ def test_what_is_no_command_is_refused(sent: str | bytes, code: str) -> None:
 
 
 @given(st.recursive(st.none() | st.booleans() | st.floats() | st.integers() | st.text(), st.lists))
-def test_helpers_return_what_they_promise_or_refuse(value: Any) -> None:
+def test_helpers_return_the_stated_type_or_refuse(value: Any) -> None:
     command = {"type": "x", "key": value, "values": value}
     for read, kind in ((number, float), (integer, int), (text, str)):
         try:
@@ -58,7 +58,7 @@ def test_helpers_return_what_they_promise_or_refuse(value: Any) -> None:
         assert error.code == "command.values"  # noqa: PT017 - either is right
 
 
-def test_what_json_cannot_say_is_a_defect() -> None:
+def test_values_that_json_cannot_represent_are_a_defect() -> None:
     assert json.loads(encode_text({"type": "x", "ω": 1.5})) == {"type": "x", "ω": 1.5}
     with pytest.raises(ValueError, match="JSON"):
         encode_text({"type": "x", "value": float("nan")})

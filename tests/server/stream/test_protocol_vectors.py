@@ -1,4 +1,4 @@
-"""The vectors by which the pages' side of the wire is held to this one: written here, read by the pages' own tests.
+"""Vectors that compare the pages' side of the protocol with the server: written here, read by the pages' tests.
 
 ``python tests/server/stream/test_protocol_vectors.py --write`` writes them anew after a change of the protocol.
 """
@@ -44,6 +44,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
     {"type": "restart"},
+    {"type": "cancel"},
     {"type": "speed", "value": 2.5},
     {"type": "seek", "index": 0},
     {"type": "sensor", "values": {"n_beams": 360}},
@@ -362,7 +363,7 @@ def without_compression(frame: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def test_what_the_pages_are_tested_with_is_what_the_server_does() -> None:
+def test_the_vectors_of_the_pages_are_current() -> None:
     kept = json.loads(VECTORS.read_text(encoding="utf-8"))
     fresh = vectors()
     assert [without_compression(f) for f in kept.pop("frames")] == [without_compression(f) for f in fresh.pop("frames")]

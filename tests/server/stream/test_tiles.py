@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.integrate import CellBox
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.tiles import TilePicture, picture_range
 
@@ -32,7 +31,7 @@ def decoded(picture: TilePicture) -> NDArray[np.int8]:
 
 
 @given(st.integers(1, 200), st.integers(1, 200), st.integers(0, 2**32 - 1))
-def test_tiles_say_what_the_grid_says(rows: int, cols: int, seed: int) -> None:
+def test_tiles_have_the_values_of_the_grid(rows: int, cols: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     grid = OccupancyGrid(GridGeometry(0.05, rows, cols))
     grid.log_odds[:] = rng.uniform(-3.0, 5.0, grid.log_odds.shape)
@@ -52,7 +51,7 @@ def test_tiles_say_what_the_grid_says(rows: int, cols: int, seed: int) -> None:
     np.testing.assert_array_equal(np.select([state == 1, state == -1], [100, 0], -1), grid.classify())
 
 
-def test_only_what_changed_gets_a_new_revision_and_each_revision_is_compressed_once() -> None:
+def test_only_changed_tiles_get_a_new_revision_and_each_is_compressed_once() -> None:
     grid = OccupancyGrid(GridGeometry(0.05, 256, 256))
     picture = TilePicture(grid.geometry, -2.0, 3.5, revision=7)
     whole = CellBox(0, 256, 0, 256)
@@ -76,7 +75,7 @@ def test_only_what_changed_gets_a_new_revision_and_each_revision_is_compressed_o
 
 
 @given(st.integers(1, 150), st.integers(1, 150), st.integers(0, 2**32 - 1), st.booleans())
-def test_values_of_a_linear_scale_are_told_to_half_a_step(rows: int, cols: int, seed: int, whole_numbers: bool) -> None:
+def test_values_of_a_linear_scale_are_within_half_a_step(rows: int, cols: int, seed: int, whole_numbers: bool) -> None:
     rng = np.random.default_rng(seed)
     low, high = (0.0, 255.0) if whole_numbers else (-1.5, 4.0)
     values = rng.uniform(low - 1.0, high + 1.0, (rows, cols)).clip(*((0, 255) if whole_numbers else (None, None)))

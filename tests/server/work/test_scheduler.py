@@ -1,4 +1,4 @@
-"""The order of turns, with a clock of the test's own and jobs that compute nothing."""
+"""The order of turns, with a simulated clock and jobs that compute nothing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from server.work.scheduler import STAND_BACK_S, URGENT_S, Party, Scheduler, Turn, checkpoint
+from server.work.scheduler import DEFERRED_EVERY_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
 from tests.server.service import PATIENCE_S
 
 SLICE_S = 1.0 / 16.0  #: exact in binary, so that sums of it are
@@ -23,45 +23,45 @@ class Simulated:
         self.scheduler = Scheduler(slots, SLICE_S, clock=lambda: self.now)
         self.turns: dict[str, Turn] = {}
 
-    def ask(self, name: str, visitor: str, address: str = "here", *, waited_for: bool = False) -> None:
-        self.turns[name] = self.scheduler.ask(Party(visitor, address), waited_for=waited_for)
+    def request(self, name: str, visitor: str, address: str = "here", *, interactive: bool = False) -> None:
+        self.turns[name] = self.scheduler.request(JobOwner(visitor, address), interactive=interactive)
 
     def running(self) -> list[str]:
         return [name for name, turn in self.turns.items() if turn.granted.done()]
 
     def slices(self, count: int, seconds: float = SLICE_S) -> list[str]:
-        """Let the oldest of the running jobs come to a checkpoint after so many seconds; return whose they were."""
+        """Advance the job that runs longest to a checkpoint, ``count`` times; return the names of the jobs."""
         names = []
         for _ in range(count):
             name = min(self.running(), key=lambda one: self.turns[one].began)
             names.append(name)
             turn = self.turns[name]
             self.now = max(self.now, turn.began + seconds)
-            if self.scheduler.is_over(turn):
-                self.scheduler.hand_on(turn)
+            if self.scheduler.should_yield(turn):
+                self.scheduler.yield_turn(turn)
             else:
-                turn.began = self.now  # it goes on
+                turn.began = self.now  # it continues
         return names
 
-    def leave(self, name: str) -> None:
-        self.scheduler.leave(self.turns.pop(name))
+    def release(self, name: str) -> None:
+        self.scheduler.release(self.turns.pop(name))
 
 
 def test_a_visitors_many_jobs_share_one_part() -> None:
     simulated = Simulated(1)
     for n in range(3):
-        simulated.ask(f"heavy {n}", "ann", "a")
-    simulated.ask("light", "bob", "b")
+        simulated.request(f"heavy {n}", "ann", "a")
+    simulated.request("light", "bob", "b")
     order = simulated.slices(12)
     assert Counter(name.split()[0] for name in order) == {"heavy": 6, "light": 6}
     assert Counter(order) == {"heavy 0": 2, "heavy 1": 2, "heavy 2": 2, "light": 6}
 
 
-def test_a_visitor_who_drops_the_cookie_is_still_one_address() -> None:
+def test_visitors_of_one_address_share_one_part() -> None:
     simulated = Simulated(1)
     for n in range(5):
-        simulated.ask(f"many {n}", f"visitor {n}", "a")
-    simulated.ask("one", "bob", "b")
+        simulated.request(f"many {n}", f"visitor {n}", "a")
+    simulated.request("one", "bob", "b")
     order = simulated.slices(20)
     assert Counter(name.split()[0] for name in order) == {"many": 10, "one": 10}
 
@@ -69,109 +69,109 @@ def test_a_visitor_who_drops_the_cookie_is_still_one_address() -> None:
 def test_within_an_address_visitors_alternate() -> None:
     simulated = Simulated(1)
     for n in range(3):
-        simulated.ask(f"ann {n}", "ann")
-    simulated.ask("bob", "bob")
+        simulated.request(f"ann {n}", "ann")
+    simulated.request("bob", "bob")
     order = simulated.slices(12)
     assert Counter(name.split()[0] for name in order) == {"ann": 6, "bob": 6}
 
 
-def test_of_two_turns_at_a_time_each_visitor_has_one() -> None:
+def test_two_slots_are_shared_by_two_visitors() -> None:
     simulated = Simulated(2)
     for n in range(3):
-        simulated.ask(f"heavy {n}", "ann", "a")
-    simulated.ask("light", "bob", "b")
+        simulated.request(f"heavy {n}", "ann", "a")
+    simulated.request("light", "bob", "b")
     order = simulated.slices(40)
     assert Counter(name.split()[0] for name in order)["light"] >= 18
     assert len(simulated.running()) == 2
 
 
-def test_a_turn_is_handed_on_only_after_a_slice_and_only_where_somebody_waits() -> None:
+def test_a_turn_is_yielded_only_after_a_slice_and_only_if_a_job_waits() -> None:
     simulated = Simulated(1)
-    simulated.ask("first", "ann")
+    simulated.request("first", "ann")
     turn = simulated.turns["first"]
     simulated.now = 10 * SLICE_S
-    assert not simulated.scheduler.is_over(turn)
-    simulated.ask("second", "bob")
-    assert simulated.scheduler.is_over(turn)
-    simulated.scheduler.hand_on(turn)
+    assert not simulated.scheduler.should_yield(turn)
+    simulated.request("second", "bob")
+    assert simulated.scheduler.should_yield(turn)
+    simulated.scheduler.yield_turn(turn)
     assert simulated.running() == ["second"]
     simulated.now += 0.9 * SLICE_S
-    assert not simulated.scheduler.is_over(simulated.turns["second"])
+    assert not simulated.scheduler.should_yield(simulated.turns["second"])
 
 
-def test_what_a_person_waits_for_comes_before_what_nobody_waits_for() -> None:
+def test_interactive_jobs_precede_others() -> None:
     simulated = Simulated(2)
     for n in range(3):
-        simulated.ask(f"story {n}", "ann", "a")
+        simulated.request(f"story {n}", "ann", "a")
     assert simulated.running() == ["story 0", "story 1"]
     simulated.now = 0.01
-    simulated.ask("slider", "bob", "b", waited_for=True)
-    # Both stand back at their next checkpoint, not only at the end of their slices.
+    simulated.request("slider", "bob", "b", interactive=True)
+    # Both yield at their next checkpoint, not only at the end of their slices.
     for name in ("story 0", "story 1"):
-        assert simulated.scheduler.is_over(simulated.turns[name])
-        simulated.scheduler.hand_on(simulated.turns[name])
+        assert simulated.scheduler.should_yield(simulated.turns[name])
+        simulated.scheduler.yield_turn(simulated.turns[name])
     assert simulated.running() == ["slider"]
-    simulated.leave("slider")
+    simulated.release("slider")
     assert len(simulated.running()) == 2
 
 
-def test_one_address_makes_no_difference_to_that() -> None:
+def test_interactive_jobs_precede_others_of_the_same_address() -> None:
     simulated = Simulated(2)
     for n in range(3):
-        simulated.ask(f"story {n}", f"visitor {n}", "here")
-    simulated.ask("slider", "bob", "here", waited_for=True)
+        simulated.request(f"story {n}", f"visitor {n}", "here")
+    simulated.request("slider", "bob", "here", interactive=True)
     simulated.now = 0.01
-    simulated.scheduler.hand_on(simulated.turns["story 0"])
+    simulated.scheduler.yield_turn(simulated.turns["story 0"])
     assert "slider" in simulated.running()
     assert "story 0" not in simulated.running()
 
 
-def test_what_stands_back_comes_to_its_end_all_the_same() -> None:
-    """Short urgent jobs without a pause leave a slice to the others now and then."""
+def test_deferred_jobs_still_get_slices() -> None:
+    """Urgent jobs without a pause leave a share of the time to deferred ones."""
     simulated = Simulated(1)
-    simulated.ask("slider", "bob", "b", waited_for=True)
-    simulated.ask("story", "ann", "a")
+    simulated.request("slider", "bob", "b", interactive=True)
+    simulated.request("story", "ann", "a")
     seen = Counter[str]()
     for n in range(200):
         name = simulated.running()[0]
         turn = simulated.turns[name]
         simulated.now = turn.began + (SLICE_S if name == "story" else 0.01)
         if name == "story":
-            assert simulated.scheduler.is_over(turn)
+            assert simulated.scheduler.should_yield(turn)
             seen[name] += 1
-            simulated.scheduler.hand_on(turn)
+            simulated.scheduler.yield_turn(turn)
         else:
             seen["slider"] += 1
-            simulated.ask(f"slider {n}", "bob", "b", waited_for=True)
-            simulated.leave(name)
+            simulated.request(f"slider {n}", "bob", "b", interactive=True)
+            simulated.release(name)
     computed = {"story": SLICE_S * seen["story"], "slider": 0.01 * seen["slider"]}
-    assert computed["story"] / sum(computed.values()) == pytest.approx(SLICE_S / (SLICE_S + STAND_BACK_S), abs=0.05)
+    assert computed["story"] / sum(computed.values()) == pytest.approx(SLICE_S / (SLICE_S + DEFERRED_EVERY_S), abs=0.05)
 
 
 def test_a_long_job_is_urgent_only_at_first() -> None:
     simulated = Simulated(1)
-    simulated.ask("long", "ann", "a", waited_for=True)
-    simulated.ask("story", "bob", "b")
+    simulated.request("long", "ann", "a", interactive=True)
+    simulated.request("story", "bob", "b")
     order = simulated.slices(60)
     first = order[: round(URGENT_S / SLICE_S)]
     assert first.count("long") >= len(first) - 2
     assert Counter(order[20:])["long"] == pytest.approx(20, abs=1)
 
 
-def test_whoever_leaves_is_given_nothing() -> None:
+def test_a_released_turn_is_not_granted() -> None:
     simulated = Simulated(1)
-    simulated.ask("first", "ann")
-    simulated.ask("second", "bob")
-    simulated.ask("third", "cis")
-    simulated.leave("second")
-    simulated.leave("first")
+    simulated.request("first", "ann")
+    simulated.request("second", "bob")
+    simulated.request("third", "cis")
+    simulated.release("second")
+    simulated.release("first")
     assert simulated.running() == ["third"]
-    simulated.leave("third")
-    simulated.ask("fourth", "dan")
+    simulated.release("third")
+    simulated.request("fourth", "dan")
     assert simulated.running() == ["fourth"]
 
 
-async def test_jobs_on_threads_hand_their_turns_on_at_checkpoints() -> None:
+async def test_jobs_on_threads_yield_at_checkpoints() -> None:
     scheduler = Scheduler(1, slice_s=0.0)
     lock, inside, order = threading.Lock(), 0, []
 
@@ -189,10 +189,10 @@ async def test_jobs_on_threads_hand_their_turns_on_at_checkpoints() -> None:
 
     with ThreadPoolExecutor(4) as pool:
         gate = threading.Event()
-        held = asyncio.ensure_future(scheduler.run(pool, Party("gate"), lambda: gate.wait(PATIENCE_S)))
+        held = asyncio.ensure_future(scheduler.run(pool, JobOwner("gate"), lambda: gate.wait(PATIENCE_S)))
         await asyncio.sleep(0)
         jobs = [
-            asyncio.ensure_future(scheduler.run(pool, Party(name), lambda name=name: job(name), waited_for=False))  # type: ignore[misc]
+            asyncio.ensure_future(scheduler.run(pool, JobOwner(name), lambda name=name: job(name), interactive=False))  # type: ignore[misc]
             for name in ("ann", "bob")
         ]
         await asyncio.sleep(0)
@@ -206,19 +206,19 @@ async def test_a_job_that_is_cancelled_while_it_waits_never_begins() -> None:
     scheduler, begun = Scheduler(1), threading.Event()
     with ThreadPoolExecutor(2) as pool:
         gate = threading.Event()
-        held = asyncio.ensure_future(scheduler.run(pool, Party("ann"), lambda: gate.wait(PATIENCE_S)))
+        held = asyncio.ensure_future(scheduler.run(pool, JobOwner("ann"), lambda: gate.wait(PATIENCE_S)))
         await asyncio.sleep(0)
-        waiting = asyncio.ensure_future(scheduler.run(pool, Party("bob"), begun.set))
+        waiting = asyncio.ensure_future(scheduler.run(pool, JobOwner("bob"), begun.set))
         await asyncio.sleep(0)
         waiting.cancel()
         await asyncio.gather(waiting, return_exceptions=True)
         gate.set()
         await held
-        assert await scheduler.run(pool, Party("cis"), lambda: 7) == 7
+        assert await scheduler.run(pool, JobOwner("cis"), lambda: 7) == 7
     assert not begun.is_set()
 
 
-async def test_a_job_that_fails_gives_its_turn_back() -> None:
+async def test_a_job_that_fails_releases_its_turn() -> None:
     def fail() -> None:
         raise ValueError("no")
 
@@ -226,7 +226,7 @@ async def test_a_job_that_fails_gives_its_turn_back() -> None:
     with ThreadPoolExecutor(1) as pool:
         for _ in range(3):
             with pytest.raises(ValueError, match="no"):
-                await scheduler.run(pool, Party("ann"), fail)
+                await scheduler.run(pool, JobOwner("ann"), fail)
 
 
 def test_outside_a_job_a_checkpoint_does_nothing() -> None:

@@ -1,4 +1,4 @@
-import { useSignal, useSignalEffect } from "@preact/signals";
+import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
@@ -20,19 +20,14 @@ const CHECKED =
   "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
   "poses, drift, and moving objects";
 
-interface DoctorProps {
-  readonly store: Store;
-  readonly session: string;
-  readonly isGuest: boolean;
+/** The examination of a log, which goes on while the doctor's group is closed. */
+export interface DoctorState {
+  readonly state: Signal<State>;
+  readonly run: (isShown: boolean) => Promise<void>;
 }
 
-/**
- * The log doctor: problems of a log, where they are, how certain, and what to do about them.
- *
- * The examination starts when the page is idle. Then a button states the number of findings; they are shown when it is
- * pressed, so that nothing on the page moves without a click. A guest starts the examination with the button.
- */
-export function Doctor({ store, session, isGuest }: DoctorProps) {
+/** The examination starts when the page is idle, a guest's with the button. */
+export function useDoctor(store: Store, session: string, isGuest: boolean): DoctorState {
   const state = useSignal<State>({ kind: "idle" });
   useSignalEffect(() => {
     // Another trajectory needs another examination.
@@ -57,6 +52,27 @@ export function Doctor({ store, session, isGuest }: DoctorProps) {
       state.value = { kind: "failed", why };
     }
   };
+  return { state, run };
+}
+
+/** The number of findings for the doctor's tab, null where none are known. */
+export function findingsBadge({ state }: DoctorState): string | null {
+  const now = state.value;
+  return now.kind === "done" && now.examination.findings.length > 0 ? String(now.examination.findings.length) : null;
+}
+
+interface DoctorProps {
+  readonly store: Store;
+  readonly doctor: DoctorState;
+}
+
+/**
+ * The log doctor: problems of a log, where they are, how certain, and what to do about them.
+ *
+ * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
+ * so that nothing on the page moves without a click.
+ */
+export function Doctor({ store, doctor: { state, run } }: DoctorProps) {
   const now = state.value;
   const showsFindings = now.kind === "done" && now.isShown;
   return (

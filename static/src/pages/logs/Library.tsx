@@ -5,7 +5,7 @@ import { Icon } from "../../ui/Icon";
 import { bytes } from "../../ui/numbers";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
-import { dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
+import { cancel, dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
 
 /** The list of all logs, and the drop zone for uploads. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
@@ -95,7 +95,11 @@ function UploadCard({ upload: one }: { upload: Upload }) {
           </>
         )}
       </div>
-      {one.error && <Button kind="quiet" icon="close" label="Dismiss" onClick={() => dismiss(one.key)} />}
+      {one.error ? (
+        <Button kind="quiet" icon="close" label="Dismiss" onClick={() => dismiss(one.key)} />
+      ) : (
+        <Button kind="quiet" icon="close" label={`Cancel the upload of ${one.name}`} onClick={() => cancel(one.key)} />
+      )}
     </div>
   );
 }

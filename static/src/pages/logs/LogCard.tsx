@@ -2,7 +2,7 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import { file, inside, remedy, run, topic, trajectoryLabel } from "./describeLog";
+import { file, inside, readingText, remedy, run, topic, trajectoryLabel } from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
 /** Failures that are not, or may not be, caused by the log: reading can be tried again. */
@@ -65,8 +65,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
 
 function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
-  const pending =
-    log.source === "sample" ? "being simulated …" : log.state === "reading" ? "being read …" : "not yet read";
+  const pending = log.source === "sample" ? "being simulated …" : readingText(log);
   return (
     <>
       <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || pending}</p>

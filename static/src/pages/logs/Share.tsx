@@ -1,8 +1,9 @@
 import { useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import type { SharedView } from "../../render/view";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
+import { Panel } from "../../ui/Panel";
 import { described, type Link, linksTo, makeLink, revokeLink } from "./links";
 import "./share.css";
 
@@ -28,9 +29,8 @@ const absolute = (link: Link): string => new URL(link.address, location.href).hr
 const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
-/** A dialog to create links to this view, and to list and revoke one's own. */
+/** Creates links to this view, lists and revokes one's own. */
 export function Share({ session, log, sharedView }: ShareProps) {
-  const dialog = useRef<HTMLDialogElement>(null);
   const links = useSignal<readonly Link[] | null>(null);
   const failure = useSignal<string | null>(null);
   const said = useSignal("");
@@ -67,20 +67,10 @@ export function Share({ session, log, sharedView }: ShareProps) {
       await refresh();
     });
   };
-  const open = (): void => {
-    dialog.current?.showModal();
-    void attempt(refresh);
-  };
+  useEffect(() => void attempt(refresh), [log]);
   return (
-    <>
-      <Button icon="link" label="Share this view" onClick={open}>
-        <span class="button-text">Share</span>
-      </Button>
-      <dialog ref={dialog} class="dialog share" aria-labelledby="share-title">
-        <header>
-          <h2 id="share-title">Share this view</h2>
-          <Button kind="quiet" icon="close" label="Close" onClick={() => dialog.current?.close()} />
-        </header>
+    <Panel title="Share this view">
+      <div class="share">
         <p>
           A link opens the current view: parameters, poses, position in the log and visible part of the map. Everyone
           who opens it gets a session of their own, in which they can play, change parameters and ask why. They cannot
@@ -130,7 +120,7 @@ export function Share({ session, log, sharedView }: ShareProps) {
             </ul>
           </section>
         )}
-      </dialog>
-    </>
+      </div>
+    </Panel>
   );
 }

@@ -2,8 +2,11 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { clock } from "../../ui/numbers";
-import { Timeline } from "../../ui/Timeline";
+import { Timeline, type TimelineMark } from "../../ui/Timeline";
 import type { Trajectory } from "../../wire/protocol";
+import { goToNote } from "./notes/Notes";
+import { scanOf } from "./notes/noteRecords";
+import type { NotesState } from "./notes/useNotes";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
@@ -17,11 +20,28 @@ function speeds(now: number, [low, high]: readonly [number, number]): readonly n
 const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
   stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
 
+/** The notes that have a time, for the seek bar. */
+function marksOf({ notes, chosen }: NotesState, trajectory: Trajectory | null, count: number): TimelineMark[] {
+  return (notes.value ?? []).flatMap((note) => {
+    const index = scanOf(note, trajectory, count);
+    return index === null
+      ? []
+      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: chosen.value === note.id }];
+  });
+}
+
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
 
+interface TransportProps {
+  readonly store: Store;
+  readonly notes: NotesState;
+  /** Called when a note's mark was pressed. */
+  readonly onNote: () => void;
+}
+
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store }: { store: Store }) {
+export function Transport({ store, notes, onNote }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -67,6 +87,13 @@ export function Transport({ store }: { store: Store }) {
         count={count}
         timeAt={timeAt}
         onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
+        marks={marksOf(notes, trajectory, count)}
+        onMark={(id) => {
+          const note = notes.notes.peek()?.find((one) => one.id === id);
+          if (!note) return;
+          onNote();
+          goToNote(store, notes, note);
+        }}
       />
       <output class="viewer-position" aria-live="off" data-index={index} data-count={count}>
         <span>

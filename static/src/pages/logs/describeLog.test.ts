@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { file, inside, remedy, run, sentence, topic, trajectoryLabel } from "./describeLog";
+import { file, inside, readingText, remedy, run, sentence, topic, trajectoryLabel } from "./describeLog";
 import type { LogRecord, Topic } from "./library";
 
 const intel: LogRecord = {
@@ -9,6 +9,7 @@ const intel: LogRecord = {
   state: "ready",
   bytes: 447_000,
   progress: 1,
+  reading_s: null,
   error: null,
   scans: 13_631,
   beams: 180,
@@ -36,6 +37,12 @@ test("what a log does not tell is not told", () => {
   const unread = { ...intel, scans: null, beams: null, duration_s: null, format: null, trajectories: [] };
   expect(run(unread)).toEqual([]);
   expect(file(unread)).toEqual(["447 kB"]);
+});
+
+test("the reading is told by its share and its time", () => {
+  expect(readingText({ ...intel, state: "reading", progress: 0.437, reading_s: 12.8 })).toBe("being read: 43 %, 12 s");
+  expect(readingText({ ...intel, state: "reading", progress: 0, reading_s: 75 })).toBe("being read: 0 %, 1:15");
+  expect(readingText({ ...intel, state: "queued", progress: 0 })).toBe("waits to be read");
 });
 
 test("what is inside is told in plain words", () => {

@@ -1,6 +1,7 @@
 /** Descriptions of a log for the page. */
 
 import { bytes, clock, written } from "../../ui/numbers";
+import { progressText } from "../../ui/Working";
 import type { LogRecord, Topic } from "./library";
 
 /** Labels of the trajectories that the readers and the simulator name. */
@@ -105,6 +106,12 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [/\.(too_\w+|line_too_long|time|memory)$/, "Cut the log into shorter pieces."],
   [/\.(cancelled|interrupted|reader_died|reader_failed|storage|stalled)$/, "Try again; the log itself may be intact."],
 ];
+
+/** How far the reading of a log is that is not read yet. */
+export function readingText({ state, progress, reading_s }: LogRecord): string {
+  if (state === "reading") return `being read: ${progressText({ fraction: progress, elapsed_s: reading_s ?? 0 })}`;
+  return state === "queued" ? "waits to be read" : "not yet read";
+}
 
 /** What one can do about a log that failed. */
 export function remedy(log: LogRecord): string {

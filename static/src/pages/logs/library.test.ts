@@ -1,5 +1,5 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { upload, uploads } from "./library";
+import { cancel, upload, uploads } from "./library";
 
 describe("many files", () => {
   afterEach(() => {
@@ -45,5 +45,37 @@ describe("many files", () => {
     expect([...taken].sort()).toEqual([...names].sort());
     expect(most).toBe(3);
     expect(uploads.value).toEqual([]);
+  });
+
+  it("are given up here and on the server", async () => {
+    const forgotten: string[] = [];
+    vi.stubGlobal("fetch", async (url: string, options?: RequestInit) => {
+      if (options?.method === "DELETE") forgotten.push(url);
+      return Response.json({ logs: [] });
+    });
+    const sent: string[] = [];
+    class Request {
+      status = 0;
+      responseText = "";
+      upload = { onprogress: null };
+      onloadend = (): void => {};
+      open(_: string, url: string): void {
+        sent.push(new URL(url, "http://here").searchParams.get("upload") ?? "");
+      }
+      setRequestHeader(): void {}
+      send(): void {}
+      abort(): void {
+        this.onloadend();
+      }
+    }
+    vi.stubGlobal("XMLHttpRequest", Request);
+    for (let i = 0; i < 4; i++) upload(new File(["x"], `run_${i}.mcap`));
+    expect(sent.length).toBe(3);
+    const [first, , , last] = uploads.value.map((one) => one.key);
+    cancel(last as number); // it has not begun
+    cancel(first as number);
+    await vi.waitFor(() => expect(forgotten).toEqual([`/api/logs/uploads/${sent[0]}`]));
+    expect(uploads.value.map((one) => one.name)).toEqual(["run_1.mcap", "run_2.mcap"]);
+    expect(sent.length).toBe(3);
   });
 });

@@ -1,5 +1,6 @@
 import { signal } from "@preact/signals";
 import { reducedMotion } from "../../ui/reducedMotion";
+import { followMaking, type Making, newName } from "../making";
 
 /** One stream of messages in a log's file. */
 export interface Topic {
@@ -22,6 +23,8 @@ export interface LogRecord {
   readonly state: "queued" | "reading" | "ready" | "failed";
   readonly bytes: number;
   readonly progress: number;
+  /** Seconds since its reading began; null while it is not being read. */
+  readonly reading_s: number | null;
   readonly error: { readonly code: string; readonly message: string } | null;
   readonly scans: number | null;
   readonly beams: number | null;
@@ -121,6 +124,16 @@ export const dismiss = (key: number): void => {
   uploads.value = uploads.value.filter((one) => one.key !== key);
 };
 
+const requests = new Map<number, XMLHttpRequest>();
+
+/** Give an upload up, and have the server forget what it has of it. */
+export function cancel(key: number): void {
+  dismiss(key);
+  requests.get(key)?.abort();
+}
+
+const isCancelled = (key: number): boolean => !uploads.peek().some((one) => one.key === key);
+
 function messageOf(request: XMLHttpRequest): string {
   try {
     const body = JSON.parse(request.responseText) as { message?: unknown };
@@ -182,7 +195,11 @@ function sendNext(): void {
 async function sendAll(key: number, name: string, file: File): Promise<void> {
   let most = 0;
   for (let tries = 0, offset = 0; ; ) {
-    const request = await send(key, name, file, offset);
+    const request = isCancelled(key) ? null : await send(key, name, file, offset);
+    if (!request || isCancelled(key)) {
+      if (request) await fetch(`/api/logs/uploads/${name}`, { method: "DELETE" }).catch(() => undefined);
+      return;
+    }
     if (request.status >= 200 && request.status < 300) {
       dismiss(key);
       break;
@@ -211,7 +228,11 @@ function send(key: number, name: string, file: File, offset: number): Promise<XM
     request.setRequestHeader("Content-Type", "application/octet-stream");
     request.setRequestHeader("Content-Range", `bytes ${offset}-${file.size - 1}/${file.size}`);
     request.upload.onprogress = (event) => patch(key, { sent: offset + event.loaded });
-    request.onloadend = () => resolve(request);
+    request.onloadend = () => {
+      requests.delete(key);
+      resolve(request);
+    };
+    requests.set(key, request);
     request.send(file.slice(offset));
   });
 }
@@ -242,13 +263,27 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
   }
 }
 
-/** Open a session on a log; resolves to its id, rejects with an error message. */
-export async function openSession(log: string, topic: string | null): Promise<string> {
-  const answer = await fetch("/api/sessions", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ kind: "log", log, topic, playing: !reducedMotion.peek() }),
+/** The progress of the log that is being opened; null while there is none. */
+export const opening = signal<Making | null>(null);
+
+/**
+ * Open a session on a log; resolves to its id, rejects with an error message. `ending` ends the request.
+ */
+export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<string> {
+  const name = newName();
+  const stop = followMaking(name, (making) => {
+    opening.value = making;
   });
-  if (!answer.ok) throw new Error(await sentence(answer));
-  return ((await answer.json()) as { id: string }).id;
+  try {
+    const answer = await fetch("/api/sessions", {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify({ kind: "log", log, topic, name, playing: !reducedMotion.peek() }),
+      signal: ending,
+    });
+    if (!answer.ok) throw new Error(await sentence(answer));
+    return ((await answer.json()) as { id: string }).id;
+  } finally {
+    stop();
+  }
 }

@@ -14,17 +14,28 @@ import "./why.css";
 
 interface WhyProps {
   readonly store: Store;
-  /** The side of the window for the panel on wide screens. */
-  readonly side: "left" | "right";
 }
+
+const useIsOpen = (store: Store): ReadonlySignal<boolean> =>
+  useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
 
 /** Opens when the explanation of a cell is requested, at the edge of the window, so that nothing on the page moves. */
-export function Why({ store, side }: WhyProps) {
-  const isOpen = useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
-  return isOpen.value ? <Panel store={store} side={side} /> : null;
+export function Why({ store }: WhyProps) {
+  return useIsOpen(store).value ? <Panel store={store} place="window" /> : null;
 }
 
-function Panel({ store, side }: WhyProps) {
+/** The explanation as a group of a dock, and how to ask for it. */
+export function WhyGroup({ store }: WhyProps) {
+  if (useIsOpen(store).value) return <Panel store={store} place="dock" />;
+  return (
+    <p class="why-hint">
+      Shift+click a cell of the map, or press and hold it, to see why it has its value: each beam that passed through it
+      or ended in it, and what each one added.
+    </p>
+  );
+}
+
+function Panel({ store, place }: WhyProps & { readonly place: "window" | "dock" }) {
   const slider = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const before = document.activeElement;
@@ -46,7 +57,7 @@ function Panel({ store, side }: WhyProps) {
   const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
-    <section class={`why why-${side}`} aria-label="Why this cell is what it is">
+    <section class={`why why-${place}`} aria-label="Why this cell is what it is">
       <header class="why-head">
         <h2>Why?</h2>
         {cell && (

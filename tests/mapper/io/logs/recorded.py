@@ -143,7 +143,102 @@ def text(stamp_ns: int, words: str, topic: str = "/chatter") -> Said:
     return Said(topic, "std_msgs/msg/String", stamp_ns, {"data": words})
 
 
+DATATYPES = {"i1": 1, "u1": 2, "i2": 3, "u2": 4, "i4": 5, "u4": 6, "f4": 7, "f8": 8}
+
+
+def cloud(
+    stamp_ns: int,
+    points: ArrayLike,
+    topic: str = "/points",
+    frame: str = "velodyne",
+    *,
+    layout: Sequence[tuple[str, str]] = (("x", "f4"), ("y", "f4"), ("z", "f4")),
+    order: str = "<",
+    rows: int = 1,
+    padding: tuple[int, int] = (0, 0),
+) -> Said:
+    """A cloud of points (n, 3) with fields of these names and types, and bytes of padding after points and rows."""
+    xyz = np.asarray(points, dtype=np.float64).reshape(rows, -1, 3)
+    width = xyz.shape[1]
+    offsets = np.cumsum([0, *(np.dtype(code).itemsize for _, code in layout)]).tolist()
+    point_step = offsets[-1] + padding[0]
+    data = np.full((rows, width * point_step + padding[1]), 0xAB, dtype=np.uint8)
+    for (name, code), offset in zip(layout, offsets, strict=False):
+        values = xyz[:, :, "xyz".index(name)] if name in "xyz" else np.ones((rows, width))
+        raw = values.astype(np.dtype(order + code))
+        view = data[:, : width * point_step].reshape(rows, width, point_step)
+        view[:, :, offset : offset + raw.itemsize] = raw.view(np.uint8).reshape(rows, width, raw.itemsize)
+    stated = [
+        {"name": name, "offset": offset, "datatype": DATATYPES[code], "count": 1}
+        for (name, code), offset in zip(layout, offsets, strict=False)
+    ]
+    fields = {
+        "header": header(stamp_ns, frame),
+        "height": rows,
+        "width": width,
+        "fields": stated,
+        "is_bigendian": order == ">",
+        "point_step": point_step,
+        "row_step": data.shape[1],
+        "data": data.reshape(-1),
+        "is_dense": False,
+    }
+    return Said(topic, "sensor_msgs/msg/PointCloud2", stamp_ns, fields)
+
+
+def image(
+    stamp_ns: int,
+    pixels: ArrayLike,
+    encoding: str = "16UC1",
+    topic: str = "/camera/depth/image_raw",
+    frame: str = "optical",
+    *,
+    order: str = "<",
+    padding: int = 0,
+) -> Said:
+    """An image of pixels (height, width), in millimetres or metres as the encoding has it."""
+    code = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4", "mono8": "u1"}[encoding]
+    raw = np.asarray(pixels).astype(np.dtype(order + code))
+    height, width = raw.shape
+    data = np.zeros((height, width * raw.itemsize + padding), dtype=np.uint8)
+    data[:, : width * raw.itemsize] = raw.view(np.uint8)
+    fields = {
+        "header": header(stamp_ns, frame),
+        "height": height,
+        "width": width,
+        "encoding": encoding,
+        "is_bigendian": int(order == ">"),
+        "step": data.shape[1],
+        "data": data.reshape(-1),
+    }
+    return Said(topic, "sensor_msgs/msg/Image", stamp_ns, fields)
+
+
+def camera(
+    stamp_ns: int, size: tuple[int, int], focal: float, topic: str = "/camera/depth/camera_info", frame: str = "optical"
+) -> Said:
+    """The CameraInfo of images of ``size`` (width, height), their centre in the middle."""
+    cx, cy = (size[0] - 1) / 2.0, (size[1] - 1) / 2.0
+    k = np.array([focal, 0.0, cx, 0.0, focal, cy, 0.0, 0.0, 1.0])
+    fields = {
+        "header": header(stamp_ns, frame),
+        "height": size[1],
+        "width": size[0],
+        "distortion_model": "plumb_bob",
+        "d": np.zeros(5),
+        "k": k,
+        "r": np.eye(3).reshape(-1),
+        "p": np.insert(k, [3, 6, 9], 0.0),
+        "binning_x": 0,
+        "binning_y": 0,
+        "roi": {"x_offset": 0, "y_offset": 0, "height": 0, "width": 0, "do_rectify": False},
+    }
+    return Said(topic, "sensor_msgs/msg/CameraInfo", stamp_ns, fields)
+
+
 _PLAIN = {
+    "fields": "sensor_msgs/msg/PointField",
+    "roi": "sensor_msgs/msg/RegionOfInterest",
     "header": "std_msgs/msg/Header",
     "stamp": "builtin_interfaces/msg/Time",
     "position": "geometry_msgs/msg/Point",
@@ -152,6 +247,8 @@ _PLAIN = {
     "translation": "geometry_msgs/msg/Vector3",
     "linear": "geometry_msgs/msg/Vector3",
     "angular": "geometry_msgs/msg/Vector3",
+    "angular_velocity": "geometry_msgs/msg/Vector3",
+    "linear_acceleration": "geometry_msgs/msg/Vector3",
     "transform": "geometry_msgs/msg/Transform",
     "transforms": "geometry_msgs/msg/TransformStamped",
 }
@@ -162,6 +259,9 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
     values: dict[str, Any] = {}
     for name, value in fields.items():
         part = _PLAIN.get(name)
+        if ros == 1 and kind.endswith("CameraInfo") and len(name) == 1:
+            values[name.upper()] = value
+            continue
         if name == "pose":
             part = "geometry_msgs/msg/PoseWithCovariance" if "pose" in value else "geometry_msgs/msg/Pose"
         elif name == "twist":

@@ -1,4 +1,4 @@
-"""BreezySLAM's logs: the columns of a real one by other means, and the wheels' arcs against small steps."""
+"""BreezySLAM's logs: the columns of a real log read independently, and wheel arcs against small steps."""
 
 from __future__ import annotations
 

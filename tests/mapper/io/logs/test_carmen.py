@@ -1,4 +1,4 @@
-"""CARMEN lines written here by hand, and what the reader makes of each."""
+"""CARMEN lines written by hand, and the result of reading each."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def written(folder: Path, *lines: str) -> ScanLog:
     return open_log(path)
 
 
-def test_a_front_laser_line_gives_ranges_pose_and_time(tmp_path):
+def test_a_front_laser_line_has_ranges_pose_and_time(tmp_path):
     log = written(tmp_path, flaser([1.0, 2.5, 3.0, 4.25], (1.0, 2.0, 0.5), stamp=976052890.244084))
     assert log.ranges.tolist() == [[1.0, 2.5, 3.0, 4.25]]
     assert log.trajectory("scan").poses.tolist() == [[1.0, 2.0, 0.5]]
@@ -72,7 +72,7 @@ def test_zero_negative_and_nan_readings_are_no_measurement_and_noted(tmp_path):
     assert any("3 readings" in note for note in log.notes)
 
 
-def test_the_mount_comes_from_param_and_the_robot_pose_from_it(tmp_path):
+def test_the_mount_is_read_from_param_and_gives_the_robot_pose(tmp_path):
     # A robot at (1, 2) that looks along y, with its laser 0.3 m ahead: the laser is at (1, 2.3).
     half = math.pi / 2
     log = written(
@@ -168,7 +168,7 @@ def test_wheel_odometry_survives_a_clock_that_jumps_back(tmp_path):
     assert any("backwards once" in note for note in log.notes)
 
 
-def test_wheel_odometry_of_a_file_sorted_by_kind_goes_by_the_stamps(tmp_path):
+def test_wheel_odometry_of_a_file_sorted_by_kind_is_matched_by_stamps(tmp_path):
     odometry = [f"ODOM {x} 0 0 0 0 0 {x} host 0" for x in range(10)]
     log = written(tmp_path, *odometry, *(flaser([1.0] * 4, (0, 0, 0), stamp=t) for t in (2.5, 7.0)))
     np.testing.assert_allclose(log.trajectory("wheel").poses[:, 0], [2.5, 7.0])
@@ -258,7 +258,7 @@ def test_the_mount_may_be_aside_and_turned(tmp_path):
     assert log.mount == (0.3, -0.1, 0.5)
 
 
-def test_each_sensor_of_a_log_can_be_asked_for(tmp_path):
+def test_each_sensor_of_a_log_can_be_read(tmp_path):
     path = tmp_path / "a.log"
     front, rear = flaser([1.0] * 4, (0, 0, 0)), flaser([2.0] * 3, (0, 0, 0)).replace("FLASER", "RLASER")
     path.write_text(f"{front}\n{rear}\n{rear}\n")

@@ -1,4 +1,4 @@
-"""CMU's ``L`` and ``O`` lines, and what the reader makes of them."""
+"""CMU's ``L`` and ``O`` lines, and the result of reading them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Comma-separated scans: what the documentation says is what is read, and what is wrong is named with its line."""
+"""Comma-separated scans: the documented format is read, and errors are stated with their line."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_the_time_from_beam_to_beam(tmp_path):
         (HEAD + COLUMNS + "0,0,0,0" + ",1" * 20_001 + "\n", "log.too_many_beams", "Line 6 has 20001 ranges"),
     ],
 )
-def test_what_is_wrong_is_named(tmp_path, text, code, words):
+def test_errors_name_the_line_and_the_reason(tmp_path, text, code, words):
     path = tmp_path / "a.csv"
     path.write_text(text)
     with pytest.raises(MapperError, match=words) as caught:

@@ -7,7 +7,7 @@ import numpy as np
 from mapper.io.logs import open_log
 
 
-def test_a_dpslam_log_takes_each_scan_with_the_odometry_before_it(tmp_path):
+def test_each_scan_of_a_dpslam_log_has_the_odometry_before_it(tmp_path):
     path = tmp_path / "loop.log"
     readings = " ".join(["2.5"] * 180 + ["8.183001"])
     path.write_text(f"Odometry 1 2 0.5 \nLaser 181 {readings}\nOdometry 2 2 0.6\nLaser 181 {readings}\n")

@@ -1,4 +1,4 @@
-"""The faster way through a CARMEN log gives what the slower gives, to the bit, and the same errors."""
+"""The fast reader of CARMEN lines equals the slow one to the last bit, also in its errors."""
 
 from __future__ import annotations
 

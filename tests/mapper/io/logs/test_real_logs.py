@@ -1,4 +1,4 @@
-"""The reader on logs that nobody here wrote, against figures taken from them by other means."""
+"""Real logs against figures computed from them independently."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_the_corrected_poses_are_those_of_the_reference_trajectory(data_file):
     assert distance.max() < 0.2
 
 
-def test_logs_are_told_from_their_neighbours(data_dir):
+def test_formats_are_distinguished_from_similar_ones(data_dir):
     """Among all the data only logs and recordings are: not maps, trajectories, pictures or prose."""
     files = [path for path in data_dir.rglob("*") if path.is_file()]
     logs = {str(path.relative_to(data_dir)) for path in files if is_log(path)}

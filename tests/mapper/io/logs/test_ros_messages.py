@@ -1,4 +1,4 @@
-"""Our decoder of a few messages against rosbags' serialiser of any, in both serialisations."""
+"""The decoder of ROS messages against rosbags' serialiser, in both serialisations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, BadMessageError, plain_type
+from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, plain_type
 from tests.hostile.lengths import lies
 from tests.mapper.io.logs import recorded
 
@@ -32,7 +33,7 @@ def test_laser_scan(ros, stamp, frame, ranges):
 
 
 @given(ROS, STAMP, FRAME, st.lists(st.lists(SINGLE, max_size=3), max_size=20))
-def test_multi_echo_scan_takes_the_first_echo(ros, stamp, frame, beams):
+def test_multi_echo_scans_use_the_first_echo(ros, stamp, frame, beams):
     said = recorded.echoes(stamp, beams, frame=frame)
     found = SENSORS["sensor_msgs/MultiEchoLaserScan"](recorded.serialised(said, ros), cdr=ros == 2)
     assert (found.stamp_ns, found.frame) == (stamp, frame)
@@ -83,7 +84,7 @@ def test_every_prefix_of_a_message_is_refused_but_for_padding(said, ros):
 
 
 @pytest.mark.parametrize("ros", [1, 2])
-def test_a_lie_at_every_place_is_refused_or_no_length(ros):
+def test_a_wrong_length_at_any_offset_is_refused_or_not_a_length(ros):
     for said in SAID:
         decoder = (SENSORS | POSES | TRANSFORMS)[plain_type(said.kind)]
         data = recorded.serialised(said, ros)

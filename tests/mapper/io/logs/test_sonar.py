@@ -1,4 +1,4 @@
-"""The sonar ring: its two files, by other means, and what is wrong with bad ones."""
+"""The sonar ring: its two files read independently, and the errors of bad files."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_a_sonar_log_calls_for_cones(tmp_path: Path) -> None:
         (READINGS.replace("600", "nan"), POSES, "not finite"),
     ],
 )
-def test_bad_files_are_refused_in_one_sentence(tmp_path: Path, readings: str, poses: str | None, words: str) -> None:
+def test_bad_files_are_refused_with_one_sentence(tmp_path: Path, readings: str, poses: str | None, words: str) -> None:
     path = folder(tmp_path, readings, poses) / "measurement.txt"
     with pytest.raises(MapperError) as refused:
         open_log(path)

@@ -100,7 +100,7 @@ def test_a_file_that_is_damaged_or_missing_is_said(tmp_path):
     assert any(note.startswith("run_4.mcap: The file ends early") for note in log.notes)
 
 
-def test_what_cannot_be_read_at_all_is_left_out(tmp_path):
+def test_unreadable_files_are_left_out(tmp_path):
     folder, whole = split(tmp_path, "db3", 3)
     data = (folder / "run_1.db3").read_bytes()
     (folder / "run_1.db3").write_bytes(data[:100] + bytes(len(data) - 100))

@@ -1,4 +1,4 @@
-"""The figures of a log against what they are by definition, on made-up logs and on a real one."""
+"""The summary of a log against the definition of its figures, on made-up logs and on a real one."""
 
 from __future__ import annotations
 

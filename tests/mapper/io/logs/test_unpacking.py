@@ -1,4 +1,4 @@
-"""Files as other programs pack and mark them: in several members, in zstd, with a byte order mark."""
+"""Compressed and marked files: several gzip members, zstd, a byte order mark."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pytest
 import zstandard
 
 from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.logs import is_log, open_log
 from mapper.io.logs.unpacking import PIECE, Unpacked
 from tests.hostile.corpus import TEXTS, recording
@@ -20,12 +21,12 @@ def pieces(path: Path, data: bytes) -> tuple[list[bytes], str | None]:
     """What comes out of a file with ``data``, and what is found to be wrong with it."""
     path.write_bytes(data)
     with path.open("rb") as file:
-        stream = Unpacked(file, lambda: "here")
+        stream = Unpacked(file, lambda: "here", DEFAULT_LIMITS)
         return list(stream), stream.broken
 
 
 @pytest.mark.parametrize("pack", [bytes, gzip.compress, zstandard.compress], ids=["plain", "gzip", "zstd"])
-def test_the_pieces_are_the_whole_and_none_is_empty_or_long(tmp_path, pack):
+def test_the_pieces_add_up_to_the_whole_and_none_is_empty_or_too_long(tmp_path, pack):
     noise = np.random.default_rng(1).integers(0, 256, 3 * PIECE + 17, dtype=np.uint8).tobytes() + bytes(5 * PIECE)
     found, broken = pieces(tmp_path / "a", pack(noise))
     assert b"".join(found) == noise
@@ -39,7 +40,7 @@ def test_the_pieces_are_the_whole_and_none_is_empty_or_long(tmp_path, pack):
 
 
 @pytest.mark.parametrize("pack", [gzip.compress, zstandard.ZstdCompressor(write_checksum=True).compress])
-def test_of_damaged_data_all_comes_out_that_stands_before(tmp_path, pack):
+def test_data_before_a_damaged_block_is_read(tmp_path, pack):
     """The bytes before the damage are the data's own, to within a block of Zstandard (128 KiB) and a symbol of gzip."""
     letters = np.random.default_rng(3).choice(np.frombuffer(b"0123456789. \n", np.uint8), 4 * PIECE).tobytes()
     packed = bytearray(pack(letters))
@@ -52,7 +53,7 @@ def test_of_damaged_data_all_comes_out_that_stands_before(tmp_path, pack):
     assert b"".join(found).startswith(sound)
 
 
-def test_members_of_gzip_that_begin_or_end_anywhere(tmp_path):
+def test_gzip_members_may_begin_and_end_at_any_offset(tmp_path):
     """A piece of the file that holds no more than the header of a member gives nothing, and is not the end."""
     first = np.random.default_rng(2).integers(0, 256, PIECE, dtype=np.uint8).tobytes()
     rest = b"the rest"

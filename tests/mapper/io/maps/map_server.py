@@ -1,4 +1,4 @@
-"""nav2's map server, told once more and one pixel at a time, with other people's readers of yaml and of images.
+"""nav2's map server in plain Python, one pixel at a time, with independent readers of YAML and images.
 
 Source: nav2_map_server, map_io.cpp (loadMapYaml, loadMapFromFile).
 """

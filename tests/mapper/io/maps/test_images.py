@@ -1,4 +1,4 @@
-"""Images made band by band hold the pixels that Pillow makes of the whole map, in memory that the map does not set."""
+"""Images made in bands have the pixels that Pillow gives for the whole map, in bounded memory."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_pixels_that_do_not_compress_fill_many_chunks():
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (64, 64), TALL, WIDE])
-def test_the_picture_of_a_map_is_the_one_that_pillow_writes_of_the_whole(shape):
+def test_the_png_equals_that_of_pillow(shape):
     grid = a_grid(shape)
     p_occ = 1.0 / (1.0 + np.exp(-grid.log_odds.astype(np.float64)))
     index = np.rint(254.0 * (1.0 - p_occ)).astype(np.uint8)
@@ -89,7 +89,7 @@ def test_the_picture_of_a_map_is_the_one_that_pillow_writes_of_the_whole(shape):
 
 
 @pytest.mark.parametrize("shape", [(1, 1), TALL, WIDE])
-def test_the_pgm_of_a_map_in_many_bands_has_the_states_of_the_whole(shape):
+def test_a_pgm_written_in_bands_has_the_states_of_the_grid(shape):
     grid = a_grid(shape)
     greys = np.array([254, 0, 205], dtype=np.uint8)[np.where(grid.classify() == 100, 1, grid.classify())]
     assert pgm_bytes(grid) == f"P5\n{shape[1]} {shape[0]}\n255\n".encode() + greys[::-1].tobytes()
@@ -106,7 +106,7 @@ def test_a_map_of_many_bands_is_saved_and_loaded(tmp_path):
 
 
 @pytest.mark.parametrize(("shape_b", "origin_b"), [(TALL, (0.0, 0.0, 0.0)), ((500, 400), (-3.2, 12.8, 0.0))])
-def test_the_difference_in_bands_is_that_of_the_whole(shape_b, origin_b):
+def test_the_difference_in_bands_equals_that_of_the_whole_grids(shape_b, origin_b):
     a, b = a_grid(TALL, 1), a_grid(shape_b, 2, origin_b)
     whole = difference(a, b)
     shape, pixels = difference_pixels(a, b)

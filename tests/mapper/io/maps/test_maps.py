@@ -1,4 +1,4 @@
-"""What is written is what is read, and both are what map_server's formulas say."""
+"""Map files are read back unchanged, and agree with the formulas of map_server."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_trinary_pgm_has_map_savers_greys_and_the_top_row_first():
     assert np.asarray(image).tolist() == [[205, 205, 205, 254], [205, 205, 205, 205], [0, 205, 205, 205]]
 
 
-def test_the_yaml_says_what_a_map_server_needs():
+def test_the_yaml_has_the_keys_that_map_server_reads():
     assert yaml.safe_load(yaml_text(GEOMETRY, "lab.pgm")) == {
         "image": "lab.pgm",
         "mode": "trinary",
@@ -91,7 +91,7 @@ def test_a_saved_map_loads_with_the_same_states_in_the_same_place(tmp_path_facto
 
 
 @given(grid=grids(), mode=st.sampled_from(["trinary", "scale", "raw"]))
-def test_map_server_finds_in_a_saved_map_what_was_saved(tmp_path_factory, grid, mode):
+def test_a_saved_map_has_the_same_states_in_map_server(tmp_path_factory, grid, mode):
     yaml_path, _ = save_map(grid, tmp_path_factory.mktemp("map") / "lab", mode)
     values, keys = served(yaml_path)
     # The three states of a cell at 0.65 and 0.25, by the definition; never observed is unknown.
@@ -203,7 +203,7 @@ def test_a_transparent_palette_colour_is_unknown_in_scale_mode(tmp_path):
     assert load_map(path).values.tolist() == [[100, -1]]
 
 
-def test_unknown_that_counts_as_free_is_noted(tmp_path):
+def test_unknown_cells_that_map_server_reads_as_free_are_noted(tmp_path):
     path = write(tmp_path, Image.new("L", (2, 2), 205), free_thresh=0.25)
     loaded = load_map(path)
     assert loaded.values.tolist() == [[0, 0], [0, 0]]

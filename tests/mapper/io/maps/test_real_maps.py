@@ -1,4 +1,4 @@
-"""Maps that nobody here wrote, decoded once more with Pillow and the formulas of map_server."""
+"""Real maps, decoded independently with Pillow and the formulas of map_server."""
 
 from __future__ import annotations
 

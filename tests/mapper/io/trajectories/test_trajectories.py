@@ -29,7 +29,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def test_what_is_written_is_read_back(tmp_path: Path, office_log: ScanLog) -> None:
+def test_written_files_are_read_back(tmp_path: Path, office_log: ScanLog) -> None:
     log = replace(office_log, stamps_ns=office_log.stamps_ns + 1_700_000_000_123_456_789)
     text = tum_text(log)
     found = read_tum(written(tmp_path, text))
@@ -106,8 +106,9 @@ def test_files_without_poses_and_large_ones_are_refused(tmp_path: Path) -> None:
         read_tum(tmp_path / "b.tum")
     with pytest.raises(LimitError, match="more lines than the limit of 2"):
         read_tum(written(tmp_path, f"{LINE}\n" * 3), Limits(max_lines=2))
-    with pytest.raises(LimitError, match="larger than the limit of 30 bytes"):
-        read_tum(written(tmp_path, f"{LINE}\n" * 3), Limits(max_log_bytes=30))
+    (tmp_path / "a.gz").write_bytes(gzip.compress(f"{LINE}\n".encode() * 3))
+    with pytest.raises(LimitError, match="expands to more than the limit of 30 bytes"):
+        read_tum(tmp_path / "a.gz", Limits(max_unpacked_bytes=30, max_expansion=0))
 
 
 def test_every_prefix_is_read_or_refused(tmp_path: Path) -> None:
@@ -163,7 +164,7 @@ def test_poses_at_the_scans_stamps_are_taken_as_they_are(office_log: ScanLog) ->
     assert found.notes == log.notes
 
 
-def test_other_poses_are_interpolated_and_scans_outside_left_out(office_log: ScanLog) -> None:
+def test_poses_are_interpolated_and_scans_outside_left_out(office_log: ScanLog) -> None:
     """Poses every 10 s of a robot that drives at 0.2 m/s and turns across ±π."""
     log = replace(office_log, stamps_ns=np.arange(office_log.n_scans) * S)
     times = np.array([20.0, 40.0, 30.0, 50.0])  # not in order

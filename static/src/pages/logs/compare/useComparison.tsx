@@ -31,7 +31,8 @@ export function useComparison(session: string, store: Store): Comparison {
     }
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== "b" || event.ctrlKey || event.metaKey || event.altKey) return;
-      const writes = event.target instanceof Element && event.target.closest("input[type=number], select") !== null;
+      const writes =
+        event.target instanceof Element && event.target.closest("input[type=number], select, textarea") !== null;
       if (comparison.isOn.peek() && comparison.mode.peek() === "blink" && !writes) comparison.turn();
     };
     addEventListener("keydown", onKey);

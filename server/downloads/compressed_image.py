@@ -12,13 +12,14 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
+from mapper.core.zstd import compressed
 from mapper.io.maps.images import Bands
 
 MEMORY_BYTES = 8 << 20  #: of compressed pixels that stay in memory; beyond it they go to a file
 ZSTD_LEVEL = 1
 
 
-class Snapshot:
+class CompressedImage:
     """An image of ``shape`` (rows, cols), in bands of whole rows, the top ones first.
 
     Most of a large map is unobserved, so megabytes of pixels usually compress to some hundred kilobytes.
@@ -36,7 +37,7 @@ class Snapshot:
         at = 0
         for band in bands:
             check()
-            packed = compressor.compress(np.ascontiguousarray(band).data)
+            packed = compressed(compressor, np.ascontiguousarray(band).data)
             file.write(packed)
             self._places.append((at, len(packed), band.shape))
             at += len(packed)

@@ -1,4 +1,4 @@
-"""Pixels that are kept: they come back as they were, much of them from a file; and work that nobody waits for ends."""
+"""Compressed images: read back unchanged, partly from a file; cancelled work ends."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import LimitError
-from server.downloads import Downloads, Snapshot
+from server.downloads import CompressedImage, Downloads
+from server.downloads.compressed_image import MEMORY_BYTES
 from server.downloads.downloads import StoppedError
-from server.downloads.snapshot import MEMORY_BYTES
 from tests.server.service import eventually
 
 
@@ -29,9 +29,9 @@ async def downloads(tmp_path: Path) -> AsyncIterator[Downloads]:
     await made.close()
 
 
-def test_bands_come_back_as_they_were_and_twice(tmp_path: Path) -> None:
+def test_bands_are_read_back_unchanged_and_repeatedly(tmp_path: Path) -> None:
     pixels = np.random.default_rng(0).integers(0, 3, (100, 70), dtype=np.uint8)
-    kept = Snapshot(pixels.shape, np.split(pixels, [30, 31]), tmp_path, anyway)
+    kept = CompressedImage(pixels.shape, np.split(pixels, [30, 31]), tmp_path, anyway)
     for _ in range(2):
         np.testing.assert_array_equal(np.concatenate(list(kept.bands())), pixels)
     first, second = kept.bands(), kept.bands()
@@ -44,7 +44,7 @@ def test_pixels_that_do_not_compress_go_to_a_file_without_a_name(tmp_path: Path)
     rng = np.random.default_rng(1)
     band = rng.integers(0, 256, (64, 1 << 14), dtype=np.uint8)
     tracemalloc.start()
-    kept = Snapshot((64 * 40, 1 << 14), (band + np.uint8(n) for n in range(40)), tmp_path, anyway)
+    kept = CompressedImage((64 * 40, 1 << 14), (band + np.uint8(n) for n in range(40)), tmp_path, anyway)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert kept.nbytes > 40 << 20
@@ -74,7 +74,7 @@ async def test_work_that_is_cancelled_has_ended_when_the_call_returns(downloads:
     assert ended.is_set()
 
 
-async def test_work_that_had_not_begun_never_begins(downloads: Downloads) -> None:
+async def test_work_that_was_cancelled_before_its_start_does_not_start(downloads: Downloads) -> None:
     release, ran = threading.Event(), threading.Event()
     running = [asyncio.create_task(downloads.run(lambda _: release.wait())) for _ in range(2)]
     await asyncio.sleep(0)

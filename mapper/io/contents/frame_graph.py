@@ -1,0 +1,69 @@
+"""The graph of transforms as tf2 sees it: which frames are joined, and which link is missing to a fixed frame.
+
+Source: the tf2 design (a frame has one parent; a lookup follows parents to the common ancestor); REP 105.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from mapper.io.contents.model import FrameEdge
+
+
+def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
+    """Return the parent of each frame; where several are stated, the one that is stated most often.
+
+    tf2 keeps the newest instead, so that such a frame jumps: :func:`faults` names it.
+    """
+    found: dict[str, FrameEdge] = {}
+    for edge in edges:
+        if edge.child not in found or len(edge.stamps_ns) > len(found[edge.child].stamps_ns):
+            found[edge.child] = edge
+    return {child: edge.parent for child, edge in found.items()}
+
+
+def chain_of(parents: dict[str, str], frame: str) -> list[str]:
+    """Return ``frame``, its parent and so on to the root, or to the first frame that comes again."""
+    chain = [frame]
+    while (parent := parents.get(chain[-1])) is not None and parent not in chain:
+        chain.append(parent)
+    return chain
+
+
+def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> list[str]:
+    """Return what is wrong with the graph, one sentence each: links that are missing, loops, several parents.
+
+    ``sensors`` are the frames that have to be joined with the frame ``fixed``.
+    """
+    said = []
+    stated: dict[str, set[str]] = {}
+    for edge in edges:
+        stated.setdefault(edge.child, set()).add(edge.parent)
+    for child, several in sorted(stated.items()):
+        if len(several) > 1:
+            names = ", ".join(repr(name) for name in sorted(several))
+            said.append(f"The frame {child!r} has {len(several)} parents, {names}: tf allows one.")
+    parents = parents_of(edges)
+    looping = {frame for frame in parents if parents.get(chain_of(parents, frame)[-1]) is not None}
+    if looping:
+        loop = sorted(frame for frame in looping if frame in _cycle(parents, frame))
+        said.append(f"The transforms go round in a loop: {', '.join(map(repr, loop))}.")
+    fixed_chain = chain_of(parents, fixed)
+    for sensor in sorted(set(sensors)):
+        chain = chain_of(parents, sensor)
+        if not set(chain) & set(fixed_chain):
+            if sensor not in stated and all(edge.parent != sensor for edge in edges):
+                said.append(f"No transform names the sensor's frame {sensor!r}.")
+            else:
+                said.append(
+                    f"No transform joins {chain[-1]!r}, the root above the sensor's frame {sensor!r}, with "
+                    f"{fixed_chain[-1]!r}, the root above {fixed!r}."
+                )
+    return said
+
+
+def _cycle(parents: dict[str, str], frame: str) -> list[str]:
+    """Return the frames of the loop that the chain from ``frame`` ends in."""
+    chain = chain_of(parents, frame)
+    again = parents.get(chain[-1])
+    return chain[chain.index(again) :] if again in chain else []

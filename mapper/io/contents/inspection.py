@@ -1,0 +1,210 @@
+"""One pass over a recording that counts every message, and keeps its transforms' times and the numbers for plots."""
+
+from __future__ import annotations
+
+import os
+from array import array
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.contents.carmen_lines import inspect_carmen
+from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
+from mapper.io.contents.series_messages import PLOTTED, PlottedType
+from mapper.io.logs import carmen
+from mapper.io.logs.container import Container
+from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.names import printable
+from mapper.io.logs.opening import parts_of
+from mapper.io.logs.recording import Recording
+from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
+from mapper.io.logs.unpacking import Progress
+
+MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
+MAX_EDGES = 5000  #: pairs of frames
+MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
+KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of so many buckets
+LAST_NS = 1 << 62  #: a time beyond this is a defect
+
+
+@dataclass(slots=True)
+class _Topic:
+    name: str
+    type: str
+    cdr: bool
+    plotted: PlottedType | None
+    messages: int = 0
+    bytes: int = 0
+    first_ns: int = 0
+    last_ns: int = 0
+    bad: int = 0
+    stamps: array[int] = field(default_factory=lambda: array("q"))
+    values: array[float] = field(default_factory=lambda: array("f"))
+
+
+class Inspector(Recording):
+    """Takes a recording as :class:`Recording` does, and makes no log of it but its :class:`Contents`."""
+
+    def __init__(self, limits: Limits) -> None:
+        super().__init__(limits)
+        self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
+        self._counted_by_key: dict[int, _Topic] = {}
+        self._stamps_of_edge: dict[tuple[str, str], tuple[array[int], list[bool]]] = {}
+        self._n_messages = 0
+        self._values_left = MAX_VALUES
+
+    @property
+    def n_scans(self) -> int:
+        """Messages taken so far: where there are some, something could be read."""
+        return self._n_messages
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages, as :meth:`Recording.channel`."""
+        name, kind = printable(topic[:MAX_NAME]), printable(plain_type(kind)[:MAX_NAME])
+        stream = (name, kind, cdr, readable)
+        if stream not in self._counted:
+            if len(self._counted) >= self.limits.max_topics:
+                raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
+            self._counted[stream] = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None)
+        self._counted_by_key[key] = self._counted[stream]
+
+    def next_file(self) -> None:
+        """Go on with another file of the same recording."""
+        self._counted_by_key.clear()
+
+    def wants(self, key: int) -> bool:
+        """Return whether this stream's messages are to be read; of the others the sizes are enough."""
+        topic = self._counted_by_key.get(key)
+        return topic is not None and (topic.plotted is not None or topic.type in TRANSFORMS)
+
+    def knows(self, key: int) -> bool:  # noqa: ARG002 - as Recording has it
+        """Return False for any stream: no chunk is passed over by its index, which has no sizes."""
+        return False
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
+        """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""
+        self._n_messages += 1
+        if self._n_messages > self.limits.max_messages:
+            raise LimitError("log.too_many_messages", f"The log has more than {self.limits.max_messages} messages.")
+        topic = self._counted_by_key.get(key)
+        if topic is None:
+            return
+        topic.messages += 1
+        topic.bytes += len(data) if size is None else size
+        if 0 < stamp_ns < LAST_NS:
+            topic.first_ns = min(topic.first_ns or stamp_ns, stamp_ns)
+            topic.last_ns = max(topic.last_ns, stamp_ns)
+        if topic.plotted is None and topic.type not in TRANSFORMS:
+            return
+        try:
+            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+                data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
+            if topic.plotted is None:
+                self._take_transforms_of(topic, stamp_ns, data)
+            else:
+                self._take_row(topic, topic.plotted, stamp_ns, data)
+        except (BadMessageError, ReadError):
+            topic.bad += 1
+
+    def _take_row(self, topic: _Topic, plotted: PlottedType, stamp_ns: int, data: bytes) -> None:
+        stated, row = plotted.decode(data, cdr=topic.cdr)
+        at = stated if 0 < stated < LAST_NS else stamp_ns
+        if not 0 <= at < LAST_NS or self._values_left < len(row):
+            return
+        self._values_left -= len(row)
+        topic.stamps.append(at)
+        topic.values.extend(_float32(value) for value in row)
+
+    def _take_transforms_of(self, topic: _Topic, stamp_ns: int, data: bytes) -> None:
+        is_static = topic.name.rsplit("/", 1)[-1] == "tf_static"
+        for one in TRANSFORMS[topic.type](data, cdr=topic.cdr):
+            pair = (printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
+            if pair not in self._stamps_of_edge:
+                if len(self._stamps_of_edge) >= MAX_EDGES:
+                    raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_EDGES} edges.")
+                self._stamps_of_edge[pair] = (array("q"), [])
+            at = one.stamp_ns if 0 < one.stamp_ns < LAST_NS else stamp_ns
+            stamps, static = self._stamps_of_edge[pair]
+            stamps.append(max(0, min(at, LAST_NS)))
+            if not static or static[-1] != is_static:
+                static.append(is_static)
+
+    def contents(self) -> Contents:
+        """Return what was taken."""
+        counted: dict[tuple[str, str], TopicContents] = {}
+        for one in self._counted.values():
+            known = counted.get((one.name, one.type))
+            counted[one.name, one.type] = _joined(known, one)
+        bad = [f"{one.bad} of {one.messages} on {one.name}" for one in self._counted.values() if one.bad]
+        notes = [*self.notes, *([f"Messages that could not be read: {', '.join(bad[:6])}."] if bad else [])]
+        if self._values_left < MAX_VALUES // 1000:
+            notes.append(f"The plots hold the first {MAX_VALUES} numbers of the recording only.")
+        return Contents(
+            topics=tuple(sorted(counted.values(), key=lambda one: (one.name, one.type))),
+            edges=tuple(
+                FrameEdge(parent, child, all(static), np.sort(np.frombuffer(stamps, dtype=np.int64)))
+                for (parent, child), (stamps, static) in sorted(self._stamps_of_edge.items())
+            ),
+            series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
+            notes=tuple(notes),
+        )
+
+
+def _joined(known: TopicContents | None, one: _Topic) -> TopicContents:
+    """Return the figures of a topic; several streams of one name and type count together."""
+    if known is None:
+        return TopicContents(one.name, one.type, one.messages, one.bytes, one.first_ns, one.last_ns)
+    firsts = [first for first in (known.first_ns, one.first_ns) if first]
+    return TopicContents(
+        one.name,
+        one.type,
+        known.messages + one.messages,
+        known.bytes + one.bytes,
+        min(firsts, default=0),
+        max(known.last_ns, one.last_ns),
+    )
+
+
+def _float32(value: float) -> float:
+    """Return a number that float32 holds: array("f") refuses larger ones."""
+    return value if abs(value) < 3.0e38 else float("nan")
+
+
+def _series(topic: _Topic, plotted: PlottedType) -> Series:
+    stamps = np.frombuffer(topic.stamps, dtype=np.int64)
+    values: NDArray[np.float32] = np.frombuffer(topic.values, dtype=np.float32).reshape(-1, len(plotted.columns))
+    if (np.diff(stamps) < 0).any():
+        order = np.argsort(stamps, kind="stable")
+        stamps, values = stamps[order], values[order]
+    stamps, values = min_max(stamps, values, KEPT_ROWS // 2)
+    return Series(topic.name, topic.type, plotted.columns, stamps, values)
+
+
+def inspect(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> Contents:
+    """Return what the recording at ``path`` holds, of any kind that :func:`mapper.io.logs.open_log` reads.
+
+    Of CARMEN logs the topics are the words of its lines; of the other text formats there is nothing but scans, and
+    nothing is listed. The whole recording is read. Raises :class:`ReadError` and :class:`LimitError` as ``open_log``.
+    """
+    files, kind = parts_of(Path(path), limits)
+    if not isinstance(kind, Container):
+        return inspect_carmen(files[0], limits, progress) if kind is carmen.read_carmen else Contents(())
+    inspector = Inspector(limits)
+    for done, file in enumerate(files):
+        share = None if progress is None else partial(_of_all, progress, done, len(files))
+        kind.take(file, inspector, limits, share)
+        inspector.next_file()
+    return inspector.contents()
+
+
+def _of_all(progress: Progress, done: int, of: int, share: float) -> None:
+    progress((done + share) / of)

@@ -1,0 +1,155 @@
+"""Point clouds, depth images and what is known of their cameras, decoded from their serialised bytes.
+
+Source: the message definitions of sensor_msgs/PointCloud2, PointField, Image and CameraInfo; the wiki of
+depthimage_to_laserscan (16UC1 is millimetres, 0 no reading; 32FC1 metres).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.io.logs.message_fields import BadMessageError, MessageFields
+from mapper.sensors.planar.depth import Intrinsics
+
+MOST_FIELDS = 256  #: of one point
+MOST_SIDE = 1 << 16  #: pixels
+PART_POINTS = 1 << 17  #: taken at once: each takes some hundred bytes with what is computed from it
+DATATYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
+DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  #: encoding → type, metres
+
+
+@dataclass(frozen=True, slots=True)
+class Cloud:
+    """One sensor_msgs/PointCloud2: ``axes`` are x, y and z (height, width), views of the message's bytes."""
+
+    stamp_ns: int
+    frame: str
+    axes: tuple[NDArray[np.generic], NDArray[np.generic], NDArray[np.generic]]
+
+    @property
+    def nbytes(self) -> int:
+        """The size of what holds the points."""
+        return int(sum(axis.nbytes for axis in self.axes))
+
+    def parts(self) -> Iterator[NDArray[np.float64]]:
+        """Yield the points (n, 3), row by row, in parts that bound the memory."""
+        height, width = self.axes[0].shape
+        if not height or not width:
+            return
+        rows, cols = max(1, PART_POINTS // width), min(width, PART_POINTS)
+        for row in range(0, height, rows):
+            for col in range(0, width, cols):
+                part = np.s_[row : row + rows, col : col + cols]
+                yield np.stack([axis[part].astype(np.float64).reshape(-1) for axis in self.axes], axis=-1)
+
+
+def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
+    """Decode a sensor_msgs/PointCloud2 of any layout: fields of any order and type, rows and points with padding."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    height, width = (int(n) for n in fields.unpack("2I", 4))
+    n = fields.count(13)
+    if n > MOST_FIELDS:
+        raise BadMessageError(f"its points have {n} fields")
+    layout: dict[str, tuple[int, str]] = {}
+    for _ in range(n):
+        name = fields.string()
+        (offset,) = fields.unpack("I", 4)
+        (datatype,) = fields.unpack("B", 1)
+        fields.unpack("I", 4)  # how many numbers it is; of x, y and z there is one
+        layout.setdefault(name, (int(offset), DATATYPES.get(int(datatype), "")))
+    (is_bigendian,) = fields.unpack("B", 1)
+    point_step, row_step = (int(n) for n in fields.unpack("2I", 4))
+    values = fields.bytes()
+    fields.unpack("B", 1)  # is_dense: points that are not finite are looked for in any case
+    fields.end()
+    if height <= 1 or width == 0:
+        row_step = point_step * width  # some drivers leave it 0
+    needed = (height - 1) * row_step + width * point_step if height and width else 0
+    if row_step < width * point_step or needed > len(values):
+        raise BadMessageError(
+            f"{width} × {height} points of {point_step} bytes, in rows of {row_step}, do not fit its {len(values)} "
+            "bytes of data"
+        )
+    order = ">" if is_bigendian else "<"
+    axes = []
+    for name in "xyz":
+        offset, code = layout.get(name, (0, ""))
+        if not code:
+            raise BadMessageError(f"its points have no number {name}")
+        kind = np.dtype(order + code)
+        if offset + kind.itemsize > point_step:
+            raise BadMessageError(f"the field {name} reaches beyond a point's {point_step} bytes")
+        strides = (row_step, point_step)
+        shape = (height, width) if needed else (0, 0)
+        axes.append(np.ndarray(shape, kind, values, offset if needed else 0, strides))
+    return Cloud(stamp, frame, (axes[0], axes[1], axes[2]))
+
+
+@dataclass(frozen=True, slots=True)
+class DepthImage:
+    """One sensor_msgs/Image of depths: ``raw`` (height, width) as stored, ``unit`` metres."""
+
+    stamp_ns: int
+    frame: str
+    raw: NDArray[np.generic]
+    unit: float
+
+    def metres(self) -> NDArray[np.float32]:
+        """Return the depths (height, width), metres: NaN, +Inf and 0 as they are stored."""
+        return (self.raw.astype(np.float32) * np.float32(self.unit)).astype(np.float32)
+
+
+class NotDepthError(Exception):
+    """The image is of another encoding than depth images are."""
+
+
+def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
+    """Decode a sensor_msgs/Image of the encodings :data:`DEPTHS`. Raises :class:`NotDepthError` for any other."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    height, width = (int(n) for n in fields.unpack("2I", 4))
+    encoding = fields.string()
+    if encoding not in DEPTHS:
+        raise NotDepthError(encoding)
+    (is_bigendian,) = fields.unpack("B", 1)
+    (step,) = (int(n) for n in fields.unpack("I", 4))
+    values = fields.bytes()
+    fields.end()
+    code, unit = DEPTHS[encoding]
+    kind = np.dtype((">" if is_bigendian else "<") + code)
+    if not 0 < width <= MOST_SIDE or not 0 < height <= MOST_SIDE:
+        raise BadMessageError(f"an image of {width} × {height} pixels")
+    if step < width * kind.itemsize or (height - 1) * step + width * kind.itemsize > len(values):
+        raise BadMessageError(
+            f"{width} × {height} pixels of {kind.itemsize} bytes, in rows of {step}, do not fit its {len(values)} "
+            "bytes of data"
+        )
+    return DepthImage(stamp, frame, np.ndarray((height, width), kind, values, 0, (step, kind.itemsize)), unit)
+
+
+def camera_info(data: bytes, *, cdr: bool) -> Intrinsics:
+    """Decode a sensor_msgs/CameraInfo: its projection matrix P, or where that is zero, K."""
+    fields = MessageFields(data, cdr=cdr)
+    fields.header()
+    height, width = (int(n) for n in fields.unpack("2I", 4))
+    fields.string()  # the distortion model
+    n = fields.count(8)
+    fields.unpack(f"{n}d", 8)
+    k = fields.unpack("9d", 8)
+    fields.unpack("9d", 8)
+    p = fields.unpack("12d", 8)
+    fields.unpack("2I", 4)  # binning
+    fields.unpack("4I", 4)  # the region of interest
+    fields.unpack("B", 1)
+    fields.end()
+    fx, cx, cy = (p[0], p[2], p[6]) if p[0] > 0.0 else (k[0], k[2], k[5])
+    try:
+        return Intrinsics(width, height, fx, cx, cy)
+    except ConfigError as error:
+        raise BadMessageError(error.message) from None

@@ -1,0 +1,180 @@
+"""Planar scans cut out of the clouds and depth images of a recording, while it is read.
+
+A cloud is cut as soon as tf has told where its frame is on the robot, a depth image as soon as its CameraInfo has come.
+Until then messages are held, at most :data:`HELD_BYTES`; then, and at the end of the recording, they are cut with what
+is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.io.logs.cloud_messages import Cloud, DepthImage, camera_info, depth_image, point_cloud
+from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.ros_messages import Beams
+from mapper.io.logs.stream import Stream
+from mapper.io.logs.transforms import BASES, FrameTree, Poses3
+from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
+from mapper.sensors.planar.depth import Intrinsics, cut_depth
+from mapper.sensors.planar.options import PlanarCut
+
+CLOUD, IMAGE, CAMERA = "sensor_msgs/PointCloud2", "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+HELD_BYTES = 64 << 20
+
+Emit = Callable[[Stream, int, Beams], None]
+
+
+@dataclass(slots=True)
+class _Held:
+    stream: Stream
+    recorded_ns: int
+    message: Cloud | DepthImage
+    size: int
+
+
+class Cutter:
+    """Cuts clouds and images, and hands the scans to ``emit`` with their stream and when they were recorded.
+
+    ``tf`` and ``children`` are those of the recording, which grow while it is read.
+    """
+
+    def __init__(self, cut: PlanarCut, tf: FrameTree, children: set[str], emit: Emit) -> None:
+        self.placements: dict[str, Placement] = {}  #: by frame
+        self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
+        self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
+        self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
+        self._held: list[_Held] = []
+        self._held_bytes = 0
+
+    def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
+        """Take a sensor_msgs/PointCloud2. Raises :class:`BadMessageError`."""
+        cloud = point_cloud(data, cdr=stream.cdr)
+        self._take(_Held(stream, recorded_ns, cloud, len(data)))
+
+    def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
+        """Take a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
+        image = depth_image(data, cdr=stream.cdr)
+        self._take(_Held(stream, recorded_ns, image, len(data)))
+
+    def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
+        """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
+        self._cameras[_folder(stream.topic)] = camera_info(data, cdr=stream.cdr)
+        self._cut_held()
+
+    def finish(self) -> None:
+        """Cut what is held with what is known now. An image without a CameraInfo counts as one that cannot be read."""
+        held, self._held, self._held_bytes = self._held, [], 0
+        for one in held:
+            try:
+                self._cut_one(one)
+            except BadMessageError as error:
+                one.stream.refuse(str(error))
+
+    def _take(self, one: _Held) -> None:
+        waits = any(held.stream is one.stream for held in self._held)
+        if not waits and self._is_ready(one.message, one.stream):
+            self._cut_one(one)
+            return
+        self._held.append(one)
+        self._held_bytes += one.size
+        self._cut_held()
+        if self._held_bytes > HELD_BYTES:
+            self.finish()
+
+    def _cut_held(self) -> None:
+        """Cut what can be cut by now; of one stream in the order of the recording."""
+        ready = {id(one.stream): self._is_ready(one.message, one.stream) for one in self._held}
+        if not any(ready.values()):
+            return
+        held, self._held = self._held, [one for one in self._held if not ready[id(one.stream)]]
+        self._held_bytes = sum(one.size for one in self._held)
+        for one in held:
+            if ready[id(one.stream)]:
+                try:
+                    self._cut_one(one)
+                except BadMessageError as error:
+                    one.stream.refuse(str(error))
+
+    def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
+        if isinstance(message, DepthImage):
+            return _folder(stream.topic) in self._cameras
+        return message.frame in self.placements or self._base_in(self._tf.ancestors(message.frame)) is not None
+
+    def _base_in(self, chain: list[str]) -> int | None:
+        """Return the index of the robot's base in a chain of frames, None where none is named as one."""
+        index = self._tf.base_of(chain, self._children)
+        is_base = chain[index].rsplit("/", 1)[-1] in BASES or chain[index] in self._children
+        return index if is_base else None
+
+    def _cut_one(self, one: _Held) -> None:
+        if isinstance(one.message, Cloud):
+            self._emit(one.stream, one.recorded_ns, self._beams_of_cloud(one.message))
+        else:
+            self._emit(one.stream, one.recorded_ns, self._beams_of_image(one.message, one.stream.topic))
+
+    def _beams_of_cloud(self, cloud: Cloud) -> Beams:
+        cut = self._cut
+        placement = self._placement(cloud)
+        ranges = empty_scan(cut)
+        for points in cloud.parts():
+            add_points(points, placement, cut, ranges)
+        least, greatest = cut.cloud_range
+        return Beams(cloud.stamp_ns, cloud.frame, first_beam(cut), cut.angle_increment, least, greatest, ranges)
+
+    def _placement(self, cloud: Cloud) -> Placement:
+        """Return where a cloud's frame is on the robot: where it was at its first cloud."""
+        found = self.placements.get(cloud.frame)
+        if found is None:
+            chain = self._tf.ancestors(cloud.frame)
+            base = self._tf.base_of(chain, self._children)
+            found = NOT_PLACED
+            if base > 0:
+                found = _as_placement(self._tf.lookup(chain[: base + 1], np.array([cloud.stamp_ns])))
+            elif self._base_in(chain) is None:
+                self.unplaced.add(cloud.frame)
+            self.placements[cloud.frame] = found
+        return found
+
+    def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:
+        camera = self._cameras.get(_folder(topic))
+        if camera is None:
+            raise BadMessageError(f"no CameraInfo has come on {_folder(topic)}/camera_info")
+        try:
+            ranges = cut_depth(image.metres(), camera, self._cut)
+        except ConfigError as error:
+            raise BadMessageError(error.message) from None
+        first, step = camera.beams()
+        least, greatest = self._cut.depth_range
+        frame = self._cut.output_frame or image.frame
+        # A beam stands for the columns from its bearing to the next one's: it is stated in their middle.
+        return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
+
+
+def _as_placement(poses: Poses3) -> Placement:
+    x, y, z, w = (float(v) for v in poses.rotations[0])
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return Placement(rotation, np.asarray(poses.positions[0], dtype=np.float64))
+
+
+def _folder(topic: str) -> str:
+    """Return a topic without its last part: an image and its CameraInfo are in one folder."""
+    return topic.rpartition("/")[0]
+
+
+def is_forward(up: NDArray[np.float64]) -> bool:
+    """Return whether a camera's frame has its z axis along the view, by the z components (n,) of its z axis.
+
+    Optical frames are so (REP 103); some drivers state depth images in a frame whose x axis is along the view.
+    """
+    return bool(abs(float(up[0])) < 0.9)

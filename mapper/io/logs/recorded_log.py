@@ -1,0 +1,316 @@
+"""The log of a robot made of a recording's messages: its sensors, each with its mount and poses, and its frames.
+
+Each sensor gets a trajectory from each source of poses: tf, odometry, a localiser's estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import MapperError, ReadError
+from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
+from mapper.io.logs.packing import notes_on_time
+from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
+from mapper.io.logs.selection import Selection
+from mapper.io.logs.sensor_scans import SensorScans
+from mapper.io.logs.stream import Stream
+from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
+from mapper.io.logs.transforms import Poses3
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import ScanLog, Topic
+from mapper.sensors.timed_poses import TimedPoses
+
+Int64Array = NDArray[np.int64]
+
+#: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
+AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
+
+#: Which sensor is mapped where none is named: the first of these types.
+PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
+_RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
+
+
+class RecordedLog:
+    """What was taken of the recording ``name``, of the format ``form``, as the log of a robot."""
+
+    def __init__(self, taken: Taken, name: str, form: str) -> None:
+        self._taken, self._name, self._form = taken, name, form
+        self._tf, self._limits = taken.tf, taken.limits
+        self._bad = [
+            f"{stream.bad} of {stream.count} on {stream.topic}" + (f" ({stream.why})" if stream.why else "")
+            for stream in taken.streams
+            if stream.bad
+        ]
+        #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
+        self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
+        self._timed: dict[tuple[str, ...], TimedPoses | None] = {}  #: poses with stamps of their own, by source
+
+    def robot_log(self, selection: Selection) -> RobotLog:
+        """Return the log with the sensors that are selected, the preferred one first.
+
+        Where all sensors are wanted, those of which no log can be made are left out, except the first. Raises
+        :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
+        """
+        chosen = self._chosen(selection)
+        log = self._scan_log(chosen[0], () if selection.topics else self._notes_on_others(chosen))
+        sensors = {chosen[0].topic: log}
+        left_out = []
+        for sensor in chosen[1:]:
+            try:
+                sensors[sensor.topic] = self._scan_log(sensor)
+            except MapperError as error:
+                if selection.topics is not None:
+                    raise
+                left_out.append(f"{sensor.topic} is left out: {error.message}")
+        if left_out:
+            sensors[chosen[0].topic] = replace(log, notes=(*log.notes, *left_out))
+        timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
+        return RobotLog(sensors, timed, self._tf.transforms())
+
+    def _chosen(self, selection: Selection) -> list[SensorScans]:
+        if not self._sensors:
+            raise self._without_scans(selection)
+        if selection.topics is None:
+            return self._sensors
+        if not selection.topics:
+            return self._sensors if self._sensors[0].kind == SONAR else self._sensors[:1]
+        known = {sensor.topic: sensor for sensor in self._sensors}
+        found = []
+        for topic in selection.topics:
+            name = next((name for name in known if name.lstrip("/") == topic.lstrip("/")), None)
+            if name is None:
+                raise self._without_topic(topic)
+            if known[name] not in found:
+                found.append(known[name])
+        return found
+
+    def _without_topic(self, topic: str) -> ReadError:
+        streams = (stream.topic for stream in self._taken.streams if stream.kind in PREFERENCE and stream.count)
+        known = dict.fromkeys([*(sensor.topic for sensor in self._sensors), *streams])
+        return ReadError("log.topic", f"The log has no scans on {topic!r:.80}; it has {listed(list(known))}.")
+
+    def _without_scans(self, selection: Selection) -> ReadError:
+        streams, notes = self._taken.streams, self._taken.notes
+        if selection.topics and any(
+            stream.kind in PREFERENCE and stream.count and not selection.wants(stream.topic) for stream in streams
+        ):
+            return self._without_topic(selection.topics[0])
+        held = "it holds no messages"
+        if self._bad:
+            held = f"messages that could not be read: {listed(self._bad)}"
+        elif streams:
+            held = f"it has {listed(sorted({stream.kind for stream in streams}))}"
+        damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
+        return ReadError(
+            "log.no_scans",
+            "The log holds no scans that can be read (sensor_msgs LaserScan, MultiEchoLaserScan, Range, PointCloud2, "
+            f"or Image with depths): {held}{damage}.",
+        )
+
+    def _notes_on_others(self, chosen: list[SensorScans]) -> tuple[str, ...]:
+        """Return a note on the sonars that make one map with the one that is chosen, and one on all other sensors."""
+        first = chosen[0]
+        mapped = [first.topic]
+        notes = []
+        if first.kind == SONAR:
+            mapped = [sensor.topic for sensor in self._sensors if sensor.kind == SONAR]
+        if len(mapped) > 1:
+            notes.append(f"{first.topic} is one of {len(mapped)} sonars, which make one map: {listed(mapped)}.")
+        others = [sensor.topic for sensor in self._sensors if sensor.topic not in mapped]
+        if others:
+            more = f"{len(others)} more sensors" if len(others) > 1 else "another sensor"
+            notes.append(f"Only {first.topic} is mapped; the log has {more} to choose: {listed(others)}.")
+        return tuple(notes)
+
+    def _scan_log(self, sensor: SensorScans, more_notes: Iterable[str] = ()) -> ScanLog:
+        notes = list(self._taken.notes)
+        if self._bad:
+            notes.append(f"Messages that could not be read: {listed(self._bad)}.")
+        notes += more_notes
+        ranges, more = sensor.packed(self._limits)
+        notes += more
+        angle_min, increment, range_min, range_max, _ = sensor.usual
+        ranges = ranges.copy() if not ranges.flags.writeable else ranges
+        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers say 0 instead
+        if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
+            notes.append("Of each beam's echoes the first is taken.")
+        stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
+        notes += notes_on_time(stamps)
+        chain = self._tf.ancestors(sensor.frame)
+        base = self._tf.base_of(chain, self._taken.children)
+        mount, upside_down, more = self._mount(chain[: base + 1], stamps, sensor)
+        notes += more
+        sources = list(self._pose_sources(chain[base:], sensor))
+        trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self._limits)
+        notes += more
+        return ScanLog(
+            ranges=ranges,
+            angle_min=angle_min,
+            angle_increment=increment,
+            range_min=max(0.0, range_min) if range_min < range_max else 0.0,
+            range_max=range_max,
+            stamps_ns=stamps,
+            trajectories=trajectories,
+            mount=mount,
+            upside_down=upside_down,
+            bearings=np.zeros(1) if sensor.beam_width > 0.0 else None,
+            beam_width=min(sensor.beam_width, np.pi / 2.0),
+            topic=sensor.topic,
+            frame_id=sensor.frame[:MAX_FRAME_NAME],
+            time_increment=sensor.time_increment,
+            scan_time=sensor.scan_time,
+            name=self._name,
+            format=f"{self._form}, {sensor.topic}",
+            topics=self._topics(sensor),
+            notes=tuple(notes),
+            odometry=odometry_among(sources, trajectories, stamps),
+            limits=self._limits,
+        )
+
+    def _mount(
+        self, chain: list[str], stamps: Int64Array, sensor: SensorScans
+    ) -> tuple[tuple[float, float, float], bool, list[str]]:
+        """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
+        notes = []
+        if sensor.frame in self._taken.unplaced:
+            notes.append(
+                f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
+                "heights are those in that frame."
+            )
+        if len(chain) == 1 and self._tf.frames:
+            notes.append(
+                f"tf does not say where the frame {chain[0]!r} sits on the robot; "
+                "the sensor is taken to be at its centre."
+            )
+        poses = self._tf.lookup(chain, stamps)
+        if sensor.kind == IMAGE and len(chain) > 1 and is_forward(poses.up):
+            poses = poses @ AHEAD_IN_OPTICAL
+        x, y, yaw = (float(v) for v in poses.planar[0])
+        if (np.abs(poses.positions - poses.positions[0]).max() > 0.01) or (np.abs(poses.up - poses.up[0]) > 0.01).any():
+            notes.append(f"The frame {chain[0]!r} moves on the robot; the place where it was first is taken.")
+        if sensor.kind == CLOUD:
+            return self._taken.placements[sensor.frame].mount, False, notes
+        up = float(poses.up[0])
+        if abs(up) < 0.9:
+            notes.append(
+                f"The sensor is tilted by {np.degrees(np.arccos(abs(up))):.0f}°; the map takes it to be level."
+            )
+        return (x, y, yaw), up < 0.0, notes
+
+    def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
+        """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""
+        base = chain[0][:MAX_FRAME_NAME]
+        taken = self._taken
+        for world in self._tf.worlds(chain):
+            path = chain[: chain.index(world) + 1]
+            yield PoseSource(
+                name=f"tf/{world}",
+                frame_id=world[:MAX_FRAME_NAME],
+                child_frame_id=base,
+                sentence=f"tf from {world} to {chain[0]}, at the time of each scan",
+                at=partial(self._tf.lookup, path),
+                covers=partial(self._tf.covers, path),
+                timed=partial(self._timed_of_path, path),
+                ahead_ns=taken.tf_clock.ahead_of(sensor.clock),
+                is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
+            )
+        if base == sensor.frame[:MAX_FRAME_NAME] and base not in taken.children:
+            # tf does not name the base: an odometry message may.
+            base = min(taken.children, default="base_link")
+        for topic in sorted(taken.poses, key=lambda topic: taken.poses[topic].kind != ODOMETRY):
+            known = taken.poses[topic]
+            if not len(known.timeline):
+                continue
+            yield PoseSource(
+                name=topic.lstrip("/"),
+                frame_id=known.frame or ("odom" if known.kind == ODOMETRY else "map"),
+                child_frame_id=known.child or base,
+                sentence=f"the {known.kind.split('/')[-1]} messages on {topic}, at the time of each scan",
+                at=known.timeline.at,
+                covers=known.timeline.covers,
+                timed=partial(self._timed_of_topic, topic),
+                ahead_ns=known.clock.ahead_of(sensor.clock),
+                is_odometry=known.kind == ODOMETRY,
+            )
+
+    def _timed_of_path(self, path: list[str]) -> TimedPoses | None:
+        """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
+        key = tuple(path)
+        if key not in self._timed:
+            stamps = self._tf.stamps(path)
+            stamps = stamps[self._tf.covers(path, stamps)]
+            self._timed[key] = self._timed_poses(stamps, self._tf.lookup(path, stamps).planar) if len(stamps) else None
+        return self._timed[key]
+
+    def _timed_of_topic(self, topic: str) -> TimedPoses | None:
+        key = ("", topic)
+        if key not in self._timed:
+            timeline = self._taken.poses[topic].timeline
+            stamps, poses = timeline.stated
+            self._timed[key] = self._timed_poses(stamps, poses.planar)
+        return self._timed[key]
+
+    def _timed_poses(self, stamps: Int64Array, poses: NDArray[np.float64]) -> TimedPoses | None:
+        """Return poses with stamps; None where they are absurdly far away."""
+        if np.abs(poses[:, :2]).max() > self._limits.max_pose:
+            return None
+        return TimedPoses(stamps, poses)
+
+    def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
+        sensors = [self._described(sensor, sensor is chosen) for sensor in self._taken.sensors.values()]
+        rest: dict[tuple[str, str], Topic] = {}
+        for stream in self._taken.streams:
+            if stream.topic not in self._taken.sensors:
+                key = (stream.topic, stream.kind)
+                known = rest.get(key, Topic(*key, 0))
+                rest[key] = _extended(replace(known, count=known.count + stream.count), stream)
+        return (*sorted(sensors, key=lambda one: -one.count), *(rest[key] for key in sorted(rest)))
+
+    def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
+        _, increment, _, _, n = sensor.usual
+        stamps = np.sort(np.frombuffer(sensor.stamps, dtype=np.int64))
+        step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+        chain = self._tf.ancestors(sensor.frame)
+        base = self._tf.base_of(chain, self._taken.children)
+        mount = None
+        if base > 0:
+            x, y, yaw = (float(v) for v in self._tf.lookup(chain[: base + 1], stamps[:1]).planar[0])
+            mount = (x, y, yaw)
+        width = sensor.beam_width if n == 1 else abs(increment) * (n - 1)
+        topic = Topic(
+            sensor.topic,
+            sensor.kind,
+            sensor.n_scans,
+            frame=sensor.frame,
+            beams=n,
+            field_of_view_deg=float(np.degrees(width)),
+            rate_hz=1e9 / step if step > 0.0 else None,
+            mount=mount,
+            chosen=chosen,
+        )
+        if sensor.n_scans + sensor.stream.bad < sensor.stream.count:  # several sensors share the stream
+            return topic
+        return _extended(topic, sensor.stream)
+
+
+def _extended(topic: Topic, stream: Stream) -> Topic:
+    """Return a topic with the times and the size of a stream's messages as well."""
+    first = [stamp for stamp in (topic.first_stamp_ns, stream.first_stamp_ns) if stamp is not None]
+    last = [stamp for stamp in (topic.last_stamp_ns, stream.last_stamp_ns) if stamp is not None]
+    return replace(
+        topic,
+        first_stamp_ns=min(first, default=None),
+        last_stamp_ns=max(last, default=None),
+        bytes=(topic.bytes or 0) + stream.bytes,
+    )
+
+
+def listed(names: list[str], most: int = 6) -> str:
+    """Return the first of ``names`` with commas between them."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(name[:200] for name in names[:most]) + more

@@ -1,0 +1,47 @@
+"""What was taken of a recording: the messages that a log is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from mapper.core.limits import Limits
+from mapper.io.logs.clocks import Clock
+from mapper.io.logs.sensor_scans import SensorScans
+from mapper.io.logs.stream import Stream
+from mapper.io.logs.transforms import FrameTree, Timeline
+from mapper.sensors.planar.cloud import Placement
+
+MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
+SONAR = "sensor_msgs/Range"
+ODOMETRY = "nav_msgs/Odometry"
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTopic:
+    """The poses of one topic, ``T_frame_child`` with the frames of its first message."""
+
+    kind: str
+    frame: str
+    child: str
+    timeline: Timeline
+    clock: Clock
+
+
+@dataclass(slots=True)
+class Taken:
+    """What was taken so far; ``children`` are frames of which odometry messages state the poses.
+
+    ``placements`` say where on the robot the frames of clouds were when these were cut; of the frames ``unplaced`` it
+    was not known.
+    """
+
+    limits: Limits
+    tf: FrameTree
+    notes: list[str]
+    streams: list[Stream] = field(default_factory=list)
+    sensors: dict[str, SensorScans] = field(default_factory=dict)
+    poses: dict[str, PoseTopic] = field(default_factory=dict)
+    children: set[str] = field(default_factory=set)
+    tf_clock: Clock = field(default_factory=Clock)
+    placements: dict[str, Placement] = field(default_factory=dict)
+    unplaced: set[str] = field(default_factory=set)

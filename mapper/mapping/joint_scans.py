@@ -1,0 +1,194 @@
+"""The scans of several sensors in the order of their times, in few batches.
+
+Scans of sensors whose beams are alike, of beams that are deskewed, and of thin beams are rows of one batch, so that a
+map of two sensors takes twice the time of one; otherwise a batch ends where another sensor's scan comes. The map is
+that of the scans one after another, bit for bit, in any case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.prepare_scans import bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
+from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.sensors.joint_log import JointLog, scan_order
+from mapper.sensors.scan import ScanLog
+
+Int64Array = NDArray[np.int64]
+
+_READINGS = 1 << 18  # in one batch
+
+
+@dataclass(frozen=True, slots=True)
+class SensorOrder:
+    """Scans of several sensors in one order: see :func:`mapper.sensors.joint_log.scan_order`."""
+
+    logs: Sequence[ScanLog]
+    part_of_scan: Int64Array
+    scan_of_part: Int64Array
+
+    @classmethod
+    def of(cls, log: JointLog) -> SensorOrder:
+        """Return the order of the scans of a log."""
+        return cls(log.parts, log.part_of_scan, log.scan_of_part)
+
+    @classmethod
+    def of_logs(cls, logs: Sequence[ScanLog]) -> SensorOrder:
+        """Return the order of the scans of several logs."""
+        return cls(logs, *scan_order(logs))
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedBatch:
+    """Some scans as the updates take them, by the plan of their sensors.
+
+    The reading in row r and column c of the batch is the beam ``beams[r]`` + c of the scan ``scans[r]``.
+    """
+
+    batch: ScanBatch
+    plan: UpdatePlan
+    scans: Int64Array
+    beams: Int64Array
+
+    def named(self, readings: Int64Array, n_beams: int) -> Int64Array:
+        """Return the numbers scan · ``n_beams`` + beam of ``readings`` (n,), numbered row after row."""
+        rows, cols = np.divmod(readings, max(1, self.batch.ranges.shape[1]))
+        return np.asarray(self.scans[rows] * n_beams + self.beams[rows] + cols)
+
+
+def planned_batches(
+    order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
+) -> Iterator[PlannedBatch]:
+    """Yield the scans [start, stop) in parts that bound the memory, at least one part."""
+    logs = order.logs
+    plans = [plan_update(config, log.range_min, log.range_max) for log in logs]
+    is_swept = [is_deskewed(log, plan, trajectory) for log, plan in zip(logs, plans, strict=True)]
+    step = max(1, _READINGS // max(1, *(log.n_beams for log in logs)))
+    edges = [*range(start, stop, step), stop] if start < stop else [start, stop]
+    if not _share_batches(logs, plans, is_swept):
+        changes = np.flatnonzero(np.diff(order.part_of_scan[start:stop])) + start + 1
+        edges = np.unique([*edges, *changes.tolist()]).tolist() if start < stop else edges
+    for first, last in pairwise(edges):
+        yield _joined(order, plans, is_swept, trajectory, first, last)
+
+
+def _share_batches(logs: Sequence[ScanLog], plans: Sequence[UpdatePlan], is_swept: Sequence[bool]) -> bool:
+    """Return whether scans of all sensors may be rows of one batch."""
+    if len({plan.reading_filter.range_max for plan in plans}) > 1 and plans[0].reading_filter.no_return_free:
+        return False  # no return is free up to each sensor's own range
+    if all(is_swept):
+        return True
+    if any(is_swept):
+        return False
+    if all(_alike(logs[0], log) for log in logs):
+        return True
+    return not (plans[0].sees_fields or plans[0].strategy.statistics == "certainties")
+
+
+def _alike(a: ScanLog, b: ScanLog) -> bool:
+    return a.n_beams == b.n_beams and np.array_equal(a.fields(), b.fields()) and np.array_equal(a.angles, b.angles)
+
+
+def _joined(
+    order: SensorOrder,
+    plans: Sequence[UpdatePlan],
+    is_swept: Sequence[bool],
+    trajectory: str | None,
+    start: int,
+    stop: int,
+) -> PlannedBatch:
+    """Return the scans [start, stop) as one batch."""
+    parts: list[PlannedBatch] = []
+    for number in np.unique(order.part_of_scan[start:stop]).tolist() or [0]:
+        log, plan = order.logs[number], plans[number]
+        scans = start + np.flatnonzero(order.part_of_scan[start:stop] == number)
+        first = int(order.scan_of_part[scans[0]]) if len(scans) else 0
+        (batch,) = _whole(log, plan, trajectory, first, first + len(scans))
+        parts.append(_of_one(batch, plan, scans, log.n_beams if is_swept[number] else 1))
+    return parts[0] if len(parts) == 1 else _interleaved(parts)
+
+
+def _whole(log: ScanLog, plan: UpdatePlan, trajectory: str | None, first: int, last: int) -> tuple[ScanBatch]:
+    """Return scans of one sensor, which follow one another there, as one batch."""
+    batches = list(scan_batches_of_log(log, plan, trajectory, first, last))
+    if len(batches) == 1:
+        return (batches[0],)
+    ranges = np.concatenate([batch.ranges for batch in batches])
+    return (replace(batches[0], ranges=ranges, sensor_poses=np.concatenate([one.sensor_poses for one in batches])),)
+
+
+def _of_one(batch: ScanBatch, plan: UpdatePlan, scans: Int64Array, rows_per_scan: int) -> PlannedBatch:
+    return PlannedBatch(batch, plan, np.repeat(scans, rows_per_scan), np.tile(np.arange(rows_per_scan), len(scans)))
+
+
+def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
+    """Return the rows of several sensors as those of one batch, in the order of their scans.
+
+    Where the beams differ, each sensor's have columns of their own.
+    """
+    batches = [part.batch for part in parts]
+    first = batches[0]
+    same = all(np.array_equal(first.angles, one.angles) and np.array_equal(first.fields, one.fields) for one in batches)
+    columns = [0] * len(batches) if same else np.cumsum([0, *(one.ranges.shape[1] for one in batches)])[:-1].tolist()
+    width = max(at + one.ranges.shape[1] for at, one in zip(columns, batches, strict=True))
+    # A stable sort keeps the beams of a deskewed scan in their order.
+    order = np.argsort(np.concatenate([part.scans for part in parts]), kind="stable")
+    ranges = np.full((len(order), width), np.nan, dtype=np.float32)
+    row = 0
+    for at, part in zip(columns, parts, strict=True):
+        own = _measured(part)
+        ranges[row : row + len(own), at : at + own.shape[1]] = own
+        row += len(own)
+    limits = [part.plan.reading_filter for part in parts]
+    least, greatest = min(one.range_min for one in limits), max(one.range_max for one in limits)
+    reading_filter = limits[0]._replace(range_min=least, range_max=greatest)
+    batch = ScanBatch(
+        ranges[order],
+        np.concatenate([one.sensor_poses for one in batches])[order],
+        first.angles if same else np.concatenate([one.angles for one in batches]),
+        first.fields if same else np.concatenate([one.fields for one in batches]),
+        least,
+        greatest,
+    )
+    beams = np.concatenate([part.beams - at for at, part in zip(columns, parts, strict=True)])
+    scans = np.concatenate([part.scans for part in parts])
+    return PlannedBatch(batch, replace(parts[0].plan, reading_filter=reading_filter), scans[order], beams[order])
+
+
+def _measured(part: PlannedBatch) -> NDArray[np.float32]:
+    """Return the ranges, NaN where a reading counts for nothing by the limits of its own sensor."""
+    ranges, limits = part.batch.ranges, part.plan.reading_filter
+    metres = ranges.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        nothing = metres < limits.range_min
+        if not limits.no_return_free:
+            nothing |= metres > limits.range_max
+    return np.where(nothing, np.float32(np.nan), ranges)
+
+
+def sensor_poses_of(
+    log: ScanLog, config: MappingConfig, trajectory: str | None, scans: Int64Array, beams: Int64Array
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return ``T_map_laser`` (n, 3) and the bearing (n,), radians, of readings: ``beams`` (n,) of ``scans`` (n,).
+
+    The poses are those of :func:`mapper.mapping.prepare_scans.sensor_poses_of_readings`, in each sensor's own log.
+    """
+    if not isinstance(log, JointLog):
+        plan = plan_update(config, log.range_min, log.range_max)
+        return sensor_poses_of_readings(log, plan, trajectory, scans, beams), bearings(log, plan)[beams]
+    order = SensorOrder.of(log)
+    poses, angles = np.empty((len(scans), 3)), np.empty(len(scans))
+    numbers = order.part_of_scan[scans]
+    for number in np.unique(numbers).tolist():
+        own, part = numbers == number, order.logs[number]
+        plan = plan_update(config, part.range_min, part.range_max)
+        poses[own] = sensor_poses_of_readings(part, plan, trajectory, order.scan_of_part[scans[own]], beams[own])
+        angles[own] = bearings(part, plan)[beams[own]]
+    return poses, angles

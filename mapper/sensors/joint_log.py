@@ -1,0 +1,143 @@
+"""The scans of several sensors of one robot in the order of their times, as one log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
+
+Int64Array = NDArray[np.int64]
+
+
+def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
+    """Return for all scans of the logs, in the order of their stamps, which log each is of and its index there, (n,).
+
+    Within a log the order is the file's, also where the time runs backwards; of equal stamps the first log's is first.
+    """
+    stamps = [np.maximum.accumulate(log.stamps_ns) for log in logs]
+    numbers = np.repeat(np.arange(len(logs)), [log.n_scans for log in logs])
+    indices = np.concatenate([np.arange(log.n_scans) for log in logs])
+    order = np.argsort(np.concatenate(stamps), kind="stable")
+    return numbers[order], indices[order]
+
+
+@dataclass(frozen=True, slots=True)
+class JointLog(ScanLog):
+    """One log of several planar sensors, whose scans follow one another in the order of their stamps.
+
+    ``parts`` are the sensors' own logs; scan t is the scan ``scan_of_part[t]`` of the part ``part_of_scan[t]``, both
+    (n_scans,) int64. ``ranges`` (n_scans, n_beams) has as many columns as the sensor with most beams, NaN in those that
+    a scan's own sensor lacks. Trajectories are those that all parts have, in one frame. What else a log says of its
+    sensor — mount, bearings, times between beams — is the first part's here, and each part's own there.
+    """
+
+    parts: tuple[ScanLog, ...] = ()
+    part_of_scan: Int64Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    scan_of_part: Int64Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        # Without arguments super() does not work in a class with slots.
+        ScanLog.__post_init__(self)
+        # A trajectory that was added to this log is one of each part as well.
+        parts = []
+        for number, part in enumerate(self.parts):
+            own = self.part_of_scan == number
+            added = {
+                name: replace(one, poses=one.poses[own])
+                for name, one in self.trajectories.items()
+                if name not in part.trajectories
+            }
+            parts.append(replace(part, trajectories={**part.trajectories, **added}) if added else part)
+        object.__setattr__(self, "parts", tuple(parts))
+
+    @classmethod
+    def of(cls, logs: Sequence[ScanLog]) -> JointLog:
+        """Return the log of these sensors, each with a topic of its own.
+
+        Raises :class:`ConfigError` for sonars together with lidars, and where no trajectory is that of all sensors.
+        """
+        if len({log.beam_width > 0.0 for log in logs}) > 1:
+            raise ConfigError(
+                "log.sensors", "Sonars and lidars need different models: map each by itself, and merge the maps."
+            )
+        first = logs[0]
+        part_of_scan, scan_of_part = scan_order(logs)
+        ranges = np.full((len(part_of_scan), max(log.n_beams for log in logs)), np.nan, dtype=np.float32)
+        stamps = np.empty(len(part_of_scan), dtype=np.int64)
+        for number, log in enumerate(logs):
+            own = part_of_scan == number
+            ranges[own, : log.n_beams] = log.ranges
+            stamps[own] = log.stamps_ns
+        trajectories = {
+            name: _joined([log.trajectories[name] for log in logs], part_of_scan)
+            for name in first.trajectories
+            if _is_common(name, logs)
+        }
+        if not trajectories:
+            raise ConfigError(
+                "log.frames", "These sensors have no trajectory of one name, in one frame: map each by itself."
+            )
+        bearings = first.bearings
+        if bearings is not None:
+            bearings = np.pad(bearings, (0, ranges.shape[1] - len(bearings)))
+        notes = dict.fromkeys(note for log in logs for note in log.notes)
+        return cls(
+            **{name: getattr(first, name) for name in ScanLog.__dataclass_fields__}
+            | {
+                "ranges": ranges,
+                "stamps_ns": stamps,
+                "trajectories": trajectories,
+                "bearings": bearings,
+                "range_min": min(log.range_min for log in logs),
+                "range_max": max(log.range_max for log in logs),
+                "topic": " + ".join(log.topic for log in logs),
+                "notes": tuple(notes),
+                "odometry": None,
+            },
+            parts=tuple(logs),
+            part_of_scan=part_of_scan,
+            scan_of_part=scan_of_part,
+        )
+
+    def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> ScanLog:
+        """Return the log of some of the scans, in their order here."""
+        chosen = np.zeros(self.n_scans, dtype=np.bool_)
+        chosen[scans] = True
+        return JointLog.of(
+            [
+                part.take(np.sort(self.scan_of_part[chosen & (self.part_of_scan == k)]))
+                for k, part in enumerate(self.parts)
+            ]
+        )
+
+    def scan(self, index: int) -> RangeScan:
+        """Return scan ``index``, as its sensor's log does."""
+        part = self.parts[int(self.part_of_scan[index])]
+        return part.scan(int(self.scan_of_part[index]))
+
+    def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
+        """Return ``T_map_laser`` of every scan (n_scans, 3), each of its own sensor."""
+        poses = np.empty((self.n_scans, 3))
+        for number, part in enumerate(self.parts):
+            poses[self.part_of_scan == number] = part.sensor_poses(trajectory)
+        return poses
+
+
+def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:
+    """Return whether all logs have a trajectory of this name, in one frame; a placeholder's frame says nothing."""
+    ways = [log.trajectories.get(name) for log in logs]
+    known = [way for way in ways if way is not None]
+    frames = {way.frame_id for way in known if not way.is_placeholder}
+    return len(known) == len(ways) and len(frames) < 2
+
+
+def _joined(ways: Sequence[Trajectory], part_of_scan: Int64Array) -> Trajectory:
+    poses = np.empty((len(part_of_scan), 3))
+    for number, way in enumerate(ways):
+        poses[part_of_scan == number] = way.poses
+    return replace(ways[0], poses=poses)

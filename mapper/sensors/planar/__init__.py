@@ -1,0 +1,1 @@
+"""Planar scans cut out of point clouds and depth images."""

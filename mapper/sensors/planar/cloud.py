@@ -1,0 +1,69 @@
+"""A planar scan out of a point cloud: the nearest point of a height band in each direction.
+
+Source: the ROS package pointcloud_to_laserscan. It differs in two ways. Ranges are measured from where the sensor is,
+seen from above, not from the target frame's origin, since that is where its rays begin; and a direction in which the
+cloud has no point at all says nothing (NaN), where that package says "no return" (+Inf).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.sensors.planar.options import PlanarCut
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where a cloud's frame is in the robot's base frame: ``rotation`` (3, 3), ``translation`` (3,) metres."""
+
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+    @property
+    def mount(self) -> tuple[float, float, float]:
+        """``T_base_scan`` (m, m, rad) of the scans that are cut: at the sensor's place, along the base's axes."""
+        return (float(self.translation[0]), float(self.translation[1]), 0.0)
+
+
+NOT_PLACED = Placement(np.eye(3), np.zeros(3))
+
+
+def empty_scan(cut: PlanarCut) -> NDArray[np.float32]:
+    """Return the ranges (n_beams,) of a scan that no point has been added to: NaN."""
+    return np.full(cut.n_beams, np.nan, dtype=np.float32)
+
+
+def first_beam(cut: PlanarCut) -> float:
+    """Return the bearing of the first beam, radians: the middle of the sector whose points it stands for."""
+    return cut.angle_min + 0.5 * cut.angle_increment
+
+
+def add_points(points: NDArray[np.float64], placement: Placement, cut: PlanarCut, ranges: NDArray[np.float32]) -> None:
+    """Add points (n, 3) of a cloud, metres in its frame, to the ``ranges`` (n_beams,) of its scan.
+
+    Each beam gets the distance, seen from above, of the nearest point of its sector whose height in the base frame and
+    whose distance are within the cut's; +Inf where its sector has other points only. Points that are not finite are
+    left out.
+    """
+    (rx, ry, rz), t = placement.rotation, placement.translation
+    px, py, pz = points.T
+    least, greatest = cut.cloud_range
+    with np.errstate(invalid="ignore", over="ignore"):
+        x = rx[0] * px + rx[1] * py + rx[2] * pz
+        y = ry[0] * px + ry[1] * py + ry[2] * pz
+        height = rz[0] * px + rz[1] * py + rz[2] * pz + t[2]
+        distance = np.sqrt(x * x + y * y)
+        bearing = np.arctan2(y, x)
+        seen = np.isfinite(x) & np.isfinite(y) & np.isfinite(height)
+        seen &= (bearing >= cut.angle_min) & (bearing <= cut.angle_max)
+        counts = seen & (height >= cut.min_height) & (height <= cut.max_height)
+        counts &= (distance >= least) & (distance <= greatest)
+        nearest = distance[counts].astype(np.float32)
+    beam = np.zeros(len(points), dtype=np.int64)
+    beam[seen] = np.minimum((bearing[seen] - cut.angle_min) / cut.angle_increment, cut.n_beams - 1)
+    sectors = beam[seen]
+    ranges[sectors[np.isnan(ranges[sectors])]] = np.inf
+    np.minimum.at(ranges, beam[counts], nearest)

@@ -1,0 +1,91 @@
+"""How planar scans are cut out of point clouds and depth images.
+
+Names and first values are those of the ROS packages pointcloud_to_laserscan and depthimage_to_laserscan; heights that
+are not limited there have a limit of :data:`HIGHEST` here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter
+
+HIGHEST = 1000.0  #: metres
+
+
+def _number(name: str, label: str, initial: float, bounds: tuple[float, float], unit: str, sentence: str) -> Parameter:
+    return Parameter(name, label, "cut", "number", initial, sentence, unit, *bounds)
+
+
+_HEIGHTS, _BEARINGS = (-HIGHEST, HIGHEST), (-math.pi, math.pi)
+
+PARAMETERS: tuple[Parameter, ...] = (
+    _number(
+        "min_height", "Lowest height", 0.0, _HEIGHTS, "m",
+        "Of a point cloud, points lower than this above the robot's base frame are left out.",
+    ),
+    _number(
+        "max_height", "Greatest height", HIGHEST, _HEIGHTS, "m",
+        "Of a point cloud, points higher than this above the robot's base frame are left out.",
+    ),
+    _number(
+        "angle_min", "First bearing", -math.pi, _BEARINGS, "rad",
+        "Where the scan that is cut out of a point cloud begins, counter-clockwise from straight ahead.",
+    ),
+    _number(
+        "angle_max", "Last bearing", math.pi, _BEARINGS, "rad",
+        "Where the scan that is cut out of a point cloud ends.",
+    ),
+    _number(
+        "angle_increment", "Angle between beams", math.pi / 180.0, (1e-3, math.pi / 2.0), "rad",
+        "The angle between two beams of a scan that is cut out of a point cloud.",
+    ),
+    _number(
+        "scan_height", "Rows of the image", 1.0, (1.0, 10_000.0), "pixels",
+        "How many rows of a depth image, around its optical centre, a scan is cut out of.",
+    ),
+)  # fmt: skip
+BY_NAME = {row.name: row for row in PARAMETERS}
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarCut:
+    """One value for each row of :data:`PARAMETERS`, metres, radians and pixels.
+
+    ``cloud_range`` and ``depth_range`` (least, greatest) metres are the readings that count. ``output_frame`` is the
+    frame, x ahead, that a scan of a depth image is stated in; empty: the image's own. Raises :class:`ConfigError` for
+    values outside the table's bounds, and for a band or a sector that is empty.
+    """
+
+    min_height: float = 0.0
+    max_height: float = HIGHEST
+    angle_min: float = -math.pi
+    angle_max: float = math.pi
+    angle_increment: float = math.pi / 180.0
+    scan_height: float = 1.0
+    cloud_range: tuple[float, float] = (0.0, math.inf)
+    depth_range: tuple[float, float] = (0.45, 10.0)
+    output_frame: str = ""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if field.name in BY_NAME:
+                object.__setattr__(self, field.name, BY_NAME[field.name].check(getattr(self, field.name)))
+        if not self.min_height < self.max_height:
+            raise ConfigError(
+                "cut.heights",
+                f"The least height must be below the greatest, not {self.min_height:g} and {self.max_height:g} m.",
+            )
+        if not self.angle_max - self.angle_min >= self.angle_increment:
+            raise ConfigError(
+                "cut.angles",
+                f"Between {self.angle_min:g} and {self.angle_max:g} rad there is no beam with an angle_increment of "
+                f"{self.angle_increment:g} rad.",
+            )
+
+    @property
+    def n_beams(self) -> int:
+        """Beams of a scan that is cut out of a cloud."""
+        return math.ceil((self.angle_max - self.angle_min) / self.angle_increment)

@@ -1,0 +1,87 @@
+"""What a recording holds of one robot: its planar sensors, its trajectories, the tree of its frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from mapper.core.errors import ConfigError
+from mapper.sensors.scan import ScanLog, Topic
+from mapper.sensors.timed_poses import TimedPoses
+
+
+@dataclass(frozen=True, slots=True)
+class TransformEdge:
+    """What a log states of where the frame ``child`` is in ``parent``, over time.
+
+    ``is_static`` says that it was stated as never changing (tf_static), ``moves`` that it was stated differently at
+    different times. ``first_stamp_ns`` and ``last_stamp_ns`` are the earliest and the latest time that it was stated
+    for, ``count`` how often.
+    """
+
+    parent: str
+    child: str
+    is_static: bool
+    moves: bool
+    count: int
+    first_stamp_ns: int
+    last_stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLog:
+    """A log of one robot: streams, trajectories and transforms.
+
+    ``sensors`` has the planar range sensors that were asked for, by topic, each with its mount and with the poses at
+    its stamps; the first is the one to map where nothing else is said. ``trajectories`` has the robot's poses by name,
+    as their sources state them: at their own rates, with their own stamps. ``transforms`` is the tree of frames as it
+    was read, ``topics`` all that the file holds. Raises :class:`ConfigError` for a log without a sensor.
+    """
+
+    sensors: Mapping[str, ScanLog]
+    trajectories: Mapping[str, TimedPoses] = field(default_factory=dict)
+    transforms: tuple[TransformEdge, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.sensors:
+            raise ConfigError("log.no_scans", "A robot's log needs at least one range sensor.")
+
+    @staticmethod
+    def of_one(log: ScanLog) -> RobotLog:
+        """Return the log of a robot with one sensor."""
+        timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
+        if log.odometry is not None:
+            timed.setdefault("odometry", log.odometry.messages)
+        return RobotLog({log.topic: log}, timed)
+
+    @property
+    def first(self) -> ScanLog:
+        """The sensor to map where none is named."""
+        return next(iter(self.sensors.values()))
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """All that the file holds, the sensors first; empty for formats of one stream."""
+        return self.first.topics
+
+    @property
+    def default_sensors(self) -> tuple[str, ...]:
+        """The sensors that make one map where none is named: the first, and if it is a sonar, all sonars."""
+        if self.first.beam_width == 0.0:
+            return (next(iter(self.sensors)),)
+        return tuple(name for name, one in self.sensors.items() if one.beam_width > 0.0)
+
+    def scan_log(self, topic: str | None = None) -> ScanLog:
+        """Return one planar sensor (None: the first). Raises :class:`ConfigError` for one that the log lacks."""
+        if topic is None:
+            return self.first
+        found = next((one for name, one in self.sensors.items() if name.lstrip("/") == topic.lstrip("/")), None)
+        if found is None:
+            known = ", ".join(name[:200] for name in list(self.sensors)[:6])
+            raise ConfigError("log.topic", f"The log has no scans on {topic!r:.80}; it has {known}.")
+        return found
+
+    def scan_logs(self, topics: Sequence[str] | None = None) -> tuple[ScanLog, ...]:
+        """Return several sensors (None: :attr:`default_sensors`), each once. Raises as :meth:`scan_log`."""
+        names = self.default_sensors if topics is None else tuple(dict.fromkeys(topics))
+        return tuple(self.scan_log(name) for name in names)

@@ -1,0 +1,211 @@
+"""``/api/sessions/{id}/contents``: what the recording of a session's log holds besides the scans of its map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import APIRouter, Query
+from fastapi.responses import JSONResponse, Response
+from pydantic import FiniteFloat
+
+from mapper.core.errors import MapperError
+from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.frame_graph import chain_of, faults, parents_of
+from mapper.io.contents.model import Contents, Series, TopicContents
+from mapper.sensors.scan import ScanLog
+from server.http.guests import GuestRight, guests_may
+from server.http.services import Logs, Sessions, Visitor
+from server.library import Library
+from server.sessions import SessionRegistry
+from server.sessions.parts import Recording
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
+
+
+class NotInspectedError(MapperError):
+    """What the recording holds is still being found out."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    recording: Recording
+    contents: Contents
+
+    @property
+    def origin_ns(self) -> int:
+        """The time that is 0 s on the page's time line."""
+        return _origin_ns(self.recording.log)
+
+    def seconds(self, stamp_ns: int) -> float:
+        return round((stamp_ns - self.origin_ns) * 1e-9, 6)
+
+
+def _origin_ns(log: ScanLog) -> int:
+    return int(log.stamps_ns.min()) if log.n_scans else 0
+
+
+def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
+    recording = sessions.get(session_id).model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "Only the recording of a log can be looked into, not a live world.")
+    return recording
+
+
+async def _looked_into(
+    sessions: SessionRegistry, library: Library, visitor: str, session_id: str
+) -> tuple[Recording, Contents | float]:
+    session = sessions.get(session_id)
+    recording = _recording(sessions, session_id)
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    return recording, await library.contents(owner, recording.log_id, visitor)
+
+
+async def _held(sessions: SessionRegistry, library: Library, visitor: str, session_id: str) -> _Held:
+    recording, contents = await _looked_into(sessions, library, visitor, session_id)
+    if isinstance(contents, float):
+        message = "What the recording holds is still being found out; /contents says how far that is."
+        raise NotInspectedError("contents.not_yet", message)
+    return _Held(recording, contents)
+
+
+@router.get("/{session_id}/contents")
+@guests_may(GuestRight.LINKED_SESSION)
+async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> Response:
+    """Return every topic of the recording, and which of them can be plotted.
+
+    The first request has it found out, which may take as long as reading the log did: until then the answer is 202
+    with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds: of topics since the recording
+    began, of all else since the log's first scan.
+    """
+    recording, found = await _looked_into(sessions, library, visitor, session_id)
+    if isinstance(found, float):
+        return JSONResponse({"state": "reading", "progress": round(found, 3)}, status_code=202)
+    began_ns = min((topic.first_ns for topic in found.topics if topic.first_ns), default=0)
+    sensors = {topic.name: topic.chosen for topic in recording.log.topics if topic.beams is not None}
+    return JSONResponse(
+        {
+            "state": "ready",
+            "topics": [_topic(topic, began_ns, sensors.get(topic.name)) for topic in found.topics],
+            "series": [
+                {
+                    "topic": one.topic,
+                    "type": one.type,
+                    "samples": len(one.stamps_ns),
+                    "plots": list(dict.fromkeys(column.plot for column in one.columns)),
+                }
+                for one in found.series
+            ],
+            "frames": len({name for edge in found.edges for name in (edge.parent, edge.child)}),
+            "notes": list(found.notes),
+        }
+    )
+
+
+def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> dict[str, Any]:
+    has_times = topic.first_ns > 0
+    return {
+        "name": topic.name,
+        "type": topic.type,
+        "messages": topic.messages,
+        "bytes": topic.bytes,
+        "rate_hz": topic.rate_hz,
+        "first_s": (topic.first_ns - began_ns) * 1e-9 if has_times else None,
+        "last_s": (topic.last_ns - began_ns) * 1e-9 if has_times else None,
+        # Whether the map is made of it: null for a topic of which no map can be made.
+        "mapped": is_chosen,
+    }
+
+
+@router.get("/{session_id}/contents/series")
+@guests_may(GuestRight.LINKED_SESSION)
+async def series(
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    session_id: str,
+    topic: Annotated[str, Query(max_length=400)],
+    start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
+    end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
+    buckets: Annotated[int, Query(ge=1, le=4000)] = 800,
+) -> dict[str, Any]:
+    """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
+    held = await _held(sessions, library, visitor, session_id)
+    one = next((one for one in held.contents.series if one.topic == topic), None)
+    if one is None:
+        raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
+    stamps, values = min_max(*_between(one, held.origin_ns, start, end), buckets)
+    return {
+        "topic": one.topic,
+        "type": one.type,
+        "times": ((stamps - held.origin_ns) * 1e-9).round(6).tolist(),
+        "columns": [
+            {
+                "label": column.label,
+                "unit": column.unit,
+                "plot": column.plot,
+                "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
+            }
+            for n, column in enumerate(one.columns)
+        ],
+    }
+
+
+def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
+    """Return the samples from ``start`` to ``end``, and one more at either end, so that lines reach the edge."""
+    low, high = 0, len(one.stamps_ns)
+    if start is not None:
+        low = max(0, int(np.searchsorted(one.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
+    if end is not None:
+        high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
+    return one.stamps_ns[low:high], one.values[low:high]
+
+
+@router.get("/{session_id}/contents/frames")
+@guests_may(GuestRight.LINKED_SESSION)
+async def frames(
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    session_id: str,
+    at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
+    fixed: Annotated[str | None, Query(max_length=200, description="The frame to which all should lead.")] = None,
+) -> dict[str, Any]:
+    """Return the transforms of the recording: the age of each at a moment, and what is missing between frames.
+
+    The fixed frame is that of the session's trajectory unless ``fixed`` names another one; where the recording's
+    transforms do not have that frame, it is the root above the sensor's.
+    """
+    held = await _held(sessions, library, visitor, session_id)
+    log, edges = held.recording.log, held.contents.edges
+    at_ns = held.origin_ns + round(at * 1e9)
+    names = sorted({name for edge in edges for name in (edge.parent, edge.child)})
+    parents = parents_of(edges)
+    if fixed is None:
+        fixed = log.trajectories[held.recording.trajectory].frame_id
+        fixed = fixed if fixed in names else chain_of(parents, log.frame_id)[-1]
+    elif fixed not in names:
+        raise MapperError("contents.no_frame", f"The recording's transforms have no frame {fixed!r:.200}.")
+    return {
+        "at": at,
+        "fixed": fixed,
+        "sensor": log.frame_id,
+        "frames": names,
+        "edges": [
+            {
+                "parent": edge.parent,
+                "child": edge.child,
+                "static": edge.is_static,
+                "count": len(edge.stamps_ns),
+                "rate_hz": edge.rate_hz,
+                "age_s": edge.age_s(at_ns),
+                "used": parents.get(edge.child) == edge.parent,
+            }
+            for edge in edges
+        ],
+        "faults": faults(edges, [log.frame_id], fixed) if edges else [],
+    }

@@ -1,0 +1,84 @@
+"""``/api/sessions/{id}/notes``: the notes on a session's log. Guests of a link read them only."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter
+from fastapi.responses import JSONResponse, Response
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
+
+from mapper.core.errors import MapperError
+from server.http.guests import GuestRight, guests_may
+from server.http.services import Logs, Sessions, Visitor
+from server.library import Library
+from server.library.notes import Pin
+from server.library.records import Record
+from server.sessions import SessionRegistry
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+Place = Annotated[FiniteFloat, Field(ge=-1e7, le=1e7)]
+
+
+class Written(BaseModel):
+    """A note as its author writes it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    text: Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=2000)]
+    at_s: FiniteFloat | None = Field(None, ge=-1e10, le=1e10, description="Seconds after the log's first scan.")
+    scan: int | None = Field(None, ge=0, le=10_000_000, description="Number of scans in the map at that time.")
+    x: Place | None = Field(None, description="Place on the map, metres.")
+    y: Place | None = Field(None, description="Place on the map, metres.")
+
+    def pin(self) -> Pin:
+        """Return where the note is."""
+        return Pin(self.at_s, self.scan, self.x, self.y)
+
+
+def _log_id(sessions: SessionRegistry, session_id: str) -> str:
+    recording = sessions.get(session_id).model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "Only a log can have notes, not a live world.")
+    return recording.log_id
+
+
+def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> Record:
+    log_id = _log_id(sessions, session_id)
+    session = sessions.get(session_id)
+    if session.link is not None:
+        raise MapperError("link.read_only", "This link shares a view of a log; its notes can only be read.")
+    return library.get(session.owner, log_id)
+
+
+@router.get("/{session_id}/notes")
+@guests_may(GuestRight.LINKED_SESSION)
+async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> dict[str, Any]:
+    """Return the notes on the session's log, oldest first; ``mine`` are those that this visitor may change."""
+    found = await library.notes.of(_log_id(sessions, session_id))
+    is_guest = sessions.get(session_id).link is not None
+    return {"notes": [note.public("" if is_guest else visitor) for note in found]}
+
+
+@router.post("/{session_id}/notes", status_code=201)
+async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: Written) -> Response:
+    """Pin a note to a time of the session's log, to a place on its map, or to both."""
+    record = _writable(sessions, library, session_id)
+    note = await library.notes.add(visitor, record, written.text, written.pin())
+    return JSONResponse(note.public(visitor), status_code=201)
+
+
+@router.put("/{session_id}/notes/{note_id}")
+async def change(
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str, written: Written
+) -> dict[str, Any]:
+    """Change the text and the pin of one's own note."""
+    record = _writable(sessions, library, session_id)
+    return (await library.notes.change(visitor, record.id, note_id, written.text, written.pin())).public(visitor)
+
+
+@router.delete("/{session_id}/notes/{note_id}", status_code=204)
+async def remove(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str) -> None:
+    """Delete one's own note."""
+    await library.notes.remove(visitor, _writable(sessions, library, session_id).id, note_id)

@@ -1,0 +1,74 @@
+"""The contents of a recording in one .npz file beside its pack: found out once, and kept with the log.
+
+No pickle on either side: everything that is not an array of numbers is JSON in an array of bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import uuid
+import zipfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mapper.core.errors import MapperError
+from mapper.io.contents.model import Column, Contents, FrameEdge, Series, TopicContents
+
+VERSION = 1
+
+
+class StaleContentsError(Exception):
+    """The file is none of this version: the recording has to be gone through again."""
+
+
+def write_contents(contents: Contents, path: Path) -> None:
+    """Write ``contents`` to ``path`` atomically: it is there whole, or as it was before."""
+    about = {
+        "version": VERSION,
+        "topics": [asdict(topic) for topic in contents.topics],
+        "edges": [{"parent": e.parent, "child": e.child, "is_static": e.is_static} for e in contents.edges],
+        "series": [
+            {"topic": one.topic, "type": one.type, "columns": [asdict(column) for column in one.columns]}
+            for one in contents.series
+        ],
+        "notes": list(contents.notes),
+    }
+    arrays: dict[str, Any] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
+    for n, one in enumerate(contents.series):
+        arrays |= {f"times{n}": one.stamps_ns, f"values{n}": one.values}
+    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
+    try:
+        with fresh.open("wb") as file:
+            np.savez(file, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def read_contents(path: Path) -> Contents:
+    """Return what :func:`write_contents` wrote; raise :class:`StaleContentsError` for any other file or none."""
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            about = json.loads(arrays["about"].tobytes())
+            if about["version"] != VERSION:
+                raise StaleContentsError(f"The file is of version {about['version']}, this is {VERSION}.")
+            return Contents(
+                topics=tuple(TopicContents(**one) for one in about["topics"]),
+                edges=tuple(FrameEdge(**one, stamps_ns=arrays[f"edge{n}"]) for n, one in enumerate(about["edges"])),
+                series=tuple(
+                    Series(
+                        one["topic"],
+                        one["type"],
+                        tuple(Column(**column) for column in one["columns"]),
+                        arrays[f"times{n}"],
+                        arrays[f"values{n}"],
+                    )
+                    for n, one in enumerate(about["series"])
+                ),
+                notes=tuple(about["notes"]),
+            )
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+        raise StaleContentsError(f"{type(error).__name__}: {error}") from error

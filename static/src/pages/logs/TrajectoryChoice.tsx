@@ -1,0 +1,38 @@
+import { useSignal, useSignalEffect } from "@preact/signals";
+import type { Store } from "../../store/store";
+import { Choice } from "../../ui/Choice";
+import { Panel } from "../../ui/Panel";
+import { sentence, trajectoryLabel } from "./describeLog";
+
+/** The choice of the poses that the map is made with. */
+export function TrajectoryChoice({ store }: { readonly store: Store }) {
+  const picked = useSignal<string | null>(null);
+  useSignalEffect(() => {
+    // The server has accepted or refused the choice, or someone else has made another one.
+    void store.trajectory.value;
+    void store.notice.value;
+    picked.value = null;
+  });
+  const log = store.hello.value?.log;
+  const trajectories = log?.trajectories ?? [];
+  const trajectory = picked.value ?? store.trajectory.value?.name ?? log?.trajectory ?? "";
+  const chosen = trajectories.find((one) => one.name === trajectory);
+  return (
+    <Panel title="Poses of the map">
+      {trajectories.length > 1 ? (
+        <Choice
+          label="Poses from"
+          options={trajectories.map((one) => ({ value: one.name, label: trajectoryLabel(one.name) }))}
+          value={trajectory}
+          onChange={(name) => {
+            picked.value = name;
+            store.send({ type: "trajectory", name });
+          }}
+        />
+      ) : (
+        <p>The log has one trajectory: {trajectoryLabel(trajectory)}.</p>
+      )}
+      {chosen?.description && <p class="quiet">{sentence(chosen.description)}</p>}
+    </Panel>
+  );
+}

@@ -1,0 +1,130 @@
+/** The tree of frames as a picture, with the age of each transform at the moment sought. */
+
+import { useSignal } from "@preact/signals";
+import type { Store } from "../../../store/store";
+import { ageLabel, contentsAddress, type FrameEdge, type Frames, rateLabel } from "./contents";
+import { isLate, type PlacedFrame, placedFrames } from "./placedFrames";
+import { useAtMoment } from "./useAtMoment";
+import { WhenKnown } from "./useContents";
+
+interface FrameTreeProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+export function FrameTree({ store, session }: FrameTreeProps) {
+  return (
+    <WhenKnown session={session}>
+      {({ frames }) =>
+        frames > 0 ? (
+          <Tree store={store} session={session} />
+        ) : (
+          <p class="quiet">The log has no transforms (tf): its scans state where the robot was.</p>
+        )
+      }
+    </WhenKnown>
+  );
+}
+
+function Tree({ store, session }: FrameTreeProps) {
+  const chosen = useSignal<string | null>(null);
+  const fixed = chosen.value;
+  const found = useAtMoment<Frames>(store, (at) =>
+    contentsAddress(session, "/frames", { at: String(at), ...(fixed === null ? {} : { fixed }) }),
+  );
+  if (found.kind === "failed") return <p role="alert">{found.why}</p>;
+  if (found.kind === "none") return <p class="quiet">…</p>;
+  const frames = found.value;
+  return (
+    <div class="frames">
+      <label class="field">
+        <span class="field-label">Fixed frame</span>
+        <select
+          class="select"
+          value={frames.fixed}
+          onChange={(event) => {
+            chosen.value = event.currentTarget.value;
+          }}
+        >
+          {frames.frames.map((name) => (
+            <option key={name} value={name} selected={name === frames.fixed}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {frames.faults.length > 0 ? (
+        <ul class="frames-faults" aria-label="What is missing">
+          {frames.faults.map((fault) => (
+            <li key={fault}>{fault}</li>
+          ))}
+        </ul>
+      ) : (
+        <p class="quiet">
+          Transforms lead from the sensor's frame, {frames.sensor || "without a name"}, to {frames.fixed}.
+        </p>
+      )}
+      <Picture frames={frames} />
+      <p class="quiet">
+        Beside each frame: how often its transform comes and how old it is at this moment of the log. Dashed: static,
+        valid at all times. Orange: older than two of its usual pauses, or not there yet.
+      </p>
+    </div>
+  );
+}
+
+const LINE = 34;
+const INDENT = 22;
+const BOX = 24;
+const CHARACTER = 7.6; // px of a character in a box, on the safe side
+
+function Picture({ frames }: { readonly frames: Frames }) {
+  const placed = placedFrames(frames.frames, frames.edges, frames.fixed);
+  const boxOf = ({ name }: PlacedFrame): number => CHARACTER * Math.min(name.length, 40) + 20;
+  const width = Math.max(...placed.map((one) => INDENT * one.depth + boxOf(one) + 150));
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls sideways, which the keyboard can only do with the focus
+    <section class="frames-picture" tabIndex={0} aria-label="The frames as a tree">
+      <svg width={width} height={LINE * placed.length} role="img" aria-label={inWords(frames)}>
+        {placed.map((one) => {
+          const x = INDENT * one.depth;
+          const y = LINE * one.line + LINE / 2;
+          const isFixed = one.name === frames.fixed;
+          const isSensor = one.name === frames.sensor;
+          const late = one.edge !== null && isLate(one.edge);
+          return (
+            <g key={one.name} class={["frame", isFixed && "fixed", isSensor && "sensor"].filter(Boolean).join(" ")}>
+              {one.edge && one.parentLine !== null && (
+                <path
+                  class={["edge", one.edge.static && "static", late && "late"].filter(Boolean).join(" ")}
+                  d={`M${x - INDENT / 2} ${LINE * one.parentLine + LINE / 2 + BOX / 2}V${y}H${x}`}
+                />
+              )}
+              <rect x={x + 0.5} y={y - BOX / 2} width={boxOf(one)} height={BOX} rx={5} />
+              <text x={x + 8} y={y + 4.5}>
+                {one.name.slice(0, 40)}
+              </text>
+              {one.edge && (
+                <text class={late ? "edge-label late" : "edge-label"} x={x + boxOf(one) + 8} y={y + 4.5}>
+                  {edgeLabel(one.edge)}
+                </text>
+              )}
+            </g>
+          );
+        })}
+      </svg>
+    </section>
+  );
+}
+
+function edgeLabel(edge: FrameEdge): string {
+  if (edge.static) return "static";
+  const age = edge.age_s === null ? "not yet" : `${ageLabel(edge.age_s)} old`;
+  return edge.rate_hz === null ? age : `${rateLabel(edge.rate_hz)}, ${age}`;
+}
+
+/** The tree for screen readers. */
+function inWords({ edges, fixed }: Frames): string {
+  const said = edges.filter(({ used }) => used).map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
+  return `Fixed frame ${fixed}. ${said.join("; ")}.`;
+}

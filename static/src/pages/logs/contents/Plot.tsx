@@ -1,0 +1,160 @@
+/** One plot over time, drawn by uPlot. */
+
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import UPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Store } from "../../../store/store";
+import { clock, written } from "../../../ui/numbers";
+import { isDark } from "../../../ui/theme";
+import { useWidth } from "../../../ui/useWidth";
+import { type SeriesOfTopic, scanAtTime } from "./series";
+
+interface PlotProps {
+  readonly store: Store;
+  readonly series: SeriesOfTopic;
+  /** Which columns. */
+  readonly plot: string;
+}
+
+const HEIGHT = 150;
+/** Colour roles and dashes of the lines: lines are told apart by both. */
+const LINES: readonly { readonly tone: string; readonly dash: number[] }[] = [
+  { tone: "--miss", dash: [] },
+  { tone: "--hit", dash: [6, 3] },
+  { tone: "--robot", dash: [2, 2] },
+];
+
+export function Plot({ store, series, plot }: PlotProps) {
+  const frame = useRef<HTMLDivElement>(null);
+  const width = useWidth(frame, 360).value;
+  const columns = series.columns.filter((column) => column.plot === plot);
+  const unit = columns[0]?.unit ?? "";
+  const scheme = isDark.value;
+  const drawn = useRef<UPlot | null>(null);
+  useEffect(() => {
+    const element = frame.current;
+    if (!element) return;
+    const chart = new UPlot(
+      optionsOf(store, element, columns, width),
+      [series.times as number[], ...columns.map((column) => column.values as (number | null)[])],
+      element,
+    );
+    drawn.current = chart;
+    const stop = effect(() => {
+      void store.frame.value;
+      chart.redraw(false);
+    });
+    return () => {
+      stop();
+      drawn.current = null;
+      chart.destroy();
+    };
+  }, [series, plot, scheme]);
+  useEffect(() => {
+    drawn.current?.setSize({ width, height: HEIGHT });
+  }, [width]);
+  return (
+    <figure class="plot" data-plot={plot}>
+      <figcaption>
+        {plot}
+        {unit && `, ${unit}`}
+      </figcaption>
+      <div ref={frame} role="img" aria-label={inWords(series, plot)} />
+    </figure>
+  );
+}
+
+/** The range of each line, for screen readers. */
+function inWords(series: SeriesOfTopic, plot: string): string {
+  const lines = series.columns
+    .filter((column) => column.plot === plot)
+    .map(({ label, unit, values }) => {
+      const known = values.filter((value) => value !== null);
+      if (known.length === 0) return `${label}: no values`;
+      return `${label}: ${written(Math.min(...known), 2)} to ${written(Math.max(...known), 2)} ${unit}`;
+    });
+  return `${series.topic}, ${plot} over time. ${lines.join("; ")}.`;
+}
+
+function optionsOf(
+  store: Store,
+  element: HTMLElement,
+  columns: SeriesOfTopic["columns"],
+  width: number,
+): UPlot.Options {
+  /** The colour of a role, as a canvas takes it. */
+  const resolved = (role: string): string => {
+    const probe = document.createElement("span");
+    probe.style.color = `var(${role})`;
+    element.append(probe);
+    const found = getComputedStyle(probe).color;
+    probe.remove();
+    return found;
+  };
+  const ink = resolved("--ink-soft");
+  const axis = { stroke: ink, grid: { stroke: resolved("--line"), width: 1 }, ticks: { stroke: resolved("--line") } };
+  const now = resolved("--beam");
+  return {
+    width,
+    height: HEIGHT,
+    legend: { show: true, live: true },
+    cursor: { drag: { x: true, y: false, dist: 6 }, points: { size: 6 }, sync: { key: "log" } },
+    scales: { x: { time: false } },
+    axes: [
+      { ...axis, size: 26, values: (_, splits) => splits.map((at) => clock(at)), space: 60 },
+      { ...axis, size: 52 },
+    ],
+    series: [
+      { label: "time", value: (_, at) => (at === null ? "–" : `${written(at, 2)} s`) },
+      ...columns.map((column, n) => {
+        const line = LINES[n % LINES.length];
+        return {
+          label: column.label,
+          stroke: resolved(line?.tone ?? "--ink"),
+          width: 1.5,
+          dash: line?.dash ?? [],
+          points: { show: false },
+          value: (_: UPlot, value: number | null) => (value === null ? "–" : written(value, 3)),
+        };
+      }),
+    ],
+    hooks: {
+      draw: [
+        (chart) => {
+          const at = store.frame.peek()?.stamp;
+          if (at === undefined) return;
+          const x = chart.valToPos(at, "x", true);
+          const { left, top, width: w, height: h } = chart.bbox;
+          if (x < left || x > left + w) return;
+          chart.ctx.save();
+          chart.ctx.strokeStyle = now;
+          chart.ctx.lineWidth = 2 * devicePixelRatio;
+          chart.ctx.setLineDash([]);
+          chart.ctx.beginPath();
+          chart.ctx.moveTo(x, top);
+          chart.ctx.lineTo(x, top + h);
+          chart.ctx.stroke();
+          chart.ctx.restore();
+        },
+      ],
+      ready: [
+        (chart) => {
+          let from = 0;
+          chart.over.addEventListener("pointerdown", (event) => {
+            from = event.clientX;
+          });
+          chart.over.addEventListener("click", (event) => {
+            if (Math.abs(event.clientX - from) > 5) return; // a drag, which zooms
+            const trajectory = store.trajectory.peek();
+            const count = store.frame.peek()?.count ?? 0;
+            if (!trajectory) return;
+            const seconds = chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, "x");
+            store.send({ type: "pause" });
+            store.send({ type: "seek", index: scanAtTime(trajectory, seconds, count) });
+          });
+        },
+      ],
+    },
+  };
+}

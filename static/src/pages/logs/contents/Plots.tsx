@@ -1,0 +1,85 @@
+/** The numbers of IMU, odometry, battery and commands over the time of the log. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { lazy } from "../../../ui/lazy";
+import { type Contents, contentsAddress, fetchJson } from "./contents";
+import type { SeriesOfTopic } from "./series";
+import { WhenKnown } from "./useContents";
+
+/** uPlot is fetched when a plot is first shown. */
+const Plot = lazy(async () => (await import("./Plot")).Plot);
+
+interface PlotsProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+export function Plots({ store, session }: PlotsProps) {
+  return (
+    <WhenKnown session={session}>
+      {({ series }) =>
+        series.length > 0 ? (
+          <Topic store={store} session={session} series={series} />
+        ) : (
+          <p class="quiet">
+            The log has no messages that are plotted: IMU, odometry, battery and velocity commands of ROS, and CARMEN's
+            ODOM lines.
+          </p>
+        )
+      }
+    </WhenKnown>
+  );
+}
+
+function Topic({ store, session, series }: PlotsProps & { readonly series: Contents["series"] }) {
+  const chosen = useSignal(series[0]?.topic ?? "");
+  const found = useSignal<SeriesOfTopic | null>(null);
+  const failure = useSignal<string | null>(null);
+  const topic = chosen.value;
+  useEffect(() => {
+    const abort = new AbortController();
+    found.value = null;
+    fetchJson<SeriesOfTopic>(contentsAddress(session, "/series", { topic }), abort.signal).then(
+      ({ body }) => {
+        failure.value = null;
+        found.value = body;
+      },
+      (error: Error) => {
+        if (!abort.signal.aborted) failure.value = error.message;
+      },
+    );
+    return () => abort.abort();
+  }, [session, topic]);
+  const now = found.value;
+  return (
+    <div class="plots">
+      <label class="field">
+        <span class="field-label">Topic</span>
+        <select
+          class="select"
+          value={topic}
+          onChange={(event) => {
+            chosen.value = event.currentTarget.value;
+          }}
+        >
+          {series.map((one) => (
+            <option key={one.topic} value={one.topic} selected={one.topic === topic}>
+              {one.topic} ({one.type})
+            </option>
+          ))}
+        </select>
+      </label>
+      {failure.value && <p role="alert">{failure.value}</p>}
+      {now === null && !failure.value && <p class="quiet">…</p>}
+      {now !== null &&
+        [...new Set(now.columns.map((column) => column.plot))].map((plot) => (
+          <Plot key={`${now.topic} ${plot}`} store={store} series={now} plot={plot} />
+        ))}
+      <p class="quiet">
+        The line is the moment of the map; a click goes to that moment, a drag zooms in, a double click zooms out.
+      </p>
+    </div>
+  );
+}

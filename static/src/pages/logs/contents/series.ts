@@ -1,0 +1,38 @@
+/** The numbers of one topic's messages over time, as the server has downsampled them. */
+
+import type { Trajectory } from "../../../wire/protocol";
+
+export interface SeriesColumn {
+  readonly label: string;
+  readonly unit: string;
+  readonly plot: string;
+  readonly values: readonly (number | null)[];
+}
+
+export interface SeriesOfTopic {
+  readonly topic: string;
+  readonly type: string;
+  /** Seconds since the log's first scan. */
+  readonly times: readonly number[];
+  readonly columns: readonly SeriesColumn[];
+}
+
+/** The number of scans in the map at a time: all those up to it. `every` scans are between two stamps. */
+export function scanAtTime(
+  { stamps, every }: Pick<Trajectory, "stamps" | "every">,
+  seconds: number,
+  count: number,
+): number {
+  let low = 0;
+  let high = stamps.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((stamps[middle] ?? 0) <= seconds) low = middle + 1;
+    else high = middle;
+  }
+  if (low === 0) return 0;
+  const before = stamps[low - 1] ?? 0;
+  const after = stamps[low];
+  const into = after === undefined || after <= before ? 0 : (seconds - before) / (after - before);
+  return Math.min(count, (low - 1) * every + 1 + Math.floor(into * every));
+}

@@ -1,0 +1,99 @@
+/** The groups of the log page's dock. A new group is one entry of `GROUPS`. */
+
+import type { ComponentChildren } from "preact";
+import type { SharedView } from "../../render/view";
+import type { Store } from "../../store/store";
+import type { Comparison } from "../../tools/compare/comparison";
+import { WhyGroup } from "../../tools/why/Why";
+import type { DockGroup } from "../../ui/Dock";
+import type { LogInfo } from "../../wire/protocol";
+import { Compare } from "./compare/Compare";
+import { FrameTree } from "./contents/FrameTree";
+import { Plots } from "./contents/Plots";
+import { Topics } from "./contents/Topics";
+import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
+import { Downloads } from "./Downloads";
+import { Notes } from "./notes/Notes";
+import type { NotesState } from "./notes/useNotes";
+import { Settings } from "./Settings";
+import { Share } from "./Share";
+import { TrajectoryChoice } from "./TrajectoryChoice";
+
+/** What the groups show. */
+export interface LogView {
+  readonly store: Store;
+  readonly session: string;
+  /** Of a visitor with a shared link: no other logs, no downloads of this one. */
+  readonly isGuest: boolean;
+  /** Null until the session has told. */
+  readonly log: LogInfo | null;
+  readonly comparison: Comparison;
+  readonly doctor: DoctorState;
+  readonly notes: NotesState;
+  /** The visible part of the map for a link; null for all of it. */
+  readonly sharedView: () => SharedView | null;
+}
+
+interface Group {
+  readonly id: string;
+  readonly title: string;
+  readonly keeps?: boolean;
+  readonly isThere?: (view: LogView) => boolean;
+  readonly badge?: (view: LogView) => string | null;
+  readonly content: (view: LogView) => ComponentChildren;
+}
+
+const GROUPS: readonly Group[] = [
+  { id: "settings", title: "Settings", keeps: true, content: ({ store }) => <Settings store={store} /> },
+  { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
+  {
+    id: "doctor",
+    title: "Doctor",
+    badge: ({ doctor }) => findingsBadge(doctor),
+    content: ({ store, doctor }) => <Doctor store={store} doctor={doctor} />,
+  },
+  {
+    id: "compare",
+    title: "Compare",
+    badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
+    content: ({ store, session, comparison, isGuest }) => (
+      <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
+    ),
+  },
+  { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
+  {
+    id: "frames",
+    title: "Frames",
+    content: ({ store, session }) => <FrameTree store={store} session={session} />,
+  },
+  { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "notes",
+    title: "Notes",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
+  },
+  {
+    id: "share",
+    title: "Share",
+    isThere: ({ isGuest, log }) => !isGuest && log !== null,
+    content: ({ session, log, sharedView }) => log && <Share session={session} log={log.id} sharedView={sharedView} />,
+  },
+  {
+    id: "download",
+    title: "Download",
+    content: ({ session, isGuest }) => <Downloads session={session} isGuest={isGuest} />,
+  },
+];
+
+/** The groups that this view has, for the dock. */
+export function groupsOf(view: LogView): readonly DockGroup[] {
+  return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(({ id, title, keeps, badge, content }) => ({
+    id,
+    title,
+    keeps: keeps ?? false,
+    badge: badge?.(view) ?? null,
+    content: () => content(view),
+  }));
+}

@@ -1,0 +1,55 @@
+import { useSignal } from "@preact/signals";
+import { useLayoutEffect, useRef } from "preact/hooks";
+import { type Size, toScreen } from "../../../render/view";
+import type { Store } from "../../../store/store";
+import { goToNote } from "./Notes";
+import type { Note } from "./noteRecords";
+import type { NotesState } from "./useNotes";
+
+interface NotePinsProps {
+  readonly store: Store;
+  readonly state: NotesState;
+  readonly onOpen: () => void;
+}
+
+/** The notes that have a place, as pins over the map. */
+export function NotePins({ store, state, onOpen }: NotePinsProps) {
+  const layer = useRef<HTMLDivElement>(null);
+  const size = useSignal<Size>({ width: 0, height: 0 });
+  useLayoutEffect(() => {
+    const element = layer.current;
+    if (!element) return;
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry) size.value = entry.contentRect;
+    });
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, []);
+  const view = store.view.value;
+  const placed = (state.notes.value ?? []).filter((note) => note.x !== null && note.y !== null);
+  const isInside = ([x, y]: readonly [number, number]): boolean =>
+    x >= 0 && y >= 0 && x <= size.value.width && y <= size.value.height;
+  const place = (note: Note): readonly [number, number] =>
+    view ? toScreen(view, size.value, note.x ?? 0, note.y ?? 0) : [-1, -1];
+  return (
+    <div class="note-pins" ref={layer}>
+      {placed
+        .map((note) => ({ note, at: place(note) }))
+        .filter(({ at }) => isInside(at))
+        .map(({ note, at: [x, y] }) => (
+          <button
+            key={note.id}
+            type="button"
+            class={state.chosen.value === note.id ? "note-pin chosen" : "note-pin"}
+            style={{ transform: `translate(${x}px, ${y}px)` }}
+            aria-label={`Note: ${note.text}`}
+            title={note.text}
+            onClick={() => {
+              onOpen();
+              goToNote(store, state, note);
+            }}
+          />
+        ))}
+    </div>
+  );
+}

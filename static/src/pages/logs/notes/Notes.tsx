@@ -1,0 +1,197 @@
+import { useSignal } from "@preact/signals";
+import { useEffect, useId, useRef } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
+import { clock, written } from "../../../ui/numbers";
+import { Toggle } from "../../../ui/Toggle";
+import { type Note, type Pin, scanOf } from "./noteRecords";
+import "./notes.css";
+import type { NotesState } from "./useNotes";
+
+interface NotesProps {
+  readonly store: Store;
+  readonly state: NotesState;
+  readonly isGuest: boolean;
+}
+
+/** The notes on the log: written, changed and deleted here, shown on the slider and on the map. */
+export function Notes({ store, state, isGuest }: NotesProps) {
+  const edited = useSignal<string | null>(null);
+  useEffect(() => void state.refresh(), [state.notes]);
+  const notes = state.notes.value;
+  return (
+    <div class="notes">
+      {!isGuest && <Editor key="new" store={store} state={state} />}
+      {state.failure.value && <p role="alert">{state.failure.value}</p>}
+      {notes?.length === 0 && <p class="quiet">There are no notes on this log yet.</p>}
+      <ul aria-label="Notes">
+        {notes?.map((note) => (
+          <li key={note.id}>
+            {edited.value === note.id ? (
+              <Editor
+                store={store}
+                state={state}
+                note={note}
+                onDone={() => {
+                  edited.value = null;
+                }}
+              />
+            ) : (
+              <Item
+                note={note}
+                store={store}
+                state={state}
+                onEdit={
+                  note.mine
+                    ? () => {
+                        edited.value = note.id;
+                      }
+                    : undefined
+                }
+              />
+            )}
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+/** Show a note's moment and place, and mark it as chosen. */
+export function goToNote(store: Store, { chosen }: NotesState, note: Note): void {
+  chosen.value = note.id;
+  const scan = scanOf(note, store.trajectory.peek(), store.frame.peek()?.count ?? 0);
+  if (scan !== null) {
+    store.send({ type: "pause" });
+    store.send({ type: "seek", index: scan });
+  }
+  const view = store.view.peek();
+  if (note.x !== null && note.y !== null && view) store.setView({ ...view, x: note.x, y: note.y });
+}
+
+interface ItemProps {
+  readonly note: Note;
+  readonly store: Store;
+  readonly state: NotesState;
+  readonly onEdit: (() => void) | undefined;
+}
+
+function Item({ note, store, state, onEdit }: ItemProps) {
+  const item = useRef<HTMLDivElement>(null);
+  const isChosen = state.chosen.value === note.id;
+  useEffect(() => {
+    if (isChosen) item.current?.scrollIntoView({ block: "nearest" });
+  }, [isChosen]);
+  return (
+    <div class={isChosen ? "note chosen" : "note"} ref={item}>
+      <p class="note-text">{note.text}</p>
+      <div class="note-foot">
+        <Button kind="quiet" label={`Go to this note: ${pinLabel(note)}`} onClick={() => goToNote(store, state, note)}>
+          {pinLabel(note)}
+        </Button>
+        {onEdit && (
+          <>
+            <Button kind="quiet" onClick={onEdit}>
+              Edit
+            </Button>
+            <Button kind="quiet" icon="trash" label="Delete this note" onClick={() => void state.remove(note.id)} />
+          </>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function pinLabel({ at_s, scan, x, y }: Pin): string {
+  const time = at_s === null ? [] : [at_s > 0 ? clock(at_s) : `scan ${scan}`];
+  const place = x === null || y === null ? [] : [`${written(x, 1)}, ${written(y, 1)} m`];
+  return [...time, ...place].join(" · ");
+}
+
+interface EditorProps {
+  readonly store: Store;
+  readonly state: NotesState;
+  /** The note that is changed; without it a new one is written. */
+  readonly note?: Note;
+  readonly onDone?: () => void;
+}
+
+function Editor({ store, state, note, onDone }: EditorProps) {
+  const id = useId();
+  const text = useSignal(note?.text ?? "");
+  const hasTime = useSignal(note ? note.at_s !== null : true);
+  const hasPlace = useSignal(note ? note.x !== null : false);
+  const busy = useSignal(false);
+  const frame = store.frame.value;
+  const pinned = store.pinned.value;
+  // What a note has keeps its pin; what is newly pinned takes the moment, or the cell that was clicked.
+  const pin: Pin = {
+    at_s: hasTime.value ? (note?.at_s ?? frame?.stamp ?? 0) : null,
+    scan: hasTime.value ? (note?.scan ?? frame?.index ?? 0) : null,
+    x: hasPlace.value ? (note?.x ?? pinned?.[0] ?? null) : null,
+    y: hasPlace.value ? (note?.y ?? pinned?.[1] ?? null) : null,
+  };
+  const isPinned = (pin.at_s !== null || pin.x !== null) && (!hasPlace.value || pin.x !== null);
+  const save = async (): Promise<void> => {
+    busy.value = true;
+    if (await state.keep(text.value.trim(), pin, note?.id)) {
+      if (!note) text.value = "";
+      onDone?.();
+    }
+    busy.value = false;
+  };
+  return (
+    <form
+      class="note-editor"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void save();
+      }}
+    >
+      <label for={id}>{note ? "Change the note" : "New note"}</label>
+      <textarea
+        id={id}
+        rows={3}
+        maxLength={2000}
+        value={text.value}
+        onInput={(event) => {
+          text.value = event.currentTarget.value;
+        }}
+      />
+      <Toggle
+        label={hasTime.value && note?.at_s != null ? `At ${clock(note.at_s)}` : `At this moment, ${momentLabel(store)}`}
+        checked={hasTime.value}
+        onChange={(on) => {
+          hasTime.value = on;
+        }}
+      />
+      <Toggle
+        label={
+          hasPlace.value && pin.x !== null && pin.y !== null
+            ? `At ${written(pin.x, 1)}, ${written(pin.y, 1)} m on the map`
+            : "At the cell that I click on the map"
+        }
+        checked={hasPlace.value}
+        onChange={(on) => {
+          hasPlace.value = on;
+        }}
+      />
+      <div class="actions">
+        <Button
+          kind="primary"
+          disabled={busy.value || !isPinned || text.value.trim() === ""}
+          onClick={() => void save()}
+        >
+          {note ? "Save" : "Add note"}
+        </Button>
+        {note && onDone && <Button onClick={onDone}>Cancel</Button>}
+      </div>
+    </form>
+  );
+}
+
+function momentLabel(store: Store): string {
+  const frame = store.frame.value;
+  if (!frame) return "…";
+  return (store.hello.value?.log?.duration_s ?? 0) > 0 ? clock(frame.stamp) : `scan ${frame.index}`;
+}

@@ -1,0 +1,53 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { deleteNote, fetchNotes, keepNote, type Note, type Pin } from "./noteRecords";
+
+export interface NotesState {
+  /** Null until they are known. */
+  readonly notes: Signal<readonly Note[] | null>;
+  /** The id of the note that was chosen on the slider, on the map or in the list. */
+  readonly chosen: Signal<string | null>;
+  readonly failure: Signal<string | null>;
+  readonly refresh: () => Promise<void>;
+  /** Resolve to whether it was done. */
+  readonly keep: (text: string, pin: Pin, id?: string) => Promise<boolean>;
+  readonly remove: (id: string) => Promise<boolean>;
+}
+
+/** The notes on the log of a session. */
+export function useNotes(session: string): NotesState {
+  const notes = useSignal<readonly Note[] | null>(null);
+  const chosen = useSignal<string | null>(null);
+  const failure = useSignal<string | null>(null);
+  const attempt = async (work: () => Promise<unknown>): Promise<boolean> => {
+    try {
+      await work();
+      failure.value = null;
+      return true;
+    } catch (error) {
+      failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      return false;
+    }
+  };
+  const fetchAll = async (): Promise<void> => {
+    notes.value = await fetchNotes(session);
+  };
+  const refresh = async (): Promise<void> => void (await attempt(fetchAll));
+  useEffect(() => void refresh(), [session]);
+  return {
+    notes,
+    chosen,
+    failure,
+    refresh,
+    keep: (text, pin, id) =>
+      attempt(async () => {
+        chosen.value = (await keepNote(session, text, pin, id)).id;
+        await fetchAll();
+      }),
+    remove: (id) =>
+      attempt(async () => {
+        await deleteNote(session, id);
+        await fetchAll();
+      }),
+  };
+}

@@ -1,0 +1,125 @@
+"""The contents of a recording against what rosbags wrote into it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Reader
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.contents.inspection import inspect
+from mapper.io.contents.model import Contents, Series
+from tests.mapper.io.contents.recorded_robot import T0, imu, robot
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, serialised
+
+TICK = SECOND // 10
+
+
+def series(contents: Contents, topic: str) -> Series:
+    return next(one for one in contents.series if one.topic == topic)
+
+
+@pytest.mark.parametrize("kind", recorded.KINDS)
+def test_every_topic_with_count_bytes_span_and_rate(tmp_path: Path, kind: str) -> None:
+    said = [*robot(), recorded.text(T0 + SECOND, "hello")]
+    contents = inspect(recorded.written(tmp_path, said, kind))
+    ros = 1 if kind == "bag" else 2
+    held = {topic.name: topic for topic in contents.topics}
+    assert set(held) == {one.topic for one in said}
+    for name, topic in held.items():
+        own = [one for one in said if one.topic == name]
+        assert topic.type == own[0].kind.replace("/msg/", "/")
+        assert topic.messages == len(own)
+        assert topic.bytes == sum(len(serialised(one, ros)) for one in own)
+        assert (topic.first_ns, topic.last_ns) == (own[0].stamp_ns, own[-1].stamp_ns)
+    assert held["/scan"].rate_hz == pytest.approx(10.0)
+    assert held["/tf_static"].rate_hz is None
+    assert contents.notes == ()
+
+
+@pytest.mark.parametrize("kind", recorded.KINDS)
+def test_the_numbers_of_the_plots(tmp_path: Path, kind: str) -> None:
+    said = list(robot())
+    contents = inspect(recorded.written(tmp_path, said, kind))
+    turned = series(contents, "/imu")
+    assert [column.label for column in turned.columns] == ["x", "y", "z", "x", "y", "z", "yaw"]
+    own = [one for one in said if one.topic == "/imu"]
+    np.testing.assert_array_equal(turned.stamps_ns, [one.stamp_ns for one in own])
+    np.testing.assert_allclose(turned.values[:, 2], [one.fields["angular_velocity"]["z"] for one in own], rtol=1e-6)
+    np.testing.assert_allclose(turned.values[:, 3:6], np.tile([0.5, 0.0, 9.81], (len(own), 1)), rtol=1e-6)
+    np.testing.assert_allclose(turned.values[:, 6], 0.01 * np.arange(len(own)), atol=1e-6)
+    np.testing.assert_allclose(series(contents, "/battery").values[0], [12.0, -1.5, 90.0, 30.5], rtol=1e-6)
+    np.testing.assert_allclose(series(contents, "/cmd_vel").values[-1], [0.5, 0.0, -0.25])
+    assert series(contents, "/cmd_vel").stamps_ns[1] == T0 + SECOND  # it states no time: that of recording counts
+    np.testing.assert_allclose(series(contents, "/odom").values[1], [0.0, 0.0, 0.0, 0.1, 0.0, 0.0], atol=1e-6)
+
+
+def test_an_imu_without_orientation_has_no_yaw(tmp_path: Path) -> None:
+    contents = inspect(recorded.written(tmp_path, [imu(T0, 0.1, 0.0, 1.0, oriented=False)], "mcap"))
+    assert math.isnan(series(contents, "/imu").values[0, 6])
+
+
+@pytest.mark.parametrize("kind", recorded.KINDS)
+def test_the_transforms_and_their_ages(tmp_path: Path, kind: str) -> None:
+    fixed, moving = inspect(recorded.written(tmp_path, list(robot()), kind)).edges
+    assert (fixed.parent, fixed.child, fixed.is_static) == ("base_link", "laser", True)
+    assert fixed.age_s(T0 + 3600 * SECOND) == 0.0
+    assert (moving.parent, moving.child, moving.is_static) == ("odom", "base_link", False)
+    assert moving.rate_hz == pytest.approx(10.0)
+    assert moving.age_s(T0 + 5 * TICK + TICK // 4) == pytest.approx(0.025)
+    assert moving.age_s(T0 + 100 * SECOND) == pytest.approx(96.1)
+    assert moving.age_s(T0 - 1) is None
+
+
+def test_a_message_of_another_length_than_its_type_is_counted_and_noted(tmp_path: Path) -> None:
+    lying = imu(T0, 0.1, 0.0, 0.0)
+    data = recorded.mcap_bytes([lying, imu(T0 + 1, 0.2, 0.0, 0.0)], compression="none", enable_crcs=False)
+    whole = serialised(lying, 2)
+    at = data.index(whole[20:])
+    path = tmp_path / "run.mcap"
+    path.write_bytes(data[: at - 8] + b"\xff\xff\xff\x7f" + data[at - 4 :])  # the length of the frame's name
+    contents = inspect(path)
+    assert contents.topics[0].messages == 2
+    assert contents.notes == ("Messages that could not be read: 1 of 2 on /imu.",)
+    assert len(series(contents, "/imu").stamps_ns) == 1
+
+
+def test_too_many_messages_and_no_log(tmp_path: Path) -> None:
+    path = recorded.written(tmp_path, list(robot(1)), "mcap")
+    with pytest.raises(LimitError) as caught:
+        inspect(path, limits=Limits(max_messages=10))
+    assert caught.value.code == "log.too_many_messages"
+    (tmp_path / "holiday.txt").write_text("sun, sea\n")
+    with pytest.raises(ReadError):
+        inspect(tmp_path / "holiday.txt")
+
+
+def test_the_words_of_a_carmen_log(tmp_path: Path) -> None:
+    lines = [f"ODOM {x} 0.0 0.1 0.5 -0.2 0.0 {10 + x} host {x}" for x in range(3)]
+    scans = [f"FLASER 2 1.0 2.0 0 0 0 0 0 0 {10 + x} host {x}" for x in range(2)]
+    (tmp_path / "a.log").write_text("\n".join(["# a comment", *lines, *scans, "ODOM 1 2"]) + "\n")
+    contents = inspect(tmp_path / "a.log")
+    odom, flaser = sorted(contents.topics, key=lambda topic: topic.name == "FLASER")
+    assert (odom.messages, odom.bytes, odom.span_s) == (4, sum(map(len, lines)) + 3 + len("ODOM 1 2\n"), 2.0)
+    assert (flaser.messages, flaser.rate_hz) == (2, 1.0)
+    np.testing.assert_allclose(
+        series(contents, "ODOM").values, [[0.5, -0.2, 0.0, x, 0.0, 0.1] for x in range(3)], rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("name", ["bags/b0-tiny.bag", "bags/scans_demo.bag"])
+def test_real_recordings_against_rosbags(data_file: Callable[[str], Path], name: str) -> None:
+    path = data_file(name)
+    counts: dict[str, list[int]] = {}
+    with Reader(path) as reader:
+        for connection, _, data in reader.messages():
+            known = counts.setdefault(connection.topic, [0, 0])
+            known[0] += 1
+            known[1] += len(data)
+    assert {topic.name: [topic.messages, topic.bytes] for topic in inspect(path).topics} == counts

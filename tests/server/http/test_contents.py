@@ -1,0 +1,102 @@
+"""``/api/sessions/{id}/contents`` and its subresources, on a small recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.mapper.io.contents.recorded_robot import robot
+from tests.mapper.io.logs import recorded
+from tests.server.library.small_logs import carmen
+from tests.server.service import Service, once_read, running, settings_for, until
+
+SECONDS = 4
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with running(settings_for(tmp_path_factory.mktemp("data"))) as service:
+        yield service
+
+
+def opened(service: Service, name: str, content: bytes) -> str:
+    log_id = str(service.http.put("/api/logs", params={"name": name}, content=content).json()["id"])
+    assert once_read(service.http, log_id)["state"] == "ready"
+    return service.begin(kind="log", log=log_id, playing=False)
+
+
+@pytest.fixture(scope="module")
+def session(service: Service) -> str:
+    """A session on the recording, of which is known what it holds."""
+    session = opened(service, "run.mcap", recorded.mcap_bytes(robot(SECONDS)))
+    assert service.http.get(f"/api/sessions/{session}/contents").status_code == 202
+    until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    return session
+
+
+def got(service: Service, session: str, path: str, **query: Any) -> dict[str, Any]:
+    answer = service.http.get(f"/api/sessions/{session}/contents{path}", params=query)
+    assert answer.status_code == 200, answer.text
+    return dict(answer.json())
+
+
+def test_the_topics_are_listed_and_kept_beside_the_pack(service: Service, session: str) -> None:
+    held = got(service, session, "")
+    assert held["state"] == "ready"
+    topics = {topic["name"]: topic for topic in held["topics"]}
+    assert topics["/scan"] == {
+        "name": "/scan",
+        "type": "sensor_msgs/LaserScan",
+        "messages": 40,
+        "bytes": topics["/scan"]["bytes"],
+        "rate_hz": pytest.approx(10.0),
+        "first_s": 0.0,
+        "last_s": pytest.approx(3.9),
+        "mapped": True,
+    }
+    assert topics["/imu"]["mapped"] is None
+    assert {one["topic"] for one in held["series"]} == {"/imu", "/odom", "/battery", "/cmd_vel"}
+    assert held["frames"] == 3
+    library: Path = service.state.settings.data_dir / "library" / "packs"
+    assert len(list(library.glob("*.contents.npz"))) == 1
+
+
+def test_a_series_in_seconds_of_the_log_with_its_extremes(service: Service, session: str) -> None:
+    whole = got(service, session, "/series", topic="/imu")
+    assert len(whole["times"]) == 20 * SECONDS
+    assert whole["times"][:2] == [0.0, 0.05]
+    rates = whole["columns"][2]
+    assert (rates["label"], rates["unit"], rates["plot"]) == ("z", "rad/s", "angular velocity")
+    few = got(service, session, "/series", topic="/imu", buckets=8)
+    assert len(few["times"]) == 16
+    assert max(few["columns"][2]["values"]) == max(rates["values"])
+    assert min(few["columns"][2]["values"]) == min(rates["values"])
+    part = got(service, session, "/series", topic="/imu", start=1.0, end=2.0)
+    assert (part["times"][0], part["times"][-1]) == (0.95, 2.05)
+    refused = service.http.get(f"/api/sessions/{session}/contents/series", params={"topic": "/scan"})
+    assert refused.json()["code"] == "contents.no_series"
+
+
+def test_the_transforms_at_a_moment(service: Service, session: str) -> None:
+    found = got(service, session, "/frames", at=1.03)
+    assert (found["fixed"], found["sensor"], found["faults"]) == ("odom", "laser", [])
+    static, moving = found["edges"]
+    assert (static["parent"], static["child"], static["static"], static["age_s"]) == ("base_link", "laser", True, 0.0)
+    assert moving["age_s"] == pytest.approx(0.03)
+    assert moving["rate_hz"] == pytest.approx(10.0)
+    assert got(service, session, "/frames", fixed="base_link")["fixed"] == "base_link"
+    refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"fixed": "moon"})
+    assert refused.json()["code"] == "contents.no_frame"
+
+
+def test_a_text_log_and_a_world(service: Service) -> None:
+    session = opened(service, "run.log", carmen(5, start=10))
+    until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    topics = got(service, session, "")["topics"]
+    assert [(topic["name"], topic["messages"], topic["rate_hz"]) for topic in topics] == [("FLASER", 5, 1.0)]
+    assert got(service, session, "/frames")["edges"] == []
+    world = service.begin(kind="simulation", playing=False)
+    assert service.http.get(f"/api/sessions/{world}/contents").json()["code"] == "session.not_a_log"

@@ -1,0 +1,67 @@
+"""Trajectories added to logs over HTTP: open sessions get them, links show them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from tests.server.library.small_logs import carmen, tum
+from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
+        yield service
+
+
+def put(http: httpx.Client, log_id: str, name: str, text: bytes) -> httpx.Response:
+    return http.put(f"/api/logs/{log_id}/trajectories/{name}", content=text)
+
+
+def test_it_is_put_read_mapped_shared_and_deleted(service: Service) -> None:
+    http = service.http
+    log_id = http.put("/api/logs", params={"name": "run.log"}, content=carmen(12)).json()["id"]
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    answer = put(http, log_id, "from LaMa", tum(10, y=2.0, start=1))
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["notes"] == [
+        "2 scans lie before the first or after the last pose: the log's own poses continue the trajectory."
+    ]
+    assert [one["name"] for one in http.get(f"/api/logs/{log_id}").json()["trajectories"]][-1] == "from LaMa"
+    got = http.get(f"/api/logs/{log_id}/trajectories/from LaMa")
+    assert got.content == tum(10, y=2.0, start=1)
+    assert got.headers["content-disposition"] == 'attachment; filename="from_LaMa.tum"'
+
+    async def choose() -> list[str]:
+        async with service.connect(session) as socket:
+            watcher = Watcher(socket)
+            await watcher.until(lambda: "trajectory" in watcher.newest)
+            await watcher.send("trajectory", name="from LaMa")
+            await watcher.until(lambda: watcher.newest["trajectory"]["name"] == "from LaMa")
+            return [one["name"] for one in watcher.newest["trajectories"]["trajectories"]]
+
+    assert asyncio.run(choose()) == ["scan", "from LaMa"], "the open session has it"
+    lines = http.get(f"/api/sessions/{session}/trajectory.tum").text.splitlines()
+    assert [float(line.split()[2]) for line in lines] == [2.0] * 12
+    assert http.put(f"/api/sessions/{session}/compare", json={"trajectory": "scan"}).status_code == 200
+    examined = http.get(f"/api/sessions/{session}/doctor")
+    assert examined.json().get("trajectory") == "from LaMa", examined.text
+    token = http.post("/api/links", json={"session": session}).json()["token"]
+    with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
+        shared = guest.post(f"/api/shared/{token}/sessions").json()["id"]
+        recording = service.state.sessions.get(shared).model.recording
+        assert recording is not None
+        assert recording.trajectory == "from LaMa"
+        assert guest.get(f"/api/logs/{log_id}/trajectories/from LaMa").status_code == 404
+
+    deleted = http.delete(f"/api/logs/{log_id}/trajectories/from LaMa")
+    assert deleted.status_code == 204
+    assert http.get(f"/api/sessions/{session}/trajectory.tum").text.splitlines() == lines, "the open session goes on"
+    assert http.delete(f"/api/logs/{log_id}/trajectories/from LaMa").json()["code"] == "trajectory.not_found"
+    refused = put(http, log_id, "scan", tum(6))
+    assert (refused.status_code, refused.json()["code"]) == (422, "trajectory.name")
