@@ -27,8 +27,10 @@ from server.http.routes import (
     pages,
     scenes,
     sessions,
+    slam,
     stream,
     trajectories,
+    trajectory_errors,
 )
 from server.http.routes import downloads as download_files
 from server.http.security import Security
@@ -102,12 +104,14 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         doctor.router,
         contents.router,
         notes.router,
+        trajectory_errors.router,
         comparing.router,
         maps.router,
         download_files.router,
         stream.router,
         logs.router,
         trajectories.router,
+        slam.router,
         links.router,
         scenes.router,
         docs.router,

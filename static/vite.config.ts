@@ -36,5 +36,5 @@ export default defineConfig({
       "/3d": { target: service },
     },
   },
-  test: { environment: "happy-dom", include: ["src/**/*.test.{ts,tsx}"], css: { include: /tokens\.css/ } },
+  test: { environment: "happy-dom", include: ["src/**/*.test.{ts,tsx}"], css: { include: /\?raw/ } },
 });

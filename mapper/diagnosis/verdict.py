@@ -124,7 +124,7 @@ def judge(
     if limits.max_drift is not None or limits.no_findings:
         findings = tuple(examine(log, trajectory, progress, time_offset=time_offset, compared=compared.append))
     drift = compared[0].offset() if compared and limits.max_drift is not None else None
-    sharpness = None if limits.min_sharpness is None else _sharpness(log, trajectory, time_offset)
+    sharpness = None if limits.min_sharpness is None else sharpness_of(log, trajectory, time_offset)
     reasons = []
     if limits.max_drift is not None:
         why = _why_unmeasured(log, trajectory, findings or ()) if drift is None else ""
@@ -136,7 +136,8 @@ def judge(
     return Verdict(tuple(reasons), drift, sharpness, findings)
 
 
-def _sharpness(log: ScanLog, trajectory: str | None, time_offset: float) -> float:
+def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
+    """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
     config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)

@@ -1,1 +1,21 @@
 """Scan matching: the pose at which two scans, a scan and a map, or two maps lie on one another."""
+
+from mapper.matching.maps import match_maps
+from mapper.matching.match import Match, match_scan
+from mapper.matching.parameters import METHODS, PARAMETERS, MatchConfig
+from mapper.matching.prepare import prepare_scans
+from mapper.matching.target import Target, map_points, map_target, scan_target
+
+__all__ = [
+    "METHODS",
+    "PARAMETERS",
+    "Match",
+    "MatchConfig",
+    "Target",
+    "map_points",
+    "map_target",
+    "match_maps",
+    "match_scan",
+    "prepare_scans",
+    "scan_target",
+]

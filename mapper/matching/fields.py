@@ -9,14 +9,14 @@ import numpy as np
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
 
-FINE = 8  #: places of a point within its cell, along each side, for which stamps are made
+FINE = 16  #: places of a point within its cell, along each side, for which stamps are made
 REACH = 3.0  #: standard deviations from a point up to which a stamp reaches
 GREATEST = 255  #: score at a point
 
 
 @lru_cache(maxsize=16)
 def gaussian_stamps(resolution: float, sigma: float) -> UInt8Array:
-    """Return the scores (8, 8, side, side) uint8 of the cells around a point, for each eighth of a cell it may lie in.
+    """Return the scores (16, 16, side, side) uint8 of the cells around a point, for each 1/16 of a cell it may lie in.
 
     The score of a cell is 255 · exp(−d² / (2 ``sigma``²)), rounded down, of the distance d from the point to the
     cell's centre; ``resolution`` is metres a cell and ``sigma`` metres. Source: Olson 2009, section III. Raises

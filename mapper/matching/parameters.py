@@ -32,6 +32,7 @@ METHODS: Mapping[str, Method] = {
             "global", "modes", "point_to_line", "The best modes of the correlation, each refined point to line; the "
             "one on which both scans agree best.",
         ),
+        Method("global_field", "modes", "likelihood_field", "The best modes, each refined on a smooth field."),
         Method("point_to_line", "guess", "point_to_line", "ICP with the distance to the line (Censi 2008)."),
         Method("point_to_point", "guess", "point_to_point", "ICP with the distance to the point (Besl & McKay 1992)."),
         Method("likelihood_field", "guess", "likelihood_field", "Gauss-Newton on a smooth field (Kohlbrecher 2011)."),
@@ -45,7 +46,7 @@ WEIGHTS: Mapping[str, int] = {"cauchy": CAUCHY, "huber": HUBER, "squares": SQUAR
 CORRESPONDENCES = ("bearing", "nearest")
 _SEARCHING = tuple(name for name, method in METHODS.items() if method.search != "guess")
 _PAIRING = tuple(name for name, method in METHODS.items() if method.refinement.startswith("point"))
-_FIELDS = ("global", "likelihood_field", "correlative", "exhaustive")
+_FIELDS = ("global", "global_field", "likelihood_field", "correlative", "exhaustive")
 
 PARAMETERS: tuple[Parameter, ...] = (
     Parameter("method", "Method", "method", "choice", "global", "How the match is found.", choices=tuple(METHODS)),
@@ -71,11 +72,12 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "modes", "Modes", "search", "number", 4, "At most so many separate poses of the search are refined.",
-        "", 1, 32, 1, only_for=("global", "features"),
+        "", 1, 32, 1, only_for=("global", "global_field", "features"),
     ),
     Parameter(
-        "mode_share", "Least mode", "search", "number", 0.7,
-        "A pose that scores less than this share of the best one is no mode.", "", 0.0, 1.0, 0.05, only_for=("global",),
+        "mode_share", "Least mode", "search", "number", 0.8,
+        "A pose that scores less than this share of the best one is no mode.", "", 0.0, 1.0, 0.05,
+        only_for=("global", "global_field"),
     ),
     Parameter(
         "correspondence", "Correspondence", "pairs", "choice", "bearing",
@@ -133,7 +135,7 @@ class MatchConfig:
     field_sigma: float = 0.1
     turn_step: float = math.radians(2.0)
     modes: float = 4
-    mode_share: float = 0.7
+    mode_share: float = 0.8
     correspondence: str = "bearing"
     first_gate: float = 0.3
     last_gate: float = 0.12
@@ -160,3 +162,6 @@ class MatchConfig:
 
 
 check_table(MatchConfig, PARAMETERS)
+
+#: Two maps may be moved and turned by anything; within this their walls are found again.
+MAP_CONFIG = MatchConfig(method="global_field", window_m=5.0, window_rad=math.pi)

@@ -13,7 +13,7 @@ from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 from mapper.sensors.timed_poses import check_poses
 
 FEWEST_POINTS = 3
-MOST_MAP_POINTS = 20_000  #: occupied cells of a map beyond which only each n-th is taken
+MOST_MAP_POINTS = 5_000  #: occupied cells of a map beyond which only each n-th is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,11 @@ def check_points(scans: ScanArrays, indices: Int64Array, what: str) -> None:
 
 def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
-    return Target(scans, np.array([index], dtype=np.int64), np.zeros((len(scans.kind), 3)))
+    if not 0 <= index < len(scans.kind):
+        raise ConfigError("matching.scan", f"There is no scan {index} among {len(scans.kind)}.")
+    part = slice(index, index + 1)
+    one = scans._replace(points=scans.points[part], normals=scans.normals[part], kind=scans.kind[part])
+    return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 
 
 def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:

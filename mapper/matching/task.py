@@ -21,8 +21,8 @@ from mapper.sensors.timed_poses import check_poses
 MOST_BLOCKS = 1 << 24  #: of a window that is searched: 64 MB of bounds
 TOP_LEVEL = 3  #: blocks of 8 × 8 cells are bounded first
 MOST_BEAMS = 20  #: around the bearing of a point where it corresponds by bearing
-STOP_M, STOP_RAD = 1e-4, 1e-5  #: an iteration that moves the pose by less is the last one
-SHRINK = 0.7  #: of the gate from one iteration to the next
+STOP_M, STOP_RAD = 2e-4, 5e-5  #: an iteration that moves the pose by less is the last one
+SHRINK = 0.6  #: of the gate from one iteration to the next
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class Task:
             raise ConfigError(
                 "matching.method",
                 f"The method {self.config.method} pairs points by the view of a scan, and the target is a map: "
-                "take likelihood_field or correlative.",
+                "take global_field, likelihood_field or correlative.",
             )
         window = self.window
         blocks = (2 * window.turns + 1) * (2 * window.cells / (1 << TOP_LEVEL) + 1) ** 2
@@ -123,5 +123,6 @@ class Task:
 
     @property
     def stride(self) -> int:
-        """Each so-manieth point is enough for a search: 100 to 200 of them decide which pose is best."""
-        return max(1, int(np.count_nonzero(self.source.kind[self.index])) // 100)
+        """Of how many beams one is used by the search for modes: 60 to 120 points of a scan show where they are."""
+        wanted = 400 if self.target.is_map else 60
+        return max(1, int(np.count_nonzero(self.source.kind[self.index])) // wanted)

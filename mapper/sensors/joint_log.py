@@ -12,6 +12,7 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
 
 Int64Array = NDArray[np.int64]
+SEPARATOR = " + "  #: between the topics of several sensors, in the name of their joint log
 
 
 def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
@@ -85,7 +86,7 @@ class JointLog(ScanLog):
         bearings = first.bearings
         if bearings is not None:
             bearings = np.pad(bearings, (0, ranges.shape[1] - len(bearings)))
-        notes = dict.fromkeys(note for log in logs for note in log.notes)
+        notes = dict.fromkeys([*(note for log in logs for note in log.notes), *_notes_on_clocks(logs)])
         return cls(
             **{name: getattr(first, name) for name in ScanLog.__dataclass_fields__}
             | {
@@ -95,7 +96,7 @@ class JointLog(ScanLog):
                 "bearings": bearings,
                 "range_min": min(log.range_min for log in logs),
                 "range_max": max(log.range_max for log in logs),
-                "topic": " + ".join(log.topic for log in logs),
+                "topic": SEPARATOR.join(log.topic for log in logs),
                 "notes": tuple(notes),
                 "odometry": None,
             },
@@ -126,6 +127,20 @@ class JointLog(ScanLog):
         for number, part in enumerate(self.parts):
             poses[self.part_of_scan == number] = part.sensor_poses(trajectory)
         return poses
+
+
+def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
+    """Return a note where sensors' stamps have no time in common, as those of different clocks."""
+    spans = [(int(log.stamps_ns.min()), int(log.stamps_ns.max()), log.topic) for log in logs if log.n_scans]
+    first = min(spans, key=lambda span: span[1], default=None)
+    late = [name for start, _, name in spans if first is not None and start > first[1]]
+    if first is None or not late:
+        return []
+    note = (
+        f"All scans of {', '.join(late)} are later than those of {first[2]}, so they are mapped after them: either the "
+        "sensors were not recorded together, or their clocks differ."
+    )
+    return [note]
 
 
 def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:

@@ -132,7 +132,7 @@ def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[s
     typed = {name: value for name, value in values.items() if value is not None}
     given = {name: value_of(BY_NAME[name], value) if isinstance(value, str) else value for name, value in typed.items()}
     if mount is not None:
-        given |= zip(MOUNT, _numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
+        given |= zip(MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
     configured(given)
     return given
 
@@ -159,17 +159,18 @@ def given_cut(values: dict[str, Any]) -> PlanarCut:
 
 def place(text: str) -> list[float]:
     """Return the given point X,Y, or end the command with an error."""
-    return _numbers("--at", "two numbers, X,Y in metres", 2, text)
+    return numbers("--at", "two numbers, X,Y in metres", 2, text)
 
 
-def _numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
+def numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
+    """Return the ``count`` numbers of an option, or end the command with an error that says what is ``wanted``."""
     try:
-        numbers = [float(part) for part in text.split(",")]
+        found = [float(part) for part in text.split(",")]
     except ValueError:
-        numbers = []
-    if len(numbers) != count:
+        found = []
+    if len(found) != count:
         fail(f"{option} needs {wanted}, not {text!r:.40}.")
-    return numbers
+    return found
 
 
 @contextmanager

@@ -30,8 +30,8 @@ def drift_note(log: ScanLog, trajectory: str | None, config: MappingConfig) -> s
         other for other, one in log.trajectories.items() if np.abs(one.poses[:, :2] - poses[:, :2]).max() > SAME_POSES_M
     ]
     remedy = (
-        f"try other poses of this log with --trajectory {' or '.join(others)}"
+        f"try other poses of this log with --trajectory {' or '.join(others)}, or correct them with gridbloom slam"
         if others
-        else "correct them with a SLAM program; the log has no different ones"
+        else "correct them with gridbloom slam; the log has no different ones"
     )
     return f"The poses of trajectory {name!r} drift, so walls may be double: {remedy}."

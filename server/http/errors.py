@@ -60,8 +60,11 @@ _STATUS_OF_CODE = {
     "note.pin": 422,
     "note.too_many": 409,
     "log.gone": 410,
+    "graph.none": 404,
     "log.stalled": 408,
     "log.storage": 507,
+    "slam.busy": 503,
+    "slam.too_many": 429,
     "trajectory.too_many": 409,
 }
 

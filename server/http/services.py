@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from fastapi import Depends
@@ -15,6 +15,7 @@ from server.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
+from server.work.fair_lock import FairLock
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,7 @@ class Services:
     library: Library
     downloads: Downloads
     scenes: Scenes
+    request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
 
 
 def install(app: Starlette, services: Services) -> None:
@@ -73,6 +75,11 @@ async def get_scenes(connection: HTTPConnection) -> Scenes:
     return services_of(connection.app).scenes
 
 
+async def get_request_work(connection: HTTPConnection) -> FairLock:
+    """Return the lock under which a request computes on a thread."""
+    return services_of(connection.app).request_work
+
+
 async def get_visitor(connection: HTTPConnection) -> str:
     """Return the id of the visitor who sent the request, from the cookie (:mod:`server.http.security`)."""
     visitor: str = connection.state.visitor
@@ -85,4 +92,5 @@ Sessions = Annotated[SessionRegistry, Depends(get_sessions)]
 Logs = Annotated[Library, Depends(get_library)]
 FileDownloads = Annotated[Downloads, Depends(get_downloads)]
 OpenScenes = Annotated[Scenes, Depends(get_scenes)]
+RequestWork = Annotated[FairLock, Depends(get_request_work)]
 Visitor = Annotated[str, Depends(get_visitor)]

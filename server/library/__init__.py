@@ -1,7 +1,8 @@
 """Uploaded logs: what is stored, what is known of it, and the jobs that read it."""
 
 from server.library.added import TrajectoryNotFoundError
-from server.library.library import Library, LibraryLimits, LogNotFoundError, LogReadOnlyError, check_stores
+from server.library.library import Library, LogNotFoundError, LogReadOnlyError, check_stores
+from server.library.limits import LibraryLimits
 from server.library.link import Link, LinkGoneError
 from server.library.records import Record
 from server.library.sample import SAMPLE_ID

@@ -8,9 +8,9 @@ from dataclasses import asdict
 from sqlalchemy import Connection, delete, insert, select
 
 from server.library.added import Added
-from server.library.log_rows import upsert_log
+from server.library.log_rows import ensure_log
 from server.library.records import Record
-from server.library.tables import logs, trajectories
+from server.library.tables import trajectories
 
 
 def load_added(connection: Connection) -> Sequence[Added]:
@@ -21,8 +21,7 @@ def load_added(connection: Connection) -> Sequence[Added]:
 
 def replace_added(connection: Connection, record: Record, added: Added) -> None:
     """Write the row of a trajectory of the log ``record`` in the place of the owner's one of the same name."""
-    if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
-        upsert_log(connection, record)  # of the sample, and of unread logs of the folder, there is no row otherwise
+    ensure_log(connection, record)
     delete_added(connection, added.owner, added.log_id, added.name)
     connection.execute(insert(trajectories).values(asdict(added)))
 

@@ -17,13 +17,35 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, Protocol, TypeVar
 
 from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary, summarise
 from server.library.log_pack import write_pack
 
 T = TypeVar("T")
+R_co = TypeVar("R_co", covariant=True)
+
+READING = "Reading this log"  #: what most jobs do, in their errors
+
+
+class WorkerJob(Protocol[R_co]):
+    """What a worker does in its process, within limits of elapsed and of processor time and of address space."""
+
+    @property
+    def timeout_s(self) -> float:
+        """Longest elapsed time, seconds."""
+
+    @property
+    def memory_bytes(self) -> int:
+        """Largest address space of the process, bytes."""
+
+    @property
+    def work(self) -> Callable[[Any], R_co]:
+        """The function that does the job, which is its only argument."""
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that took too long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +58,15 @@ class Job:
     timeout_s: float
     cpu_s: float
     memory_bytes: int  #: of address space
+
+    @property
+    def work(self) -> Callable[[Job], LogSummary]:
+        """The function that reads it."""
+        return read_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a log that takes too long to read."""
+        return time_error(self.timeout_s)
 
 
 _report: Callable[[float], None] | None = None  #: reports the progress of this process
@@ -89,8 +120,10 @@ def _out_of_time(number: int, _: object) -> None:
 
 
 @contextlib.contextmanager
-def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
+def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) -> Iterator[None]:
     """Interrupt the block after ``timeout_s`` seconds of elapsed time or ``cpu_s`` of processor time.
+
+    It raises the first of ``over``, or the second.
 
     What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again.
     """
@@ -104,8 +137,8 @@ def _timed(timeout_s: float, cpu_s: float) -> Iterator[None]:
             signal.signal(number, _out_of_time)
             signal.setitimer(timer, seconds)
         yield
-    except _OutOfTime as over:
-        raise time_error(timeout_s) if over.args[0] == signal.SIGALRM else _cpu_error(cpu_s) from None
+    except _OutOfTime as caught:
+        raise over[0] if caught.args[0] == signal.SIGALRM else over[1] from None
     finally:
         for _, timer, _ in alarms:
             signal.setitimer(timer, 0.0)
@@ -119,14 +152,18 @@ def read_job(job: Job) -> LogSummary:
     return bounded(job.timeout_s, job.cpu_s, lambda: _read(job))
 
 
-def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T]) -> T:
-    """Return what ``work`` returns; raise :class:`LimitError` where it needs more time or memory than it may have."""
+def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = READING, code: str = "log") -> T:
+    """Return what ``work`` returns; raise :class:`LimitError` where it needs more time or memory than it may have.
+
+    ``doing`` is what the errors say that it does, and ``code`` the first part of their codes.
+    """
     note_progress(0.0)
+    more = LimitError(f"{code}.time", f"{doing} takes more than the {cpu_s:.3g} s of processor time it may have.")
     try:
-        with _timed(timeout_s, cpu_s):
+        with _timed(timeout_s, cpu_s, (time_error(timeout_s, doing, code), more)):
             return work()
     except MemoryError:
-        raise LimitError("log.memory", "Reading this log needs more memory than the server gives to one log.") from None
+        raise LimitError(f"{code}.memory", f"{doing} needs more memory than the server gives to one log.") from None
 
 
 def _read(job: Job) -> LogSummary:
@@ -145,10 +182,6 @@ def _read(job: Job) -> LogSummary:
     return summarise(log.first)
 
 
-def time_error(timeout_s: float) -> LimitError:
-    """Return the error for a job that took too long."""
-    return LimitError("log.time", f"Reading this log takes longer than the {timeout_s:.3g} s that the server allows.")
-
-
-def _cpu_error(cpu_s: float) -> LimitError:
-    return LimitError("log.time", f"Reading this log takes more than the {cpu_s:.3g} s of processor time it may have.")
+def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:
+    """Return the error for a job that took too long; as :func:`bounded`."""
+    return LimitError(f"{code}.time", f"{doing} takes longer than the {timeout_s:.3g} s that the server allows.")

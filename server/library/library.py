@@ -10,19 +10,22 @@ import asyncio
 import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.io.contents.model import Contents
+from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.inspections import Inspections
 from server.library.jobs import Jobs, full, unstored
+from server.library.limits import DAY_S, LibraryLimits
 from server.library.log_pack import StalePackError
 from server.library.log_reader import Reader
+from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.names import display_name
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
@@ -36,9 +39,9 @@ from server.settings import Settings
 
 if TYPE_CHECKING:
     from server.library.added import Added
-    from server.library.trajectories import NewTrajectory
 
-DAY_S = 86_400.0
+MAX_TOGETHER = 32  #: sensors of one log that are mapped together
+SONAR = "sensor_msgs/Range"
 
 
 class LogNotFoundError(MapperError):
@@ -47,31 +50,6 @@ class LogNotFoundError(MapperError):
 
 class LogReadOnlyError(MapperError):
     """The log is not the visitor's to delete."""
-
-
-@dataclass(frozen=True, slots=True)
-class LibraryLimits:
-    """Limits on uploads, stored bytes and reading."""
-
-    max_logs_per_owner: int = 50
-    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
-    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
-    max_uploads_at_once: int = 8
-    max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
-    keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
-    idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
-    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
-    read_memory_bytes: int = 6 << 30  #: address space of the reading process
-    cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
-
-    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
-        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
-        return replace(
-            self,
-            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
-            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
-        )
 
 
 def check_stores(settings: Settings) -> None:
@@ -104,6 +82,7 @@ class Library:
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
+        from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
@@ -129,10 +108,11 @@ class Library:
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
         self.notes = Notes(self._database)
-        self.trajectories = Trajectories(self._database, blobs, scratch)
+        self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
-        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self.trajectories.forget_log)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
+        self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
@@ -140,6 +120,7 @@ class Library:
             cpu_s=self._limits.read_cpu_s,
             memory_bytes=memory,
         )
+        self._pictures = MomentPictures(self._catalogue)
         self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
 
     async def start(self) -> None:
@@ -158,15 +139,18 @@ class Library:
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
+        await self.slam.start()
         self._folder.begin_survey()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._folder.close()
+        await self.slam.close()
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
         await self._inspections.close()
+        await self._pictures.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -174,6 +158,11 @@ class Library:
     async def _expire(self) -> None:
         """Delete the uploads that were not used for a long time."""
         await self._catalogue.expire(time.time() - self._limits.keep_s, self._jobs.busy)
+
+    async def _forgotten(self, log_id: str) -> None:
+        """Remove what was added to a log that was deleted."""
+        await self.slam.forget_log(log_id)
+        await self.trajectories.forget_log(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
@@ -351,10 +340,37 @@ class Library:
     async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
         """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
-        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several.
-        Raises :class:`LogNotFoundError`, and what the reader raised (:class:`ReadError`, :class:`LimitError`).
+        It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
+        or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
+        scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
+        :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        return await self.trajectories.joined(owner, log_id, await self._load(owner, log_id, topic))
+        log = await self._load_joint(owner, log_id, topic)
+        return await self.trajectories.joined(owner, log_id, log)
+
+    async def _load_joint(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+        """Return one sensor of a log, or several as one log."""
+        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
+        names = [] if topic is None else topic.split(SEPARATOR)
+        if log is not None and topic is None and log.beam_width > 0.0:
+            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
+        if len(names) < 2 and log is not None:
+            return log
+        if len(names) > MAX_TOGETHER:
+            raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
+        key = f"{log_id}#{SEPARATOR.join(names)}"
+        kept = self._cache.get(key)
+        if kept is not None:
+            return kept
+        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
+        try:
+            joint = await asyncio.to_thread(JointLog.of, parts)
+        except ConfigError:
+            if log is None:
+                raise
+            return log  # the sonars' poses are in different frames: one of them by itself
+        self._cache.put(key, joint)
+        return joint
 
     async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
         record = self.get(owner, log_id)
@@ -398,30 +414,20 @@ class Library:
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> tuple[Added, Sequence[str]]:
-        """Add the TUM file that ``chunks`` are to a log, as one more trajectory of it; return its record, and notes.
+        """Add the TUM file that ``chunks`` are as one more trajectory of a log; return its record, and notes.
 
-        It replaces the owner's trajectory of the same name. Raises :class:`LimitError` for a file over the cap and for
-        one trajectory too many, and as :meth:`load` and :meth:`server.library.trajectories.Trajectories.put`.
+        Raises as :meth:`load`, and :func:`text_of` and :meth:`Trajectories.put` of :mod:`server.library.trajectories`.
         """
-        from server.library.trajectories import MAX_BYTES, NewTrajectory  # noqa: PLC0415
+        from server.library.trajectories import NewTrajectory, text_of  # noqa: PLC0415
 
         log = await self.load(owner, log_id)
-        text = bytearray()
         async with self._slots.take(owner, address) as slot:
-            async for piece in slot.read(chunks):
-                text += piece
-                if len(text) > MAX_BYTES:
-                    message = f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here."
-                    raise LimitError("trajectory.too_large", message)
-        return await self.put_trajectory(owner, log_id, log, NewTrajectory(name, bytes(text)))
+            text = await text_of(slot.read(chunks))
+        return await self.trajectories.put(owner, self.get(owner, log_id), log, NewTrajectory(name, text))
 
-    async def put_trajectory(
-        self, owner: str, log_id: str, log: ScanLog, new: NewTrajectory
-    ) -> tuple[Added, Sequence[str]]:
-        """Add a trajectory to ``log``, the log of this id. Raises :class:`LimitError` where there is no room for it."""
-        if self._room() < len(new.text) + len(new.graph or b""):
-            raise full()
-        return await self.trajectories.put(owner, self.get(owner, log_id), log, new)
+    async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
+        """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
+        return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns)
 
     async def _settled(self, owner: str, log_id: str) -> Record:
         """Return the record of a log after the job that is under way; raise what the reader raised."""

@@ -16,9 +16,9 @@ from sqlalchemy import Connection, delete, insert, select
 from mapper.core.errors import LimitError
 from server.library.database import Database
 from server.library.link import Link, LinkGoneError
-from server.library.log_rows import upsert_log
+from server.library.log_rows import ensure_log
 from server.library.records import Record
-from server.library.tables import links, logs
+from server.library.tables import links
 
 MAX_LINKS_PER_OWNER = 100
 
@@ -45,8 +45,7 @@ class Links:
         link = Link(secrets.token_urlsafe(24), owner, record.id, time.time(), view)
 
         def work(connection: Connection) -> None:
-            if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
-                upsert_log(connection, record)  # of the sample there is no row otherwise
+            ensure_log(connection, record)
             values = {"token": link.token, "owner": owner, "log_id": record.id, "created_s": link.created_s}
             connection.execute(insert(links).values(**values, view=json.dumps(view)))
 

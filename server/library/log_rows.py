@@ -45,6 +45,12 @@ def upsert_log(connection: Connection, record: Record) -> None:
         connection.execute(insert(logs).values(values))
 
 
+def ensure_log(connection: Connection, record: Record) -> None:
+    """Write the row of a record unless it is there: of the sample, and of unread logs of the folder, there is none."""
+    if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
+        upsert_log(connection, record)
+
+
 def _load(connection: Connection) -> Sequence[Record]:
     return [_record(row) for row in connection.execute(select(logs).order_by(logs.c.created_s))]
 

@@ -13,7 +13,7 @@ import secrets
 import time
 import unicodedata
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -38,6 +38,7 @@ MAX_NAME = 80  #: characters of a name
 MAX_OF_LOG = 20  #: trajectories that one visitor may add to a log
 MAX_OF_OWNER = 200  #: and to all logs together
 MAX_BYTES = 16 << 20  #: of one TUM file: 180,000 poses
+BY_HAND = "; its graph was changed by hand"  #: what the description of such a trajectory ends with
 KEPT = 64  #: joined trajectories that are kept in memory
 
 _log = structlog.get_logger(__name__)
@@ -57,10 +58,11 @@ class NewTrajectory:
 class Trajectories:
     """All added trajectories, their records in memory and in ``database``, their files in the store of ``blobs``."""
 
-    def __init__(self, database: Database, blobs: Blobs, scratch: Path) -> None:
+    def __init__(self, database: Database, blobs: Blobs, scratch: Path, room: Callable[[], int]) -> None:
         self._database = database
         self._files = blobs.beside(FILES)
         self._scratch = scratch
+        self._room = room  #: returns how many more bytes are allowed
         self._added: dict[str, Added] = {}
         self._changing = asyncio.Lock()  #: held while a trajectory comes or goes
         self._reading = FairLock()  #: one file at a time is read
@@ -126,8 +128,11 @@ class Trajectories:
 
         Return its record, and what was noted while it was read. Raises what
         :func:`mapper.io.trajectories.read_tum` and :func:`mapper.io.trajectories.poses_at_all_scans` raise, as
-        :meth:`check`, and :class:`StorageError`; then everything is as it was.
+        :meth:`check`, :class:`LimitError` where there is no room, and :class:`StorageError`; then everything is as it
+        was.
         """
+        if self._room() < len(new.text) + len(new.graph or b""):
+            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
         own_names = [one for one in log.trajectories if one not in {added.name for added in self.of(owner, record.id)}]
         self.check(owner, record.id, new.name, own_names)
         trajectory_id = secrets.token_hex(10)
@@ -173,6 +178,15 @@ class Trajectories:
         for one in replaced:
             del self._added[one]
             await self._remove_files(one)
+
+    async def put_changed(
+        self, owner: str, record: Record, log: ScanLog, name: str, text: bytes, graph: bytes
+    ) -> Added:
+        """Replace a trajectory after its graph was changed by hand. Raises as :meth:`get` and :meth:`put`."""
+        known = self.get(owner, record.id, name)
+        said = known.description.removesuffix(BY_HAND) + BY_HAND
+        added, _ = await self.put(owner, record, log, NewTrajectory(name, text, known.source, said, graph))
+        return added
 
     async def delete(self, owner: str, log_id: str, name: str) -> None:
         """Remove a trajectory. Sessions that have it go on.
@@ -247,6 +261,16 @@ class Trajectories:
         if len(self._joined) > KEPT:
             self._joined.popitem(last=False)
         return trajectory
+
+
+async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
+    """Return the text that arrives in ``chunks``. Raises :class:`LimitError` for more than :data:`MAX_BYTES`."""
+    text = bytearray()
+    async for piece in chunks:
+        text += piece
+        if len(text) > MAX_BYTES:
+            raise LimitError("trajectory.too_large", f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here.")
+    return bytes(text)
 
 
 def _write_packed(path: Path, text: bytes) -> None:

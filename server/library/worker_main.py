@@ -41,7 +41,7 @@ def main() -> None:
     jobs.begin(job.memory_bytes, report)
     result: object
     try:
-        result = jobs.read_job(job)
+        result = job.work(job)
     except MapperError as error:
         result = error
     except Exception as error:  # noqa: BLE001 - a reader's defect crosses to the server, which logs it

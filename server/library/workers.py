@@ -1,4 +1,4 @@
-"""Workers that read logs, on a ``concurrent.futures.Executor``, each log in a process of its own.
+"""Workers that do the jobs of logs on a ``concurrent.futures.Executor``, each job in a process of its own.
 
 A pool of one process on this machine is the default: it is warm from one log to the next. Any other executor, as that
 of a Dask cluster, starts a process for each log on a machine of its own choice, which sees the data folder by the same
@@ -17,11 +17,10 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
-from mapper.io.logs.summary import LogSummary
 from server.library import job as jobs
-from server.library.job import Job
+from server.library.job import WorkerJob
 from server.library.storage import StorageError
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
@@ -33,21 +32,21 @@ T = TypeVar("T")
 
 
 class Worker(Protocol):
-    """Reads logs, one at a time."""
+    """Does jobs, one at a time."""
 
     @property
     def progress(self) -> float:
-        """How far the log that is being read is, from 0 to 1."""
+        """How far the present job is, from 0 to 1."""
 
     @property
     def pid(self) -> int:
         """The process that reads, 0 where there is none on this machine."""
 
-    def submit(self, job: Job) -> Future[LogSummary]:
-        """Have a log read in a process of its own, which keeps to the job's limits of memory and of time.
+    def submit(self, job: WorkerJob[T]) -> Future[T]:
+        """Have a job done in a process of its own, which keeps to the job's limits of memory and of time.
 
-        The future raises :class:`ReadError` or :class:`LimitError` as the reader does, and :class:`BrokenExecutor`
-        where the process was ended; neither harms the next job.
+        The future raises what the job raises, as :class:`ReadError` or :class:`LimitError`, and
+        :class:`BrokenExecutor` where the process was ended; neither harms the next job.
         """
 
     def end(self) -> None:
@@ -77,9 +76,9 @@ class PoolWorker:
         """The process."""
         return 0 if self._pid is None else int(self._pid.value)
 
-    def submit(self, job: Job) -> Future[LogSummary]:
-        """Have a log read."""
-        return self.run(jobs.read_job, job)
+    def submit(self, job: WorkerJob[T]) -> Future[T]:
+        """Have a job done."""
+        return self.run(job.work, job)
 
     def run(self, function: Callable[[J], T], job: J) -> Future[T]:
         """Have a function of a module called in the process, which keeps to the limits itself."""
@@ -136,7 +135,7 @@ class ExecutorWorker:
         self._executor = executor
         self._folder = folder
         self._lease: Path | None = None
-        self._job: Future[LogSummary] | None = None
+        self._job: Future[Any] | None = None
 
     @property
     def progress(self) -> float:
@@ -146,14 +145,15 @@ class ExecutorWorker:
         except (OSError, ValueError):
             return 0.0
 
-    def submit(self, job: Job) -> Future[LogSummary]:
-        """Have a log read."""
+    def submit(self, job: WorkerJob[T]) -> Future[T]:
+        """Have a job done."""
         self.end()
         lease = self._lease = self._folder / f"{uuid.uuid4().hex}.lease"
         lease.write_bytes(b"0")
-        self._job = self._executor.submit(read_in_process, job, str(lease))
-        self._job.add_done_callback(lambda _: lease.unlink(missing_ok=True))
-        return self._job
+        done: Future[Any] = self._executor.submit(do_in_process, job, str(lease))
+        self._job = done
+        done.add_done_callback(lambda _: lease.unlink(missing_ok=True))
+        return done
 
     def end(self) -> None:
         """Take the lease away."""
@@ -169,7 +169,7 @@ class ExecutorWorker:
         self._executor.shutdown(wait=True)
 
 
-def read_in_process(job: Job, lease: str) -> LogSummary:
+def do_in_process(job: WorkerJob[T], lease: str) -> T:
     """Do a job in a process of its own, and raise as it does; :class:`BrokenExecutor` where it was ended."""
     command = [sys.executable, "-m", "server.library.worker_main"]
     try:
@@ -181,14 +181,12 @@ def read_in_process(job: Job, lease: str) -> LogSummary:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise jobs.time_error(job.timeout_s) from None
+        raise job.time_error() from None
     if done.returncode != 0:
-        raise BrokenExecutor(f"the process that read a log ended with {done.returncode}")
-    result = pickle.loads(done.stdout)  # noqa: S301 - by our own process, as a pool's are
+        raise BrokenExecutor(f"the process of a job ended with {done.returncode}")
+    result: T | Exception = pickle.loads(done.stdout)  # noqa: S301 - by our own process, as a pool's are
     if isinstance(result, Exception):
         raise result
-    if not isinstance(result, LogSummary):
-        raise TypeError(f"a job returned {type(result).__name__}")
     return result
 
 

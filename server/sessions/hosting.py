@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager, AbstractContextManager
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
@@ -48,6 +48,9 @@ class ModelHost(Protocol):
 
     async def on_thread(self, job: Callable[[], T]) -> T:
         """Compute ``job`` on a worker thread as scheduled."""
+
+    def enqueue(self, command: dict[str, Any]) -> None:
+        """Queue a command of the service itself. Raises :class:`server.stream.protocol.ProtocolError` if it is full."""
 
     def deliver(self, result: TickResult) -> None:
         """Send the result of a computation between two ticks."""

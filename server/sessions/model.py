@@ -22,7 +22,7 @@ from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
-    from server.sessions.parts import Comparable, Recording, Story
+    from server.sessions.parts import Comparable, Graphed, Recording, Story
 
 NO_SCAN: dict[str, Any] = {}
 
@@ -46,6 +46,7 @@ class SessionModel(ABC):
 
     recording: Recording | None = None  #: the log, for a session of a log
     comparison: Comparable | None = None  #: the comparison of the map with another one
+    graph: Graphed | None = None  #: the pose graph of a log's trajectory
     story: Story | None = None  #: recorded history from which the session can be reproduced
 
     def __init__(self, playback: Playback | None = None) -> None:

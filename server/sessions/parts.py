@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions.view import LogView, Wanted
+from server.sessions.view import GraphChange, LogView, Wanted
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
     from mapper.io.export import GrowingMap
+
+
+GraphSource: TypeAlias = Callable[[str], Awaitable[bytes | None]]  #: reads the file of a trajectory's pose graph
 
 
 class Recording(Protocol):
@@ -58,6 +62,28 @@ class Comparable(Protocol):
 
     def description(self) -> dict[str, Any] | None:
         """Return the description of A, None if there is no comparison."""
+
+
+class Graphed(Protocol):
+    """The pose graph of a session's trajectory. All of it raises :class:`mapper.core.errors.MapperError`."""
+
+    async def public(self, source: GraphSource) -> dict[str, Any]:
+        """Return the loops of the graph, and show its layer."""
+
+    async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return an edge with both of its scans."""
+
+    async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
+        """Return the loops that were tried near a place, map metres."""
+
+    async def candidate(self, candidate: int, source: GraphSource) -> dict[str, Any]:
+        """Return a loop that was tried with both of its scans."""
+
+    async def change(self, change: GraphChange, source: GraphSource) -> dict[str, Any]:
+        """Change the graph and map along its poses; return as :meth:`public`."""
+
+    async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
+        """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
 
 
 class Story(Protocol):

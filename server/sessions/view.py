@@ -41,6 +41,22 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
+class GraphChange:
+    """A change of a pose graph by hand; what is None stays.
+
+    ``remove``, ``lock`` and ``unlock`` are numbers of loops; ``robust`` and ``robust_scale`` say how the graph is
+    solved. With ``reset`` it is as SLAM left it.
+    """
+
+    remove: int | None = None
+    lock: int | None = None
+    unlock: int | None = None
+    robust: str | None = None
+    robust_scale: float | None = None
+    reset: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class RobotState:
     """The robot and its newest scan.
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
+from mapper.mapping.joint_scans import sensor_poses_of
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import bearings, sensor_poses_of_readings
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.mapping.update_plan import plan_update
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
@@ -90,8 +91,9 @@ def _contributions(
     """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
     scans, beams = part.scans[inside], part.beams[inside]
-    poses = sensor_poses_of_readings(source.log, plan, source.trajectory, scans, beams)
-    angles = bearings(source.log, plan)
+    poses, angles = sensor_poses_of(source.log, config, source.trajectory, scans, beams)
+    log = source.log
+    sensors = [log.parts[part].topic for part in log.part_of_scan[scans]] if isinstance(log, JointLog) else None
     ranges = part.ranges[inside].astype(np.float64)
     returned = (ranges >= plan.reading_filter.range_min) & (ranges <= plan.reading_filter.range_max)
     columns = zip(
@@ -99,7 +101,7 @@ def _contributions(
         np.round(source.stamps_s[scans], 3).tolist(),
         beams.tolist(),
         np.round(poses, 4).tolist(),
-        np.round(angles[beams], 5).tolist(),
+        np.round(angles, 5).tolist(),
         np.round(np.where(returned, ranges, 0.0), 3).tolist(),
         returned.tolist(),
         part.hits[inside].tolist(),
@@ -108,7 +110,8 @@ def _contributions(
         strict=True,
     )
     return [
-        {
+        ({} if sensors is None else {"sensor": sensors[i]})
+        | {
             "n": n + inside.start + i + 1,
             "scan": first_scan + scan,
             "stamp": stamp,

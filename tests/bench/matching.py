@@ -93,7 +93,9 @@ def matchers(log: ScanLog) -> Iterator[tuple[str, Matcher]]:
 
     def of(method: str) -> Matcher:
         def match(i: int, j: int, guess: Float64Array, metres: float, radians: float) -> Float64Array:
-            config = MatchConfig(method=method, window_m=metres, window_rad=radians, first_gate=max(0.3, 2.0 * metres))
+            config = MatchConfig(
+                method=method, window_m=metres, window_rad=radians, first_gate=max(0.3, 2.0 * metres), min_cosine=0.0
+            )
             if METHODS[method].search != "guess":
                 config = MatchConfig(method=method, window_m=metres, window_rad=radians)
             try:
@@ -103,7 +105,7 @@ def matchers(log: ScanLog) -> Iterator[tuple[str, Matcher]]:
 
         return match
 
-    yield from ((name, of(name)) for name in METHODS if name != "exhaustive")
+    yield from ((name, of(name)) for name in METHODS if name != "exhaustive")  # which finds what correlative does
     try:
         import small_gicp  # type: ignore[import-not-found]
     except ImportError:

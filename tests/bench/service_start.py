@@ -50,13 +50,13 @@ def _start(folder: str) -> tuple[float, float]:
         # The socket listens before the application is made: the request waits in its backlog and is asked only once.
         with urllib.request.urlopen(f"{address}readyz") as answer:
             assert answer.status == 200
-        return _cpu_s(service.pid), time.perf_counter() - began
+        return cpu_s(service.pid), time.perf_counter() - began
     finally:
         service.terminate()
         service.wait()
 
 
-def _cpu_s(pid: int) -> float:
+def cpu_s(pid: int) -> float:
     """Return the user and system time of all threads of a process, in steps of 10 ms (proc_pid_stat(5))."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

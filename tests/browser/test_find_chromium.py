@@ -57,6 +57,19 @@ def test_one_without_windows_is_preferred(tmp_path):
     assert find(tmp_path).stdout == f"{light}\n"
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root installs without sudo")
+def test_in_ci_the_headless_shell_is_installed_where_it_can_be(tmp_path):
+    other = program(tmp_path, "chromium", "echo Chromium 1")
+    light = tmp_path / "chromium-headless-shell"
+    program(tmp_path, "env", 'shift; exec "$@"')
+    program(tmp_path, "apt-get", "exit 100")
+    assert find(tmp_path, CI="true").stdout == f"{other}\n"
+    making = f'printf "#!/bin/sh\necho 1\n" > {light} && /bin/chmod 755 {light}'
+    program(tmp_path, "apt-get", f'if [ "$2" = install ]; then {making}; fi')
+    assert find(tmp_path).stdout == f"{other}\n"
+    assert find(tmp_path, CI="true").stdout == f"{light}\n"
+
+
 @pytest.mark.skipif(sys.platform == "darwin", reason="looks into /Applications as well")
 def test_without_any_one_sentence_says_what_to_do(tmp_path):
     done = find(tmp_path)

@@ -22,7 +22,9 @@ def chain(n: int, *, moving: bool = False) -> list[recorded.Said]:
 def test_frames_that_go_round_in_a_circle(tmp_path):
     circle = [transform(T0 + i, f"f{(i + 1) % 5}", f"f{i}", 0.1 * i) for i in range(5)]
     said = [*circle, scan(T0, [1.0], frame="f0"), transform(T0, "f0", "f0")]
-    assert isinstance(opened(tmp_path / "a.log", recorded.mcap_bytes(said)), ScanLog)
+    log = opened(tmp_path / "a.log", recorded.mcap_bytes(said))
+    assert isinstance(log, ScanLog)
+    assert "The transforms form a loop, f0 in f1 in f2 in f3 in f4 in f0: they are followed up to 'f4'." in log.notes
 
 
 def test_a_chain_of_thousands_is_refused(tmp_path):

@@ -28,6 +28,9 @@ from numpy.typing import NDArray
 
 from mapper.io.export import ros2
 from mapper.io.export.growing_map import GrowingMap
+from mapper.mapping.placed_scan import deskewed_beams, without_mount_correction
+from mapper.mapping.prepare_scans import base_poses, is_deskewed
+from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.scan import LaserScan, ScanLog
 
 SECOND = ros2.SECOND
@@ -111,14 +114,20 @@ def write_mcap(
     coming = next(maps, None)
     angles = log.angle_min + log.angle_increment * np.arange(log.n_beams)
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    poses, plan = way.poses, None
+    if growing_map is not None:  # scans lie where they lie in that map
+        plan = without_mount_correction(plan_update(growing_map.config, log.range_min, log.range_max))
+        poses = base_poses(log, plan, trajectory)
+        plan = plan if is_deskewed(log, plan, trajectory) else None
     for index, stamp in enumerate(stamps.tolist()):
         if not way.is_placeholder:
-            x, y, yaw = (float(value) for value in way.poses[index])
+            x, y, yaw = (float(value) for value in poses[index])
             edge = (frame, base, (x, y, yaw), False)
             topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
             topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, (x, y, yaw)))
         if log.bearings is None:
-            _send_scan(topics, log, index, stamp, rays)
+            ends = _ends(log.ranges[index], rays) if plan is None else _deskewed_ends(log, plan, trajectory, index)
+            _send_scan(topics, log, index, stamp, ends)
         else:
             _send_sonars(topics, log, index, stamp)
         if coming is not None and growing_map is not None and coming[0] == index:
@@ -131,10 +140,10 @@ def write_mcap(
     writer.finish()  # type: ignore[no-untyped-call] # mcap's writer has no types there
 
 
-def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDArray[np.float64]) -> None:
+def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, ends: NDArray[np.float64]) -> None:
     """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame.
 
-    ``rays`` (n_beams, 2) are its beams' directions.
+    ``ends`` (n_beams, 2) are where its beams end, metres in its frame at the scan's stamp.
     """
     ranges = log.ranges[index]
     scan = LaserScan(
@@ -149,8 +158,20 @@ def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, rays: NDAr
     topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, log.frame_id, scan))
     measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
     points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
-    points[:, :2] = ranges[measured, None] * rays[measured]
+    points[:, :2] = ends[measured]
     topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, log.frame_id, points))
+
+
+def _deskewed_ends(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int) -> NDArray[np.float64]:
+    """Return where the beams of a scan end (n_beams, 2), metres in the sensor's frame at the scan's stamp."""
+    ranges, bearings = deskewed_beams(log, plan, trajectory, index)
+    sign = -1.0 if log.upside_down else 1.0
+    return _ends(ranges, np.stack([np.cos(bearings), sign * np.sin(bearings)], axis=1))
+
+
+def _ends(ranges: NDArray[np.float32], rays: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return where beams (n,) along ``rays`` (n, 2) end, the sensor's place for readings that are no distance."""
+    return np.asarray(np.where(np.isfinite(ranges), ranges, 0.0)[:, None] * rays)
 
 
 def _send_sonars(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:

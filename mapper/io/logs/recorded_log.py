@@ -177,6 +177,10 @@ class RecordedLog:
     ) -> tuple[tuple[float, float, float], bool, list[str]]:
         """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
         notes = []
+        loop = self._tf.loop_above(chain[0])
+        if loop:
+            frames = " in ".join(frame[:100] for frame in loop[:8])
+            notes.append(f"The transforms form a loop, {frames}: they are followed up to {loop[-2]!r:.100}.")
         if sensor.frame in self._taken.unplaced:
             notes.append(
                 f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
@@ -269,7 +273,10 @@ class RecordedLog:
                 key = (stream.topic, stream.kind)
                 known = rest.get(key, Topic(*key, 0))
                 rest[key] = _extended(replace(known, count=known.count + stream.count), stream)
-        return (*sorted(sensors, key=lambda one: -one.count), *(rest[key] for key in sorted(rest)))
+        # Sensors whose scans were not asked for are listed among the others.
+        sensors += [one for (_, kind), one in rest.items() if kind in PREFERENCE and one.count]
+        others = [one for _, one in sorted(rest.items()) if one not in sensors]
+        return (*sorted(sensors, key=lambda one: -one.count), *others)
 
     def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
         _, increment, _, _, n = sensor.usual

@@ -172,7 +172,30 @@ def _is_cut(head: bytes, size: int) -> bool:
     return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
 
 
-def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[int, str, bytes] | None:
+    """Return stamp, type and data of the newest message on ``topic`` at or before ``at_ns``, or else of the first.
+
+    None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
+    """
+    connection, _, _ = _opened(file, limits, None)
+    query = (
+        "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id "
+        "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
+    )
+    try:
+        _check_tables(connection)
+        row = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+        row = row or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+    except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
+        raise _unreadable(error) from error
+    finally:
+        connection.close()
+    is_message = row is not None and isinstance(row[0], int) and isinstance(row[2], bytes)
+    return (row[0], str(row[1]), row[2]) if is_message else None
+
+
+def _check_tables(connection: sqlite3.Connection) -> None:
+    """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
     for table, needed in TABLES.items():
         found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
         # A view, a virtual table or a computed column would run what the file says.
@@ -181,6 +204,10 @@ def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limi
         columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
         if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
             raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
+
+
+def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+    _check_tables(connection)
     rows = connection.execute(
         "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)
     )

@@ -219,6 +219,13 @@ class FrameTree:
                 )
             chain.append(parent)
 
+    def loop_above(self, frame: str) -> list[str]:
+        """Return the frames of a loop that ``frame``'s ancestors end in, each the child of the next; none without."""
+        chain = self.ancestors(frame)
+        parents = {parent: len(edge) for parent, edge in self._parents.get(chain[-1], {}).items() if len(edge)}
+        parent = max(parents, key=lambda name: parents[name], default=None)
+        return [] if parent is None else [*chain[chain.index(parent) :], parent]
+
     def edges(self, chain: list[str]) -> list[Timeline]:
         """Return the timelines from each of ``chain`` to the next, its parent."""
         return [self._parents[child][parent] for child, parent in pairwise(chain)]

@@ -29,30 +29,26 @@ def beam_of(scans: ScanArrays, x: float, y: float) -> int:
 
 
 @jit
-def nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
-    """Return the beam of a scan whose point is nearest to (x, y), in its base frame, within ``gate``.
+def nearest_around(
+    scans: ScanArrays, scan: int, x: float, y: float, centre: int, gate: float, max_beams: int, least: int
+) -> int:
+    """Return the beam of a scan whose point is nearest to (x, y), in its base frame, within ``gate``; −1 for none.
 
-    Points of a kind below ``least`` do not count, nor those more than ``max_beams`` beams off the bearing of (x, y).
-    −1 where there is none, −2 where (x, y) is outside the field of view; where all beams are asked, that is no matter.
+    The beams up to ``max_beams`` from ``centre``, the one that points there, are asked. Points of a kind below
+    ``least`` do not count.
     """
     points, kind = scans.points[scan], scans.kind[scan]
     n_beams = len(kind)
     to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
-    centre = beam_of(scans, to_x, to_y)
-    if centre < 0:
-        if max_beams < n_beams:
-            return -2
-        middle = scans.first + 0.5 * (n_beams - 1) * scans.step
-        centre = 0 if sin(atan2(to_y, to_x) - middle) < 0.0 else n_beams - 1
-    r = sqrt(to_x * to_x + to_y * to_y)
+    square_r = to_x * to_x + to_y * to_y
     best, found = gate * gate, -1
     last = min(max_beams, n_beams // 2 if scans.wraps else n_beams)
     for k in range(last + 1):
         if k > 0:
             # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
             angle = min((k - 0.5) * scans.step, 0.5 * pi)
-            apart = r * (angle - angle * angle * angle / 6.0)
-            if apart * apart >= best:
+            sine = angle - angle * angle * angle / 6.0
+            if square_r * (sine * sine) >= best:
                 break
         for b in (centre - k, centre + k):
             if b < 0 or b >= n_beams:
@@ -60,11 +56,28 @@ def nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, 
                     continue
                 b += n_beams if b < 0 else -n_beams  # noqa: PLW2901
             if kind[b] >= least:
-                d_x, d_y = np.float64(points[b, 0]) - x, np.float64(points[b, 1]) - y
+                d_x, d_y = points[b, 0] - x, points[b, 1] - y
                 square = d_x * d_x + d_y * d_y
                 if square < best:
                     best, found = square, b
     return found
+
+
+@jit
+def nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
+    """Return :func:`nearest_around` the beam that points to (x, y), −2 where (x, y) is outside the field of view.
+
+    Where ``max_beams`` is all beams, a point outside the field of view has a nearest point too.
+    """
+    n_beams = scans.points.shape[1]
+    to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
+    centre = beam_of(scans, to_x, to_y)
+    if centre < 0:
+        if max_beams < n_beams:
+            return -2
+        middle = scans.first + 0.5 * (n_beams - 1) * scans.step
+        centre = 0 if sin(atan2(to_y, to_x) - middle) < 0.0 else n_beams - 1
+    return nearest_around(scans, scan, x, y, centre, gate, max_beams, least)
 
 
 @jit
@@ -99,14 +112,13 @@ def compare_views(
         centre = beam_of(fixed, to_x, to_y)
         if centre < 0:
             continue
-        r = sqrt(to_x * to_x + to_y * to_y)
-        q = nearest_beam(fixed, j, x, y, gate, max_beams, POINT)
+        q = nearest_around(fixed, j, x, y, centre, gate, max_beams, POINT)
         if q >= 0:
             o_x, o_y = np.float64(fixed.points[j, q, 0]) - x, np.float64(fixed.points[j, q, 1]) - y
             near += 1
             total += 1.0 - (o_x * o_x + o_y * o_y) / (gate * gate)
             continue
-        least = 1e300
+        r, least = sqrt(to_x * to_x + to_y * to_y), 1e300
         for beam in range(centre - min(1, max_beams), centre + min(1, max_beams) + 1):
             b = beam
             if b < 0 or b >= n_beams:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import FiniteFloat
 
@@ -15,14 +15,18 @@ from mapper.core.errors import MapperError
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of
 from mapper.io.contents.model import Contents, Series, TopicContents
+from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
 
 Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
 
@@ -40,6 +44,13 @@ class _Held:
     def origin_ns(self) -> int:
         """The time that is 0 s on the page's time line."""
         return _origin_ns(self.recording.log)
+
+    @property
+    def recorded_ahead_ns(self) -> int:
+        """How much later the log's first scan was recorded than it states, ns; also where the clocks differ."""
+        name = self.recording.log.topic.partition("#")[0]
+        firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
+        return firsts[0] - self.origin_ns if firsts else 0
 
     def seconds(self, stamp_ns: int) -> float:
         return round((stamp_ns - self.origin_ns) * 1e-9, 6)
@@ -101,6 +112,7 @@ async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_
                 for one in found.series
             ],
             "frames": len({name for edge in found.edges for name in (edge.parent, edge.child)}),
+            "pictures": [topic.name for topic in found.topics if topic.type in PICTURED],
             "notes": list(found.notes),
         }
     )
@@ -163,6 +175,37 @@ def _between(one: Series, origin_ns: int, start: float | None, end: float | None
     if end is not None:
         high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
     return one.stamps_ns[low:high], one.values[low:high]
+
+
+@router.get("/{session_id}/contents/picture", response_class=Response)
+@guests_may(GuestRight.LINKED_SESSION)
+async def picture(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    session_id: str,
+    topic: Annotated[str, Query(max_length=400)],
+    at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
+) -> Response:
+    """Return the newest image on a topic at a moment as JPEG, or its newest point cloud from above as PNG.
+
+    The header ``X-Picture-Seconds`` says when it was recorded, on the same clock as ``at``.
+    """
+    held = await _held(sessions, library, visitor, session_id)
+    if not any(one.name == topic and one.type in PICTURED for one in held.contents.topics):
+        raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
+    # Messages are found by when they were recorded, which is later than their scans' own stamps.
+    ahead_ns = held.recorded_ahead_ns
+    session = sessions.get(session_id)
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    at_ns = held.origin_ns + ahead_ns + round(at * 1e9)
+    found = await while_connected(
+        request, library.picture(owner, held.recording.log_id, visitor, topic, min(max(at_ns, 0), LAST_NS))
+    )
+    seconds = held.seconds(found.stamp_ns - ahead_ns)
+    headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
+    return Response(found.data, media_type=found.media_type, headers=headers)
 
 
 @router.get("/{session_id}/contents/frames")

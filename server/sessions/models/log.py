@@ -14,7 +14,6 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
-from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -23,12 +22,15 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.log_comparison import LogComparison
+from server.sessions.models.log_graph import LogGraph
+from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.log_updates import LogUpdates
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
@@ -82,6 +84,7 @@ class LogModel(SessionModel):
 
     recording: LogRecording
     comparison: LogComparison
+    graph: LogGraph
 
     def __init__(
         self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
@@ -98,20 +101,23 @@ class LogModel(SessionModel):
         self.recording = LogRecording(host, replay, log_id, topic)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
+        self.graph = LogGraph(host, self.recording)
+        self._healing = LogHealing(self.recording)
+        self._updates = LogUpdates(self, self._healing)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
         if replay.index:
             self.playback.playing = False
-            self._go_to(replay.index)
+            self.go_to(replay.index)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second map of a comparison."""
-        return (self._map, *self.comparison.layers)
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map of a comparison, and the pose graph."""
+        return (self._map, *self.comparison.layers, *self.graph.layers)
 
     @property
     def title(self) -> str:
@@ -286,38 +292,41 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
+        self._healing.leave()
         if self.recording.replay.index == self.recording.log.n_scans:
-            self._go_to(0)
+            self.go_to(0)
         super().play()
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
+        if self._updates.obey(command, result):
+            return
         count = self.recording.log.n_scans
+        if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):
+            self._healing.leave()
         match command["type"]:
             case "seek":
                 index = integer(command, "index")
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
-                self._go_to(index)
+                self.go_to(index)
             case "step":
                 self.playback.playing = False
-                self._go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
+                self.go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
             case "restart":
-                self._go_to(0)
+                self.go_to(0)
                 self.playback.playing = True
             case "cancel":
                 self.parameters.cancel(result)
                 self.playback.playing = False
-                self._go_to(self.recording.replay.index)
+                self.go_to(self.recording.replay.index)
             case "trajectory":
                 self.recording.choose(text(command, "name"))
                 self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
-            case "update_log":  # from the service, never from a client
-                self._update_log(command["log"], result)
             case "compare":
                 raise ProtocolError(
                     "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
@@ -328,16 +337,17 @@ class LogModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
         result.changed = True
 
-    def _update_log(self, log: ScanLog, result: TickResult) -> None:
-        """Go on with the same scans and other trajectories, which the library has now."""
-        if self.recording.update(log):
+    def updated(self, result: TickResult, *, is_new: bool) -> None:
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+        if is_new:
             self._left_at = 0
             result.new_grid = True
         self.comparison.update_log(self.recording.log)
         result.slot(self._trajectories_message())
         result.slot(self._trajectory_message())
 
-    def _go_to(self, index: int) -> None:
+    def go_to(self, index: int) -> None:
+        """Have the map brought to a number of scans."""
         self._left_at = self.recording.replay.index
         self._target = index
         self._time = float(self._times[max(index - 1, 0)])

@@ -22,7 +22,11 @@ class NewLog(SessionRequest):
     kind: Literal["log"]
     playing: bool = Field(True, description="Whether the log plays from the start.")
     log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
-    topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
+    topic: str | None = Field(
+        None,
+        max_length=8000,
+        description="Sensor of the log, if it has several; ' + ' between several makes one map of them.",
+    )
     trajectory: str | None = Field(None, max_length=200, description="Trajectory of the log to map with.")
 
 

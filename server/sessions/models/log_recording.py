@@ -14,8 +14,10 @@ from mapper.core.limits import Limits
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.placed_scan import placed_scan
 from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.replay import Replay
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from server.sessions.hosting import ModelHost
 from server.sessions.models.diagnosing import examination
@@ -64,7 +66,6 @@ class LogRecording:
         self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
         self._topic = topic
         self._host = host
-        self._sensor_poses = replay.log.sensor_poses(replay.trajectory)
         self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
 
     @property
@@ -105,9 +106,20 @@ class LogRecording:
             if known is None or not np.array_equal(known.poses, trajectory.poses):
                 self._examinations.pop(one, None)
         if old.adopt(log):
-            self._sensor_poses = log.sensor_poses(name)
             return False
         self._replay_with(log, name)
+        return True
+
+    def show(self, log: ScanLog, trajectory: str) -> bool:
+        """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
+
+        Otherwise it stays as it is. Raises as :meth:`choose`, without changes.
+        """
+        self._examinations.pop(trajectory, None)
+        if trajectory == self.trajectory and self.replay.adopt(log):
+            self._sensor_poses = log.sensor_poses(trajectory)
+            return False
+        self._replay_with(log, trajectory)
         return True
 
     def _replay_with(self, log: ScanLog, trajectory: str) -> None:
@@ -115,19 +127,18 @@ class LogRecording:
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
-        self._sensor_poses = log.sensor_poses(trajectory)
         self.replay = replay
 
     def robot_state(self) -> RobotState:
         """Return the newest scan in the map; before the first scan, its pose without readings."""
-        log, index = self.log, self.replay.index
+        index = self.replay.index
         newest = max(index - 1, 0)
-        scan = log.scan(newest)
+        placed = placed_scan(self.log, self.replay.config, self.trajectory, newest)
+        scan = placed.scan
         if index == 0:
-            scan = replace(scan, ranges=np.full(log.n_beams, np.nan, dtype=np.float32))
-        base = as_pose(log.trajectory(self.trajectory).poses[newest])
-        sensor = as_pose(self._sensor_poses[newest])
-        return RobotState(base, sensor, sensor, scan, float(self.recorded[newest]))
+            scan = replace(scan, ranges=np.full_like(scan.ranges, np.nan))
+        sensor = as_pose(placed.sensor_pose)
+        return RobotState(as_pose(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
 
     def sources(self) -> list[Source]:
         """Return the scans that are in the map."""
@@ -157,4 +168,5 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())
+        log = self.log.parts[0] if isinstance(self.log, JointLog) else self.log  # one sensor is enough to judge poses
+        return await examination(log, trajectory, host.scheduler, host.job_owner, host.in_background())

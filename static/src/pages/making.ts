@@ -16,20 +16,20 @@ export const newName = (): string =>
 
 /** Show the progress of the session that was requested by a name, until the returned function is called. */
 export function followMaking(name: string, show: (making: Making | null) => void): () => void {
-  let isOver = false;
+  const ending = new AbortController();
   const poll = async (): Promise<void> => {
     try {
-      const answer = await fetch(`/api/sessions/making/${name}`);
-      if (answer.ok && !isOver) show((await answer.json()) as Making);
+      const answer = await fetch(`/api/sessions/making/${name}`, { signal: ending.signal });
+      if (answer.ok) show((await answer.json()) as Making);
     } catch {
       // The request for the session itself reports that the server does not answer.
     }
-    if (isOver) show(null);
+    if (ending.signal.aborted) show(null);
     else timer = setTimeout(() => void poll(), POLL_MS);
   };
   let timer = setTimeout(() => void poll(), SHOWN_AFTER_MS);
   return () => {
-    isOver = true;
+    ending.abort();
     clearTimeout(timer);
     show(null);
   };

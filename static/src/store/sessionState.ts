@@ -41,6 +41,12 @@ interface Notice {
   readonly message: string;
 }
 
+/** Two scans in the map, m: each at its pose, and the second where a measurement between them puts it. */
+export interface ScanPair {
+  readonly poses: readonly Pose[];
+  readonly points: { readonly i: readonly Point[]; readonly j: readonly Point[]; readonly aligned?: readonly Point[] };
+}
+
 /** The cell of a map at a point; null outside the grid. */
 export function cellIn(map: MapPicture | null, point: Point): Cell | null {
   if (!map) return null;
@@ -104,6 +110,9 @@ export class SessionState implements Receiver {
   readonly why = signal<WhyMessage | null>(null);
   /** Number of the selected update of the explained cell, from 1; null for the newest. */
   readonly selectedUpdate = signal<number | null>(null);
+
+  /** The two scans of a loop that are shown in the map; null for none. */
+  readonly scanPair = signal<ScanPair | null>(null);
 
   /** The inspected point. */
   readonly probe = computed(() => this.pinned.value ?? this.pointer.value);

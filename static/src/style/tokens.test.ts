@@ -122,3 +122,16 @@ test("the simulated eyes see as they should", () => {
   expect(shrinks(protanopia, red, green)).toBeLessThan(0.75);
   expect(shrinks(tritanopia, [40, 110, 200], [10, 125, 120])).toBeLessThan(0.5);
 });
+
+test("every custom property that styles and drawings use is defined", () => {
+  const files: Record<string, string> = import.meta.glob("../**/*.{css,ts,tsx}", {
+    eager: true,
+    import: "default",
+    query: "?raw",
+  });
+  const text = Object.values(files).join("\n");
+  const defined = new Set([...text.matchAll(/["'\s{;](--[a-z][\w-]*)["']?\]?\s*:/g)].map((match) => match[1]));
+  const used = [...text.matchAll(/(?:var|colourOf|resolved)\(\s*["']?(--[a-z][\w-]*)["']?\s*\)/g)].map((m) => m[1]);
+  expect(used.length).toBeGreaterThan(500);
+  expect([...new Set(used)].filter((name) => !defined.has(name))).toEqual([]);
+});

@@ -200,6 +200,8 @@ export interface Contribution {
   readonly increment: number;
   /** log-odds of the cell afterwards, clamped */
   readonly log_odds: number;
+  /** its topic, where several sensors make the map */
+  readonly sensor?: string | null;
 }
 
 /** First message of a connection: description of the session. */
@@ -804,6 +806,7 @@ const isContribution: Check = isObject({
   hit: isFlag,
   increment: isNumber,
   log_odds: isNumber,
+  sensor: optional(oneOf(isText, isNull)),
 });
 
 /** The check of each field of each message from the server; a message may have more fields. */

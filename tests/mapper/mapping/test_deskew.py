@@ -7,13 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_parts
 from mapper.mapping.parameters import MODELS, MappingConfig
-from mapper.mapping.prepare_scans import sensor_poses_of_readings
+from mapper.mapping.placed_scan import placed_scan
+from mapper.mapping.prepare_scans import bearings, deskewed_scans, sensor_poses_of_readings
 from mapper.mapping.provenance import provenance
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.timed_poses import TimedPoses
 from tests.mapper.mapping.sweeping import BEAMS, RATE, STEP, off_the_walls, swept, to_the_walls, true_poses
 
 
@@ -47,6 +50,46 @@ def test_each_beam_has_the_true_pose_of_its_time() -> None:
     expected = true_poses(100.0 + scans / RATE + beams * STEP)
     np.testing.assert_allclose(poses[..., :2], expected[..., :2], atol=0.02)  # the chord of a bent path
     np.testing.assert_allclose(np.exp(1j * poses[..., 2]), np.exp(1j * expected[..., 2]), atol=0.005)
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+@pytest.mark.parametrize("time_offset", [0.0, 0.05])
+def test_a_scan_is_shown_where_it_lies_in_the_map(time_offset: float, upside_down: bool) -> None:
+    log = replace(swept(12), mount=(0.2, -0.1, 0.4), upside_down=upside_down)
+    config = MappingConfig(time_offset=time_offset, mount_x=0.1, mount_yaw=0.3, mount_upside_down=upside_down)
+    plan = plan_update(config, log.range_min, log.range_max)
+    beams = np.arange(BEAMS)
+    poses = sensor_poses_of_readings(log, plan, None, np.full(BEAMS, 5), beams)
+    turned = poses[:, 2] + bearings(log, plan)
+    expected = poses[:, :2] + log.ranges[5][:, np.newaxis] * np.stack([np.cos(turned), np.sin(turned)], axis=1)
+    placed = placed_scan(log, config, None, 5)
+    here = compose(placed.sensor_pose, np.array(config.mount))  # as the page corrects the mount
+    angles = here[2] + (-placed.scan.angles if upside_down else placed.scan.angles)
+    shown = here[:2] + placed.scan.ranges[:, np.newaxis] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    np.testing.assert_allclose(shown, expected, atol=1e-5)
+    np.testing.assert_allclose(compose(placed.base_pose, np.array(log.mount)), placed.sensor_pose)
+    unswept = placed_scan(log, replace(config, deskew="off"), None, 5)
+    np.testing.assert_array_equal(unswept.scan.ranges, log.ranges[5])
+
+
+def test_poses_between_the_scans_say_how_a_robot_turned_meanwhile() -> None:
+    """A robot that turns to and fro between two scans: the poses at the scans alone say that it stood still."""
+    log = swept(20)
+    dense = 100.0 + np.arange(-20, 420) * 0.005
+    timed = TimedPoses(np.round(dense * 1e9).astype(np.int64), true_poses(dense))
+    known = replace(log.trajectory(), timed=timed)
+    sparse = swept(20, rate=1.0)  # its scans are a second apart: too far to deskew by them
+    assert not deskewed_scans(sparse, plan_update(MappingConfig(), 0.05, 20.0), None).any()
+    helped = replace(sparse, trajectories={"true": replace(sparse.trajectory(), timed=timed)})
+    assert deskewed_scans(helped, plan_update(MappingConfig(), 0.05, 20.0), None)[:2].all()
+    plan = plan_update(MappingConfig(), log.range_min, log.range_max)
+    scans, beams = np.divmod(np.arange(10 * BEAMS), BEAMS)
+    expected = true_poses(100.0 + scans / RATE + beams * STEP)
+    errors = [
+        np.abs(sensor_poses_of_readings(one, plan, None, scans, beams)[:, :2] - expected[:, :2]).max()
+        for one in (replace(log, trajectories={"true": known}), log)
+    ]
+    assert errors[0] < 1e-3 < errors[1]
 
 
 @pytest.mark.parametrize(

@@ -160,6 +160,10 @@ def test_a_joint_log_is_a_log(logs: list[ScanLog]) -> None:
     few = joint.take(np.arange(10, 20))
     np.testing.assert_array_equal(few.stamps_ns, joint.stamps_ns[10:20])
     np.testing.assert_array_equal(few.sensor_poses(), joint.sensor_poses()[10:20])
+    assert joint.notes == ()
+    other_clock = replace(narrow, stamps_ns=narrow.stamps_ns + 10**12, topic="/rear")
+    (note,) = JointLog.of([replace(logs[0], topic="/front"), other_clock]).notes
+    assert note.startswith("All scans of /rear are later than those of /front")
     with pytest.raises(ConfigError, match="Sonars and lidars"):
         JointLog.of([logs[0], replace(narrow, beam_width=0.3)])
     strange = replace(narrow, trajectories={"true": replace(narrow.trajectory(), frame_id="map")})

@@ -66,4 +66,4 @@ def test_the_same_poses_from_another_source_are_no_remedy(run, data_file):
     # In this raw log the FLASER lines repeat the odometry.
     drift = json.loads(run("map", data_file("carmen/aces.log.gz"), "--json").out)["drift"]
     assert "drift" in drift
-    assert "correct them with a SLAM program; the log has no different ones" in drift
+    assert "correct them with gridbloom slam; the log has no different ones" in drift

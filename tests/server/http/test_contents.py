@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from tests.mapper.io.contents.recorded_robot import robot
+from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
 from tests.server.library.small_logs import carmen
 from tests.server.service import Service, once_read, running, settings_for, until
@@ -100,3 +104,25 @@ def test_a_text_log_and_a_world(service: Service) -> None:
     assert got(service, session, "/frames")["edges"] == []
     world = service.begin(kind="simulation", playing=False)
     assert service.http.get(f"/api/sessions/{world}/contents").json()["code"] == "session.not_a_log"
+
+
+def test_a_picture_of_the_moment(service: Service) -> None:
+    said = [one for n in range(5) for one in camera_and_scan(T0 + n * recorded.SECOND, 50 * n)]
+    session = opened(service, "camera.mcap", recorded.mcap_bytes(said))
+    address = f"/api/sessions/{session}/contents/picture"
+    early = service.http.get(address, params={"topic": "/camera", "at": 0.0})
+    assert (early.status_code, early.json()["code"]) == (409, "contents.not_yet")
+    until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    assert got(service, session, "")["pictures"] == ["/camera"]
+    answer = service.http.get(address, params={"topic": "/camera", "at": 2.5})
+    assert (answer.status_code, answer.headers["content-type"]) == (200, "image/jpeg")
+    # The camera's message was recorded 0.1 s after the scan, whose stamp is the moment 2 s.
+    assert float(answer.headers["x-picture-seconds"]) == pytest.approx(2.1)
+    np.testing.assert_allclose(np.asarray(Image.open(io.BytesIO(answer.content))), 100, atol=2)
+    refused = service.http.get(address, params={"topic": "/scan", "at": 0.0})
+    assert refused.json()["code"] == "contents.no_picture"
+
+
+def camera_and_scan(stamp_ns: int, grey: int) -> list[recorded.Said]:
+    pixels = np.full((6, 8), grey, dtype=np.uint8)
+    return [recorded.scan(stamp_ns, [1.0, 2.0]), image(pixels, "mono8", stamp_ns + recorded.SECOND // 10)]

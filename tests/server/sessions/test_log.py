@@ -23,9 +23,11 @@ from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
 from server.sessions.models.log import MAX_GAP_S, play_times
+from server.sessions.why import why_message
 from tests.server.begin import new_log
 from tests.server.service import eventually
 from tests.server.view import view_of
@@ -69,6 +71,35 @@ async def test_at_the_end_of_the_log_the_map_is_complete(
             view_of(session).log_odds, whole_map(office_log, session.model.config, stop=index).log_odds
         )
         assert session.model.progress[0] == index
+
+
+async def test_several_sensors_make_one_map_and_why_says_which(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    late = replace(
+        office_log.take(slice(0, 40)),
+        ranges=office_log.ranges[:40, ::2].copy(),
+        angle_increment=2 * office_log.angle_increment,
+        mount=(-0.3, 0.0, 3.0),
+        topic="/rear",
+    )
+    joint = JointLog.of([replace(office_log.take(slice(0, 40)), topic="/front"), late])
+    session = await new_log(registry, "me", joint)
+    await obey(session, type="seek", index=joint.n_scans)
+    expected = whole_map(joint, session.model.config)
+    np.testing.assert_array_equal(view_of(session).log_odds, expected.log_odds)
+    state = session.model.recording.robot_state()
+    assert len(state.scan.ranges) == late.n_beams  # of equal stamps the first sensor's scan is first
+    assert state.sensor_pose == pytest.approx(tuple(late.sensor_poses()[-1]))
+    row, col = (int(n) for n in np.argwhere(expected.log_odds > 2.0)[0])
+    source = session.model.recording.sources()
+    told = why_message(expected, source, session.model.config, {"row": row, "col": col, "epoch": 0, "index": 0})
+    assert {one["sensor"] for one in told["contributions"]} <= {"/front", "/rear"}
+    for one in told["contributions"]:
+        part = joint.parts[int(joint.part_of_scan[one["scan"]])]
+        assert one["sensor"] == part.topic
+        assert one["bearing"] == pytest.approx(part.angles[one["beam"]], abs=1e-4)
+        assert one["pose"] == pytest.approx(joint.sensor_poses()[one["scan"]], abs=1e-3)
 
 
 async def test_parameters_remake_the_map_at_the_same_scan(

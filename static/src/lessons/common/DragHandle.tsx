@@ -11,7 +11,7 @@ interface DragHandleProps {
   readonly sentence: string;
   /** Its position in words. */
   readonly text: string;
-  readonly tone?: "robot" | "beam" | "hit" | "miss" | "ink";
+  readonly tone?: "robot" | "beam" | "hit" | "miss" | "neutral";
   /** Metres that an arrow key moves it; a fifth of that with Shift. */
   readonly step: number;
   readonly onMove: (point: Point) => void;

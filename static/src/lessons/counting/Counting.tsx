@@ -65,7 +65,7 @@ export function Counting({ beams, scans }: CountingProps) {
                       label={`Selected cell, map ${name}`}
                       sentence="Selects the cell whose values are shown under both maps."
                       text={`${written(distanceOf(cell), 2)} metres from the sensor: ${seen ? `log-odds ${written(l, 2)}` : "not observed"}`}
-                      tone="ink"
+                      tone="neutral"
                       step={GEOMETRY.resolution}
                       onMove={(point) => {
                         probe.value = inside(point);

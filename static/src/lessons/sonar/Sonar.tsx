@@ -106,7 +106,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
                     label={`Selected cell, ${name}`}
                     sentence="Selects the cell whose values are shown under both maps."
                     text={text}
-                    tone="ink"
+                    tone="neutral"
                     step={GEOMETRY.resolution}
                     onMove={(point) => {
                       probe.value = inside(point);

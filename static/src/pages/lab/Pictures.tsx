@@ -51,8 +51,10 @@ function Plate({ title, note, actions, caption, children }: PlateProps) {
   return (
     <section class="plate" aria-label={title}>
       <header class="plate-head">
-        <h2>{title}</h2>
-        <span class="plate-note">{note}</span>
+        <div class="plate-title">
+          <h2>{title}</h2>
+          <span class="plate-note">{note}</span>
+        </div>
         {actions}
       </header>
       <div class="plate-picture">{children}</div>

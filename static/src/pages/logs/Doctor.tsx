@@ -64,7 +64,12 @@ export function findingsBadge({ state }: DoctorState): string | null {
 interface DoctorProps {
   readonly store: Store;
   readonly doctor: DoctorState;
+  /** Corrects the poses of the log; not for a guest. */
+  readonly onHeal?: () => void;
 }
+
+/** The check whose finding SLAM remedies. */
+const DRIFT = "walls.drift";
 
 /**
  * The log doctor: problems of a log, where they are, how certain, and what to do about them.
@@ -72,7 +77,7 @@ interface DoctorProps {
  * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
  * so that nothing on the page moves without a click.
  */
-export function Doctor({ store, doctor: { state, run } }: DoctorProps) {
+export function Doctor({ store, doctor: { state, run }, onHeal }: DoctorProps) {
   const now = state.value;
   const showsFindings = now.kind === "done" && now.isShown;
   return (
@@ -99,7 +104,7 @@ export function Doctor({ store, doctor: { state, run } }: DoctorProps) {
         {showsFindings && now.examination.findings.length > 0 && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
-              <FindingItem key={finding.check} finding={finding} store={store} />
+              <FindingItem key={finding.check} finding={finding} store={store} {...(onHeal ? { onHeal } : {})} />
             ))}
           </ul>
         )}
@@ -129,7 +134,13 @@ function Notes({ notes }: { readonly notes: readonly string[] }) {
   );
 }
 
-function FindingItem({ finding, store }: { readonly finding: Finding; readonly store: Store }) {
+interface FindingProps {
+  readonly finding: Finding;
+  readonly store: Store;
+  readonly onHeal?: () => void;
+}
+
+function FindingItem({ finding, store, onHeal }: FindingProps) {
   const { parameters, scans } = finding;
   const values = store.mapping.values.value;
   const tried = parameters !== null && Object.entries(parameters).every(([name, value]) => values[name] === value);
@@ -140,6 +151,11 @@ function FindingItem({ finding, store }: { readonly finding: Finding; readonly s
       </p>
       <p class="quiet">{finding.advice}</p>
       <div class="finding-actions">
+        {finding.check === DRIFT && onHeal && (
+          <Button kind="primary" onClick={onHeal}>
+            Heal its poses
+          </Button>
+        )}
         {parameters && (
           <Button disabled={tried} onClick={() => store.setTogether(`doctor ${finding.check}`, parameters)}>
             {tried ? "Applied to the map" : "Apply to the map"}

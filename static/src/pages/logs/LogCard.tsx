@@ -2,7 +2,17 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import { file, inside, readingText, remedy, run, topic, trajectoryLabel } from "./describeLog";
+import {
+  file,
+  inside,
+  lidars,
+  readingText,
+  remedy,
+  run,
+  SENSOR_SEPARATOR,
+  topic,
+  trajectoryLabel,
+} from "./describeLog";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
 /** Failures that are not, or may not be, caused by the log: reading can be tried again. */
@@ -94,6 +104,7 @@ function Facts({ log, onOpen }: LogCardProps) {
 function Inside({ log, onOpen }: LogCardProps) {
   const lines = inside(log);
   if (lines.length === 0 && log.topics.length === 0) return null;
+  const together = lidars(log);
   return (
     <details class="log-notes">
       <summary>Contents</summary>
@@ -112,6 +123,11 @@ function Inside({ log, onOpen }: LogCardProps) {
           </li>
         ))}
       </ul>
+      {together.length > 1 && (
+        <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
+          Map {together.length} lidars together
+        </button>
+      )}
     </details>
   );
 }

@@ -19,9 +19,12 @@ import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
+import { useHealing } from "./heal/healing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { Transport } from "./Transport";
+import { ErrorPaths } from "./trajectories/ErrorPaths";
+import type { TrajectoryErrors } from "./trajectories/errors";
 
 interface ViewerProps {
   readonly session: string;
@@ -47,7 +50,9 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
+  const healing = useHealing(store, session, guest !== undefined);
   const notes = useNotes(session);
+  const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
   const openNotes = (): void => {
     openGroup.value = "notes";
@@ -111,11 +116,13 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           <BeliefView
             store={store}
             comparison={comparison}
+            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
             onPicture={(made) => {
               picture.current = made;
             }}
           />
           <BothMaps store={store} comparison={comparison} />
+          <ErrorPaths store={store} errors={trajectoryErrors} />
           <NotePins store={store} state={notes} onOpen={openNotes} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
@@ -145,7 +152,19 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       </div>
       <Dock
         label="About this log"
-        groups={groupsOf({ store, session, isGuest, log, comparison, doctor, notes, sharedView })}
+        groups={groupsOf({
+          store,
+          session,
+          isGuest,
+          log,
+          comparison,
+          doctor,
+          healing,
+          notes,
+          trajectoryErrors,
+          openGroup,
+          sharedView,
+        })}
         open={openGroup}
       />
     </div>

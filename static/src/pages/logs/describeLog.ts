@@ -80,6 +80,16 @@ export function inside(log: LogRecord): readonly string[] {
   ];
 }
 
+/** Between the names of sensors that are mapped together. */
+export const SENSOR_SEPARATOR = " + ";
+
+/** The names of the lidars of a log whose frames are known, those with most scans first. */
+export function lidars(log: LogRecord): readonly string[] {
+  return log.topics
+    .filter((one) => one.beams !== null && /Scan$|laser scan$/.test(one.type) && one.count > 0)
+    .map((one) => one.name);
+}
+
 /** A topic in a line. */
 export function topic(one: Topic): string {
   return [

@@ -1,5 +1,6 @@
 /** The groups of the log page's dock. A new group is one entry of `GROUPS`. */
 
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
@@ -13,11 +14,14 @@ import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import { Heal } from "./heal/Heal";
+import type { Healing } from "./heal/healing";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
-import { TrajectoryChoice } from "./TrajectoryChoice";
+import type { TrajectoryErrors } from "./trajectories/errors";
+import { Trajectories } from "./trajectories/Trajectories";
 
 /** What the groups show. */
 export interface LogView {
@@ -29,7 +33,12 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
+  readonly healing: Healing;
+  /** The id of the open group. */
+  readonly openGroup: Signal<string>;
   readonly notes: NotesState;
+  /** The errors whose paths are on the map. */
+  readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -50,7 +59,29 @@ const GROUPS: readonly Group[] = [
     id: "doctor",
     title: "Doctor",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor }) => <Doctor store={store} doctor={doctor} />,
+    content: ({ store, doctor, healing, openGroup, isGuest }) => (
+      <Doctor
+        store={store}
+        doctor={doctor}
+        {...(isGuest
+          ? {}
+          : {
+              onHeal: () => {
+                openGroup.value = "heal";
+                void healing.begin();
+              },
+            })}
+      />
+    ),
+  },
+  {
+    id: "heal",
+    title: "Heal",
+    isThere: ({ log }) => log !== null,
+    badge: ({ healing }) => healing.badge.value,
+    content: ({ store, session, healing, comparison, isGuest }) => (
+      <Heal store={store} session={session} healing={healing} comparison={comparison} isGuest={isGuest} />
+    ),
   },
   {
     id: "compare",
@@ -67,7 +98,13 @@ const GROUPS: readonly Group[] = [
     title: "Frames",
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
-  { id: "trajectories", title: "Trajectories", content: ({ store }) => <TrajectoryChoice store={store} /> },
+  {
+    id: "trajectories",
+    title: "Trajectories",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
   {
     id: "notes",
     title: "Notes",

@@ -2,7 +2,7 @@
 
 import type { SharedView } from "../../render/view";
 import { trajectoryLabel } from "./describeLog";
-import { AWAY, sentence } from "./library";
+import { request } from "./request";
 
 /** A link as its owner sees it. */
 export interface Link {
@@ -27,20 +27,6 @@ export interface Shared {
   readonly title: string;
   /** The visible part of the map; null for all of it. */
   readonly look: SharedView | null;
-}
-
-async function request<T>(address: string, method = "GET", body?: unknown): Promise<T> {
-  let answer: Response;
-  try {
-    answer = await fetch(address, {
-      method,
-      ...(body === undefined ? {} : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }),
-    });
-  } catch {
-    throw new Error(AWAY);
-  }
-  if (!answer.ok) throw new Error(await sentence(answer));
-  return (answer.status === 204 ? undefined : await answer.json()) as T;
 }
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */

@@ -23,9 +23,9 @@ export const pictureColours = computed(() => {
   void isDark.value;
   return {
     floor: colourOf("--surface"),
-    outside: colourOf("--surface-sunk"),
+    outside: colourOf("--surface-sunken"),
     solid: colourOf("--map-solid"),
-    outline: colourOf("--ink"),
+    outline: colourOf("--foreground"),
     halo: colourOf("--surface", 0.85),
     beam: colourOf("--beam"),
     beamFill: colourOf("--beam-fill"),

@@ -20,6 +20,7 @@ import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
+import { paintScanPair } from "../heal/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -30,6 +31,8 @@ interface BeliefViewProps {
   readonly store: Store;
   /** Called on a click on the map; without it a click pins the cell. */
   readonly onTap?: (point: Point) => void;
+  /** Takes a click first; true where it was meant for it. */
+  readonly takesTap?: (point: Point) => boolean;
   /** Called with the picture. */
   readonly onPicture?: (picture: Picture) => void;
   /** Shows a second map in the same picture. */
@@ -43,13 +46,15 @@ function pin(store: Store, point: Point): void {
   store.pinned.value = isSame ? null : point;
 }
 
-export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewProps) {
+export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: BeliefViewProps) {
   const failure = useMemo(() => signal(""), []);
   return (
     <LinkedPicture
       store={store}
       label="The robot's map. Shift and arrow keys move the cell cursor, question mark explains the value of its cell, Escape removes the cursor; plus and minus zoom, 0 shows everything."
-      onTap={(point) => (onTap ? onTap(point) : pin(store, point))}
+      onTap={(point) => {
+        if (!takesTap?.(point)) (onTap ?? ((at) => pin(store, at)))(point);
+      }}
       {...(onPicture ? { onPicture } : {})}
       setUp={(canvas, invalidate) => {
         const fade = scanFade();
@@ -79,6 +84,7 @@ export function BeliefView({ store, onTap, onPicture, comparison }: BeliefViewPr
             void store.selectedContribution.value;
             void store.stepping.value;
             void store.inspected.value;
+            void store.scanPair.value;
             void pictureColours.value;
             comparison?.watch();
           },
@@ -110,6 +116,7 @@ function paintOverlay(
   for (const content of store.layers.contents.peek()) paintLayer(brush, content);
   const moves = paintScan(store, brush, fade, now);
   ctx.restore();
+  paintScanPair(store, brush);
   paintWhy(store, brush);
   const cell = store.cell.peek();
   const map = store.map.peek();

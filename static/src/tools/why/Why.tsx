@@ -220,7 +220,9 @@ function ContributionText({
   const reading = contribution.range === null ? "no return" : `${contribution.range.toFixed(2)} m`;
   return (
     <>
-      scan {contribution.scan + 1}, beam {contribution.beam + 1}, <span class="noun-beam">{reading}</span>:{" "}
+      scan {contribution.scan + 1}
+      {contribution.sensor && ` of ${contribution.sensor}`}, beam {contribution.beam + 1},{" "}
+      <span class="noun-beam">{reading}</span>:{" "}
       <span class={contribution.hit ? "noun-hit" : "noun-miss"}>{verdict(contribution, hitWindow)}</span>
     </>
   );

@@ -29,8 +29,10 @@ from mapper.io.logs import open_log
 from mapper.io.maps import occupancy_values
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.placed_scan import placed_scan
 from mapper.sensors.scan import ScanLog
 from tests.mapper.io.logs.recorded import KINDS, SECOND, Said, estimate, odometry, scan, transform, written
+from tests.mapper.mapping.sweeping import swept
 
 
 @pytest.fixture
@@ -89,6 +91,25 @@ def test_another_reader_finds_the_map_the_poses_and_the_scans(tmp_path: Path, lo
         assert math.cos(yaw - poses[index, 2]) == pytest.approx(1.0)
     (mount,) = found["/tf_static"][0][1].transforms
     assert (mount.header.frame_id, mount.child_frame_id) == ("base_link", "laser")
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_poses_are_shifted_and_points_deskewed_as_in_the_map(tmp_path: Path, upside_down: bool) -> None:
+    log = replace(swept(8), mount=(0.2, -0.1, 0.3), upside_down=upside_down)
+    config = MappingConfig(resolution=0.1, time_offset=0.05)
+    grid = OccupancyGrid(geometry_for(log, config))
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, GrowingMap(grid, config), "true")
+    found = read(path)
+    for index in (0, 3):
+        placed = placed_scan(log, config, "true", index)
+        position = found["/pose"][index][1].pose.position
+        assert (position.x, position.y) == pytest.approx(tuple(placed.base_pose[:2]))
+        points = found["/points"][index][1].data.view(np.float32).reshape(-1, 3)
+        sign = -1.0 if upside_down else 1.0
+        ends = np.stack([np.cos(placed.scan.angles), sign * np.sin(placed.scan.angles)], axis=1)
+        np.testing.assert_allclose(points[:, :2], placed.scan.ranges[:, None] * ends, atol=1e-5)
 
 
 def test_an_exported_log_is_read_as_the_same_log(tmp_path: Path, log: ScanLog) -> None:

@@ -92,8 +92,12 @@ function optionsOf(
     probe.remove();
     return found;
   };
-  const ink = resolved("--ink-soft");
-  const axis = { stroke: ink, grid: { stroke: resolved("--line"), width: 1 }, ticks: { stroke: resolved("--line") } };
+  const axisColour = resolved("--foreground-soft");
+  const axis = {
+    stroke: axisColour,
+    grid: { stroke: resolved("--line"), width: 1 },
+    ticks: { stroke: resolved("--line") },
+  };
   const now = resolved("--beam");
   return {
     width,
@@ -111,7 +115,7 @@ function optionsOf(
         const line = LINES[n % LINES.length];
         return {
           label: column.label,
-          stroke: resolved(line?.tone ?? "--ink"),
+          stroke: resolved(line?.tone ?? "--foreground"),
           width: 1.5,
           dash: line?.dash ?? [],
           points: { show: false },

@@ -3,13 +3,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { lazy } from "../../../ui/lazy";
 import { type Contents, contentsAddress, fetchJson } from "./contents";
+import { Plot } from "./LazyPlot";
 import type { SeriesOfTopic } from "./series";
 import { WhenKnown } from "./useContents";
-
-/** uPlot is fetched when a plot is first shown. */
-const Plot = lazy(async () => (await import("./Plot")).Plot);
 
 interface PlotsProps {
   readonly store: Store;

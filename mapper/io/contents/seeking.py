@@ -1,0 +1,140 @@
+"""The newest message of a topic at a moment, without reading what does not lead there.
+
+Of an MCAP file with a summary one chunk is read, found by its index; of an SQLite bag one row. Any other recording is
+read from its beginning, in which other topics are jumped over.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs import mcap_file, ros2_db3
+from mapper.io.logs.archive import Source
+from mapper.io.logs.container import Container
+from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.names import printable
+from mapper.io.logs.opening import parts_of
+from mapper.io.logs.recording import Recording
+from mapper.io.logs.ros_messages import plain_type
+from mapper.io.logs.unpacking import opened
+
+
+@dataclass(frozen=True, slots=True)
+class FoundMessage:
+    """A message, of which type it is, whether it is CDR, and when it was recorded."""
+
+    stamp_ns: int
+    type: str
+    cdr: bool
+    data: bytes
+
+
+class _PastError(Exception):
+    """The moment is past."""
+
+
+class _Newest(Recording):
+    """Takes the messages of one topic, and keeps the newest that is not later than a moment."""
+
+    def __init__(self, limits: Limits, topic: str, at_ns: int) -> None:
+        super().__init__(limits)
+        self.found: FoundMessage | None = None
+        self._topic = topic
+        self._at_ns = at_ns
+        self._kinds: dict[int, tuple[str, bool] | None] = {}
+
+    @property
+    def n_scans(self) -> int:
+        """How many messages were found."""
+        return 0 if self.found is None else 1
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages."""
+        is_wanted = readable and printable(topic) == self._topic
+        self._kinds[key] = (plain_type(kind), cdr) if is_wanted else None
+
+    def wants(self, key: int) -> bool:
+        """Return whether it is a stream of the topic."""
+        return self._kinds.get(key) is not None
+
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._kinds
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count nothing."""
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
+        """Take one message. Raises :class:`_PastError` for the first one of the topic that is later."""
+        wanted = self._kinds.get(key)
+        if wanted is None:
+            return
+        if stamp_ns > self._at_ns and self.found is not None:
+            raise _PastError
+        if self.found is None or stamp_ns <= self._at_ns:
+            self.found = FoundMessage(stamp_ns, *wanted, data)
+
+
+def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> FoundMessage:
+    """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
+
+    Raises :class:`ReadError` where the recording has none, and as reading it does.
+    """
+    files, kind = parts_of(path, limits)
+    if isinstance(kind, Container):
+        first: FoundMessage | None = None
+        for file in reversed(files):
+            found = _found_in(file, kind, topic, at_ns, limits)
+            if found is not None and found.stamp_ns <= at_ns:
+                return _unpacked(found, limits)
+            first = found or first
+        if first is not None:
+            return _unpacked(first, limits)
+    raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
+
+
+def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+    if kind is mcap_file.MCAP:
+        try:
+            found = _by_index_of_mcap(file, topic, at_ns)
+        except (McapError, ImportError, OSError, ValueError, KeyError, EOFError, struct.error, MemoryError):
+            found = None  # without an index that leads there, it is read from its beginning
+        if found is not None:
+            return found
+    if kind is ros2_db3.ROS2_DB3:
+        row = ros2_db3.newest_row(file, topic, at_ns, limits)
+        return None if row is None else FoundMessage(row[0], plain_type(row[1]), True, row[2])
+    newest = _Newest(limits, topic, at_ns)
+    with contextlib.suppress(_PastError):
+        kind.take(file, newest, limits, None)
+    return newest.found
+
+
+def _by_index_of_mcap(file: Source, topic: str, at_ns: int) -> FoundMessage | None:
+    with opened(file) as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        if summary is None or not summary.chunk_indexes:
+            return None
+        for backwards, end in ((True, at_ns), (False, None)):
+            for schema, channel, message in reader.iter_messages(topics=[topic], ending_at=end, reverse=backwards):
+                encoding = mcap_file.ENCODINGS.get(channel.message_encoding)
+                if schema is None or encoding is None:
+                    return None
+                return FoundMessage(message.log_time, plain_type(schema.name), encoding, message.data)
+    return None
+
+
+def _unpacked(found: FoundMessage, limits: Limits) -> FoundMessage:
+    if found.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+        return found
+    data, _ = inflate("zstd", found.data, limits.max_chunk_bytes, "a message")
+    return FoundMessage(found.stamp_ns, found.type, found.cdr, data)

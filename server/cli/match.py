@@ -1,0 +1,208 @@
+"""``match``: the pose of one scan or map relative to another one."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import numpy as np
+import typer
+
+from mapper.core.errors import MapperError
+from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
+from server.cli.app import app
+from server.cli.common import AsJson, TopicName, TrajectoryName, fail, numbers, print_json, read_log, refusing
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+    from mapper.matching import Match
+    from mapper.sensors.scan import ScanLog
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One of the two: a scan of a log, or a map (``index`` None)."""
+
+    name: str
+    path: Path
+    index: int | None
+
+
+@app.command()
+def match(
+    first: Annotated[str, typer.Argument(metavar="A", help="A scan, LOG#I; or a map: MAP.yaml, or a LOG to map.")],
+    second: Annotated[
+        str | None, typer.Argument(metavar="B", help="What is matched to A: as A. [with --scans: of the same log]")
+    ] = None,
+    scans: Annotated[
+        tuple[int, int] | None, typer.Option(metavar="I J", help="The two scans of LOG, counted from 0.")
+    ] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(metavar="|".join(METHODS), help="How the match is found. [global; of maps global_field]"),
+    ] = None,
+    guess: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,YAW",
+            help="Pose of B in A to begin with (m, m, rad). [of scans of one log that by its poses; otherwise 0,0,0]",
+        ),
+    ] = None,
+    window: Annotated[
+        str | None,
+        typer.Option(metavar="M,RAD", help="How far from the guess poses are searched. [1,1.047; of maps 5,3.142]"),
+    ] = None,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print the pose at which two scans, or two maps, lie on one another, and how certain it is."""
+    one, other = _sides(first, second, scans)
+    if (one.index is None) != (other.index is None):
+        fail(f"{one.name} and {other.name}: Two scans can be matched, or two maps; these are one of each.")
+    is_map = one.index is None
+    wanted: dict[str, Any] = {}
+    if method is not None:
+        wanted["method"] = method.replace("-", "_")
+    if window is not None:
+        pair = numbers("--window", "two numbers, M,RAD in metres and radians", 2, window)
+        wanted |= zip(("window_m", "window_rad"), pair, strict=True)
+    begin = None if guess is None else numbers("--guess", "three numbers, X,Y,YAW in metres and radians", 3, guess)
+    try:
+        config = (MAP_CONFIG if is_map else MatchConfig()).with_values(wanted)
+    except MapperError as error:
+        fail(error.message)
+    began = time.process_time()
+    if is_map:
+        begin = begin or [0.0, 0.0, 0.0]
+        found = _match_maps(one, other, begin, config, topic, trajectory)
+    else:
+        begin, found = _match_scans(one, other, begin, config, topic, trajectory)
+    _print(one, other, begin, config, found, time.process_time() - began, as_json=as_json)
+
+
+def _sides(first: str, second: str | None, scans: tuple[int, int] | None) -> tuple[Side, Side]:
+    """Return what is to be matched, or end the command with an error."""
+    if scans is not None:
+        if second is not None:
+            fail("match takes LOG --scans I J, or A and B, not both.")
+        return cast("tuple[Side, Side]", tuple(Side(f"{first}#{index}", Path(first), index) for index in scans))
+    if second is None:
+        fail("match needs A and B, each LOG#I, a MAP.yaml or a LOG; or LOG --scans I J.")
+    return _side(first), _side(second)
+
+
+def _side(text: str) -> Side:
+    path, mark, number = text.rpartition("#")
+    if not mark or Path(text).exists():
+        return Side(text, Path(text), None)
+    if not number.removeprefix("-").isdecimal():
+        fail(f"{text}: A scan is LOG#I with its number I, not {number!r:.40}.")
+    return Side(text, Path(path), int(number))
+
+
+def _match_scans(
+    one: Side, other: Side, guess: list[float] | None, config: MatchConfig, topic: str | None, trajectory: str | None
+) -> tuple[list[float], Match]:
+    from mapper.core.se2 import compose, inverse  # noqa: PLC0415 - start-up
+    from mapper.matching import match_scan, prepare_scans, scan_target  # noqa: PLC0415 - start-up
+
+    log = read_log(one.path, topic)
+    second = log if other.path == one.path else read_log(other.path, topic)
+    indices = [_index(side, side_log) for side, side_log in ((one, log), (other, second))]
+    if guess is None:
+        guess = [0.0, 0.0, 0.0]
+        with refusing(one.path):
+            poses = log.trajectory(trajectory)
+        if second is log and not poses.is_placeholder:
+            guess = compose(inverse(poses.poses[indices[0]]), poses.poses[indices[1]]).tolist()
+    with refusing(one.path):
+        target = scan_target(prepare_scans(log, indices[0], indices[0] + 1), 0)
+    with refusing(other.path):
+        return guess, match_scan(prepare_scans(second, indices[1], indices[1] + 1), 0, target, np.array(guess), config)
+
+
+def _index(side: Side, log: ScanLog) -> int:
+    index = side.index if side.index is not None and side.index >= 0 else log.n_scans + (side.index or 0)
+    if not 0 <= index < log.n_scans:
+        fail(f"{side.path}: The log has {log.n_scans} scans, counted from 0, and no scan {side.index}.")
+    return index
+
+
+def _match_maps(
+    one: Side, other: Side, guess: list[float], config: MatchConfig, topic: str | None, trajectory: str | None
+) -> Match:
+    from mapper.matching import match_maps  # noqa: PLC0415 - start-up
+
+    first, second = (_grid(side.path, topic, trajectory) for side in (one, other))
+    with refusing(other.path):
+        return match_maps(first, second, np.array(guess), config)
+
+
+def _grid(path: Path, topic: str | None, trajectory: str | None) -> OccupancyGrid:
+    """Return the map of a map file, or that of a log by its poses."""
+    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+
+    if path.suffix.lower() in {".yaml", ".yml"} or not is_log(path):
+        with refusing(path):
+            return load_map(path).grid
+    log = read_log(path, topic)
+    with refusing(path):
+        config = MappingConfig().with_values(sensor_defaults(log.beam_width, {}))
+        grid = grid_for(log, config, trajectory)
+        integrate_log(grid, log, config, trajectory)
+    return grid
+
+
+def _print(
+    one: Side, other: Side, guess: list[float], config: MatchConfig, found: Match, seconds: float, *, as_json: bool
+) -> None:
+    direction = None if found.unknown_direction is None else found.unknown_direction.tolist()
+    if as_json:
+        print_json(
+            {
+                "first": one.name,
+                "second": other.name,
+                "method": found.method,
+                "guess": guess,
+                "window": [config.window_m, config.window_rad],
+                "pose": found.pose.tolist(),
+                "covariance": found.covariance.tolist(),
+                "score": found.score,
+                "degenerate": found.is_degenerate,
+                "unknown_direction": direction,
+                "information": found.information,
+                "rms": found.rms,
+                "pairs": found.pairs,
+                "iterations": found.iterations,
+                "candidates": [
+                    {"pose": pose.tolist(), "score": float(score)}
+                    for pose, score in zip(found.candidates, found.scores, strict=True)
+                ],
+                "cpu_seconds": round(seconds, 4),
+            }
+        )
+        return
+    x, y, theta = found.pose
+    sigma = np.sqrt(np.diag(found.covariance))
+    typer.echo(f"{other.name} in {one.name}, method {found.method}")
+    typer.echo(f"  pose {x:.4f} m, {y:.4f} m, {math.degrees(theta):.3f}°")
+    spread = f"{sigma[0]:.4f} m, {sigma[1]:.4f} m, {math.degrees(sigma[2]):.3f}°"
+    typer.echo(f"  standard deviation {spread}, if it is the right one")
+    typer.echo(f"  score {found.score:.3f} of 1, {found.pairs} pairs, {found.iterations} iterations")
+    if len(found.scores) > 1:
+        others = sorted((float(score) for score in found.scores), reverse=True)[1:]
+        typer.echo(f"  other modes score {', '.join(f'{score:.3f}' for score in others)}")
+    if found.unknown_direction is not None:
+        a, b, c = found.unknown_direction
+        typer.echo(
+            f"  degenerate: hardly anything tells how far it is along ({a:.2f} m, {b:.2f} m, {math.degrees(c):.1f}°), "
+            f"which has {100 * found.information:.1f} % of the information"
+        )

@@ -1,0 +1,206 @@
+"""``/api/logs/{id}/slam``, ``/api/sessions/{id}/heal`` and ``/graph``: correct the poses of a log with SLAM."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from mapper.core.errors import ConfigError, MapperError
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.trajectories import update_sessions
+from server.http.services import Logs, Sessions, Visitor
+from server.library import Library
+from server.library.slam_job import PartialPoses
+from server.sessions import SessionHost, SessionRegistry
+from server.sessions.parts import Graphed, GraphSource
+from server.sessions.view import GraphChange
+
+router = APIRouter(prefix="/api", tags=["logs"])
+
+_tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
+
+
+class NewSlam(BaseModel):
+    """SLAM of a log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
+    trajectory: str | None = Field(
+        None, max_length=200, description="Trajectory to begin with; where it is left out, the log's odometry."
+    )
+
+
+class Change(BaseModel):
+    """A change of a pose graph by hand; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    remove: int | None = Field(None, ge=0, description="Number of a loop to remove.")
+    lock: int | None = Field(None, ge=0, description="Number of a loop that the robust kernel may not weaken.")
+    unlock: int | None = Field(None, ge=0, description="Number of a loop that it may.")
+    robust: str | None = Field(None, max_length=40, description="Robust kernel of the loops.")
+    robust_scale: FiniteFloat | None = Field(None, description="Scale of the kernel, standard deviations.")
+    reset: bool = Field(False, description="Whether the graph is to be as SLAM left it.")
+
+
+@router.post("/logs/{log_id}/slam", status_code=202)
+async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
+    """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
+    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory)
+    _tell_at_end(library, sessions, visitor, log_id)
+    return state
+
+
+@router.get("/logs/{log_id}/slam")
+async def state(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+    """Return how far the visitor's newest SLAM of a log is, and what came of it."""
+    return library.slam.state(visitor, log_id)
+
+
+@router.delete("/logs/{log_id}/slam")
+async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+    """Cancel SLAM of a log, if it is queued or running."""
+    return await library.slam.cancel(visitor, log_id)
+
+
+@router.post("/sessions/{session_id}/heal", status_code=202)
+async def heal(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> dict[str, Any]:
+    """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
+
+    A job that is under way goes on, and the session follows it.
+    """
+    session = sessions.get(session_id)
+    recording = session.model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    log_id, topic = recording.log_id, recording.view().topic
+    state = await library.slam.begin(visitor, log_id, topic)
+    session.enqueue({"type": "follow_slam"})
+
+    def told(poses: PartialPoses | None) -> None:
+        # Of reports that come faster than the map is made, the newest counts: there is another one soon.
+        if poses is not None and not session.closed and not session.has_queued_commands:
+            session.enqueue({"type": "slam_poses", "poses": poses.poses})
+
+    session.on_close.append(library.slam.listen(visitor, log_id, told))
+    _tell_at_end(library, sessions, visitor, log_id)
+    return state
+
+
+def _tell_at_end(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
+    """When the job has ended, let the owner's sessions on the log have its trajectory, and show it if they follow."""
+
+    async def tell() -> None:
+        await update_sessions(library, sessions, owner, log_id)
+        found = library.slam.state(owner, log_id)
+        trajectory = found["result"]["trajectory"] if found["state"] == "done" else None
+        for session in sessions.all():
+            recording = session.model.recording
+            if recording is not None and recording.log_id == log_id and session.owner == owner:
+                session.enqueue({"type": "slam_ended", "trajectory": trajectory})
+
+    async def quietly() -> None:
+        try:
+            await tell()
+        except MapperError:  # the log was deleted meanwhile, or a session takes no more commands
+            return
+
+    def told(poses: PartialPoses | None) -> None:
+        if poses is None:
+            task = asyncio.create_task(quietly())
+            _tasks.add(task)
+            task.add_done_callback(_tasks.discard)
+
+    library.slam.listen(owner, log_id, told)
+
+
+# -- the pose graph ----------------------------------------------------------------------------------------------------
+
+
+def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Graphed, GraphSource]:
+    """Return a session, its graph, and the function that reads the graph's file."""
+    session = sessions.get(session_id)
+    graph, recording = session.model.graph, session.model.recording
+    if graph is None or recording is None:
+        raise MapperError("session.not_a_log", "Only the poses of a log have a pose graph.")
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    log_id = recording.log_id
+    added = library.trajectories
+
+    async def source(trajectory: str) -> bytes | None:
+        known = any(one.name == trajectory for one in added.of(owner, log_id))
+        return await added.graph(owner, log_id, trajectory) if known else None
+
+    return session, graph, source
+
+
+@router.get("/sessions/{session_id}/graph")
+@guests_may(GuestRight.LINKED_SESSION)
+async def graph(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session.
+
+    ``graph`` is null where the trajectory has none.
+    """
+    _, found, source = _graph(library, sessions, session_id)
+    try:
+        return {"graph": await found.public(source)}
+    except ConfigError as error:
+        if error.code != "graph.none":
+            raise
+        return {"graph": None}
+
+
+@router.post("/sessions/{session_id}/graph")
+async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> dict[str, Any]:
+    """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
+    _, found, source = _graph(library, sessions, session_id)
+    return {"graph": await found.change(GraphChange(**wanted.model_dump()), source)}
+
+
+@router.get("/sessions/{session_id}/graph/edges/{edge}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> dict[str, Any]:
+    """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.edge(edge, source)
+
+
+@router.get("/sessions/{session_id}/graph/candidates")
+@guests_may(GuestRight.LINKED_SESSION)
+async def near(
+    library: Logs,
+    sessions: Sessions,
+    session_id: str,
+    x: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
+    y: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
+) -> dict[str, Any]:
+    """Return which loops SLAM tried near a place, and what refused them."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.near(x, y, source)
+
+
+@router.get("/sessions/{session_id}/graph/candidates/{candidate}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def candidate(library: Logs, sessions: Sessions, session_id: str, candidate: int) -> dict[str, Any]:
+    """Return a loop that SLAM tried, with both of its scans, in map metres."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.candidate(candidate, source)
+
+
+@router.post("/sessions/{session_id}/graph/keep")
+async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> dict[str, Any]:
+    """Keep the changed graph and its poses in the place of those that SLAM made."""
+    session, found, source = _graph(library, sessions, session_id)
+    recording = session.model.recording
+    if recording is None or session.owner != visitor or session.link is not None:
+        raise MapperError("session.not_yours", "A graph can only be kept by the visitor whose session it is.")
+    name, text, file = await found.files(source)
+    record = library.get(visitor, recording.log_id)
+    log = await library.load(visitor, record.id, recording.view().topic)
+    added = await library.trajectories.put_changed(visitor, record, log, name, text, file)
+    await update_sessions(library, sessions, visitor, recording.log_id)
+    return added.public()

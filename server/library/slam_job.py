@@ -1,0 +1,148 @@
+"""The job of a worker process that corrects the poses of a log with SLAM.
+
+It writes files: how far it is and the poses so far while it runs, the trajectory and the pose graph in the end. The
+server reads them, wherever the process runs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import time
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import LimitError, ReadError
+from server.library import job as jobs
+from server.library.log_pack import StalePackError, read_pack
+
+if TYPE_CHECKING:
+    from mapper.slam import SlamProgress
+
+DOING = "SLAM of this log"  #: in errors
+NAME = "SLAM"  #: of the trajectory, in the process
+EVERY_S = 0.4  #: seconds between two reports, but for those of a loop that closed
+NICENESS = 10  #: added to that of the service, so that sessions are computed first
+
+#: Endings of the files, after the job's ``out``.
+PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
+
+
+@dataclass(frozen=True, slots=True)
+class SlamJob:
+    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
+
+    ``out`` is the path of its files without their endings.
+    """
+
+    pack: str
+    out: str
+    trajectory: str | None
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[SlamJob], SlamOutcome]:
+        """The function that does it."""
+        return do_slam_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return jobs.time_error(self.timeout_s, DOING, "slam")
+
+
+@dataclass(frozen=True, slots=True)
+class SlamOutcome:
+    """What SLAM made of a log. ``sharpness`` is that of the walls, 0 … 1, before and after."""
+
+    odometry: str | None
+    loops: int
+    nodes: int
+    cpu_s: float
+    sharpness: tuple[float, float]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PartialPoses:
+    """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` as SLAM names it."""
+
+    fraction: float
+    stage: str
+    n_loops: int
+    poses: NDArray[np.float64]
+
+
+def do_slam_job(job: SlamJob) -> SlamOutcome:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
+    _lower_priority()
+    return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _slam(job), DOING, "slam")
+
+
+def _slam(job: SlamJob) -> SlamOutcome:
+    from mapper.diagnosis.verdict import sharpness_of  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.io.export import tum_text  # noqa: PLC0415
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
+    from mapper.slam import slam_log  # noqa: PLC0415
+    from server.library.graph_file import graph_bytes  # noqa: PLC0415
+
+    try:
+        log = read_pack(Path(job.pack))
+    except StalePackError:
+        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    result = slam_log(log, trajectory=job.trajectory, progress=_Reporter(job.out))
+    log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses)})
+    Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
+    Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
+    before = log.default_trajectory if result.odometry is None else result.odometry
+    sharpness = (sharpness_of(log, before), sharpness_of(log, NAME))
+    jobs.note_progress(1.0)
+    nodes = len(result.graph.nodes)
+    return SlamOutcome(result.odometry, result.graph.n_loops, nodes, result.cpu_seconds, sharpness, result.notes)
+
+
+class _Reporter:
+    """Writes how far SLAM is, at most every :data:`EVERY_S`, sooner where a loop has closed."""
+
+    def __init__(self, out: str) -> None:
+        self._path = Path(out + PROGRESS)
+        self._written = 0.0
+        self._loops = 0
+
+    def __call__(self, progress: SlamProgress) -> bool:
+        jobs.note_progress(progress.fraction)
+        now = time.monotonic()
+        has_closed = progress.n_loops != self._loops
+        if now - self._written > (EVERY_S / 4.0 if has_closed else EVERY_S):
+            self._written, self._loops = now, progress.n_loops
+            about = np.array([progress.fraction, progress.n_loops], dtype=np.float64)
+            with atomic_write(self._path) as file:
+                np.savez(file, about=about, stage=np.array(progress.stage), poses=progress.poses)
+        return True
+
+
+def read_progress(out: Path) -> PartialPoses | None:
+    """Return what a running job has reported last; None before the first report."""
+    try:
+        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
+            fraction, loops = arrays["about"].tolist()
+            return PartialPoses(fraction, str(arrays["stage"]), int(loops), arrays["poses"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+def _lower_priority() -> None:
+    """Let the sessions be computed first; a process of a pool does it once."""
+    if sys.platform == "linux":
+        wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))

@@ -1,0 +1,85 @@
+"""The record of a SLAM job, and its row in the database."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from sqlalchemy import Connection, delete, insert, select
+
+from server.library.log_rows import ensure_log
+from server.library.records import Failure, Record
+from server.library.tables import slam_jobs
+
+SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
+
+
+@dataclass(frozen=True, slots=True)
+class SlamRecord:
+    """A job of ``owner`` that corrects the poses of a log, beginning with those of ``trajectory``.
+
+    ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
+    a job that is done.
+    """
+
+    log_id: str
+    owner: str
+    topic: str | None
+    trajectory: str | None
+    state: SlamState
+    created_s: float
+    attempts: int = 0
+    error: Failure | None = None
+    result: dict[str, Any] | None = None
+
+    @property
+    def is_unfinished(self) -> bool:
+        """Whether it is queued or running."""
+        return self.state in ("queued", "running")
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
+        return {
+            "log": self.log_id,
+            "topic": self.topic,
+            "odometry": self.trajectory,
+            "state": self.state,
+            "created_s": self.created_s,
+            "error": None if self.error is None else asdict(self.error),
+            "result": self.result,
+        }
+
+
+def load_slam_records(connection: Connection) -> Sequence[SlamRecord]:
+    """Return all rows, oldest first."""
+    found = []
+    for row in connection.execute(select(slam_jobs).order_by(slam_jobs.c.created_s)):
+        values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
+        code, message = values.pop("error_code"), values.pop("error_message")
+        error = None if code is None else Failure(code, message or "")
+        result = values.pop("result")
+        found.append(SlamRecord(**values, error=error, result=None if result is None else json.loads(result)))
+    return found
+
+
+def put_slam_record(connection: Connection, log: Record, record: SlamRecord) -> None:
+    """Write the row of a job on ``log`` in the place of the owner's older one."""
+    ensure_log(connection, log)
+    of_it = (slam_jobs.c.owner == record.owner, slam_jobs.c.log_id == record.log_id)
+    connection.execute(delete(slam_jobs).where(*of_it))
+    connection.execute(
+        insert(slam_jobs).values(
+            log_id=record.log_id,
+            owner=record.owner,
+            topic=record.topic,
+            trajectory=record.trajectory,
+            state=record.state,
+            created_s=record.created_s,
+            attempts=record.attempts,
+            error_code=None if record.error is None else record.error.code,
+            error_message=None if record.error is None else record.error.message,
+            result=None if record.result is None else json.dumps(record.result),
+        )
+    )

@@ -1,0 +1,86 @@
+"""Commands of the service to a log session, which no client can send: other trajectories, a pose graph, a SLAM job."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from server.sessions.models.log_graph import LogGraph
+from server.sessions.models.log_healing import LogHealing
+from server.sessions.models.log_recording import LogRecording
+from server.sessions.playback import Playback
+from server.sessions.tick import TickResult
+
+
+class Updated(Protocol):
+    """The model of a log session, as far as it is updated."""
+
+    recording: LogRecording
+    graph: LogGraph
+    playback: Playback
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the map is not yet that of the requested scan."""
+
+    def go_to(self, index: int) -> None:
+        """Have the map brought to a number of scans."""
+
+    def updated(self, result: TickResult, *, is_new: bool) -> None:
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+
+
+class LogUpdates:
+    """Carries them out on a worker thread."""
+
+    def __init__(self, model: Updated, healing: LogHealing) -> None:
+        self._model, self._healing = model, healing
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+        """Carry out a command of the service, and return whether it is one."""
+        model = self._model
+        match command["type"]:
+            case "update_log":
+                model.updated(result, is_new=model.recording.update(command["log"]))
+            case "show_graph":
+                solved = command["solved"]
+                model.graph.show(solved)
+                model.updated(result, is_new=model.recording.update(solved.in_log(model.recording.log)))
+            case "follow_slam":
+                self._healing.begin()
+            case "slam_poses":
+                self._show_slam(command["poses"], result)
+            case "slam_ended":
+                self._end_slam(command["trajectory"], result)
+            case _:
+                return False
+        result.changed = True
+        return True
+
+    def _show_slam(self, poses: NDArray[np.float64], result: TickResult) -> None:
+        """Map the scans whose poses a SLAM job has corrected so far."""
+        model = self._model
+        if not self._healing.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
+            return
+        if model.is_catching_up:
+            return  # with the poses from before; there are newer ones soon
+        model.playback.playing = False
+        is_new = self._healing.show(poses)
+        model.go_to(len(poses))
+        model.updated(result, is_new=is_new)
+
+    def _end_slam(self, trajectory: str | None, result: TickResult) -> None:
+        """Show the whole map along the trajectory that SLAM has made, None: along the one from before."""
+        model = self._model
+        before = self._healing.end()
+        chosen = before if trajectory is None else trajectory
+        if before is None or chosen is None or chosen not in model.recording.log.trajectories:
+            return
+        model.graph.forget()
+        is_other = chosen != model.recording.trajectory
+        if is_other:
+            model.recording.choose(chosen)
+        model.go_to(model.recording.log.n_scans)
+        model.updated(result, is_new=is_other)

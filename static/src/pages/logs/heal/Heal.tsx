@@ -1,0 +1,178 @@
+/** Corrects the poses of a log with SLAM, and shows and changes the pose graph that they come from. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import type { Comparison } from "../../../tools/compare/comparison";
+import { Button } from "../../../ui/Button";
+import { Panel } from "../../../ui/Panel";
+import { compareWith } from "../compare/sides";
+import { trajectoryLabel } from "../describeLog";
+import type { SlamState } from "./api";
+import { Graph } from "./Graph";
+import type { Healing } from "./healing";
+import "./heal.css";
+
+interface HealProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly healing: Healing;
+  readonly comparison: Comparison;
+  readonly isGuest: boolean;
+}
+
+export function Heal({ store, session, healing, comparison, isGuest }: HealProps) {
+  const job = healing.job.value;
+  const trajectory = store.trajectory.value?.name ?? null;
+  const isUnderWay = healing.isUnderWay.value;
+  useEffect(() => healing.show(), [healing]);
+  useEffect(() => {
+    if (!isUnderWay && trajectory !== null) void healing.load();
+  }, [healing, trajectory, isUnderWay]);
+  const graph = healing.graph.value;
+  return (
+    <>
+      {!isGuest && (
+        <Panel title="Heal its poses">
+          <div class="heal">
+            {!isUnderWay && (
+              <p class="quiet">
+                SLAM finds where the robot was from the scans themselves: it aligns each scan with those before it,
+                closes a loop where the robot comes back to a place, and solves the graph of all poses.
+              </p>
+            )}
+            {job && isUnderWay && <Progress job={job} healing={healing} />}
+            {job && !isUnderWay && <Outcome job={job} />}
+            {healing.failure.value !== null && (
+              <p class="heal-failed" role="alert">
+                {healing.failure.value}
+              </p>
+            )}
+            {!isUnderWay && (
+              <div class="heal-actions">
+                <Button
+                  kind={job?.state === "done" ? undefined : "primary"}
+                  disabled={healing.isBusy.value}
+                  onClick={() => void healing.begin()}
+                >
+                  {job?.state === "done" ? "Heal again" : "Heal its poses"}
+                </Button>
+                <Results store={store} session={session} job={job} comparison={comparison} healing={healing} />
+              </div>
+            )}
+          </div>
+        </Panel>
+      )}
+      {graph && <Graph store={store} healing={healing} graph={graph} isGuest={isGuest} />}
+      {!graph && isGuest && <p class="quiet">The poses of this map have no pose graph.</p>}
+    </>
+  );
+}
+
+const STAGES: Readonly<Record<string, string>> = {
+  "front end": "Aligning scans",
+  "loop closure": "A loop has closed",
+  refinement: "Aligning all scans together",
+};
+
+function Progress({ job, healing }: { readonly job: SlamState; readonly healing: Healing }) {
+  const count = healing.store.frame.value?.count ?? 0;
+  const percent = Math.floor(100 * job.fraction);
+  return (
+    <div class="heal-progress">
+      <progress max={1} value={job.fraction} aria-label="Healing" />
+      <p role="status">
+        {job.state === "queued"
+          ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""} …`
+          : `${STAGES[job.stage ?? ""] ?? "Beginning"} …`}
+      </p>
+      <p class="quiet">
+        {percent} % · {job.scans} of {count} scans ·{" "}
+        <span class="heal-closed" key={job.loops}>
+          {job.loops} {job.loops === 1 ? "loop" : "loops"} closed
+        </span>
+        {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
+      </p>
+      <div class="heal-actions">
+        <Button icon="close" disabled={healing.isBusy.value} onClick={() => void healing.cancel()}>
+          Cancel
+        </Button>
+      </div>
+    </div>
+  );
+}
+
+function Outcome({ job }: { readonly job: SlamState }) {
+  if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
+  if (job.state === "failed")
+    return (
+      <p class="heal-failed" role="alert">
+        {job.error?.message}
+      </p>
+    );
+  const { result } = job;
+  if (job.state !== "done" || !result) return null;
+  const [before, after] = result.sharpness;
+  return (
+    <>
+      <p role="status">Healed: the poses are the trajectory {trajectoryLabel(result.trajectory)} of this log.</p>
+      <dl class="heal-facts">
+        <dt>Sharpness of the walls</dt>
+        <dd data-before={before} data-after={after}>
+          {before?.toFixed(3) ?? "–"} before, {after?.toFixed(3) ?? "–"} now
+        </dd>
+        <dt>Began with</dt>
+        <dd>{result.odometry === null ? "the scans alone" : trajectoryLabel(result.odometry)}</dd>
+        <dt>Graph</dt>
+        <dd>
+          {result.nodes} poses, {result.loops} {result.loops === 1 ? "loop" : "loops"}
+        </dd>
+        <dt>Processor time</dt>
+        <dd>{result.cpu_s.toFixed(1)} s</dd>
+      </dl>
+      {result.notes.map((note) => (
+        <p class="quiet" key={note}>
+          {note}
+        </p>
+      ))}
+    </>
+  );
+}
+
+interface ResultsProps extends Omit<HealProps, "isGuest"> {
+  readonly job: SlamState | null;
+}
+
+/** Look at the healed map, alone or beside the one from before. */
+function Results({ store, session, job, comparison, healing }: ResultsProps) {
+  const failure = useSignal<string | null>(null);
+  const healed = job?.state === "done" ? (job.result?.trajectory ?? null) : null;
+  const names = (store.hello.value?.log?.trajectories ?? []).map((one) => one.name);
+  if (healed === null || !names.includes(healed)) return null;
+  const now = store.trajectory.value?.name;
+  const before = healing.before.value ?? job?.result?.odometry ?? names.find((name) => name !== healed);
+  if (now !== healed)
+    return <Button onClick={() => store.send({ type: "trajectory", name: healed })}>Show the healed map</Button>;
+  if (before === undefined || before === healed || !names.includes(before)) return null;
+  return (
+    <>
+      <Button
+        disabled={store.compared.value?.trajectory === before && comparison.isOn.value}
+        onClick={async () => {
+          comparison.mode.value = "swipe";
+          failure.value = await compareWith(session, { trajectory: before });
+        }}
+      >
+        Compare with before
+      </Button>
+      <Button kind="quiet" onClick={() => store.send({ type: "trajectory", name: before })}>
+        Show {trajectoryLabel(before)}
+      </Button>
+      {failure.value !== null && (
+        <p class="heal-failed" role="alert">
+          {failure.value}
+        </p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,63 @@
+/** Requests about SLAM of a log and about its pose graph. Each rejects with the server's sentence. */
+
+import type { ScanPair } from "../../../store/sessionState";
+import type { Candidate, Edge, Place, PoseGraph } from "../../../tools/heal/model";
+import { request } from "../request";
+
+/** SLAM of a log: what is under way, or what came of it. */
+export interface SlamState {
+  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
+  readonly fraction: number;
+  readonly stage: string | null;
+  /** Scans whose poses are corrected. */
+  readonly scans: number;
+  readonly loops: number;
+  readonly elapsed_s: number | null;
+  /** Jobs that are begun before this one. */
+  readonly ahead: number;
+  readonly error: { readonly code: string; readonly message: string } | null;
+  readonly result: {
+    readonly trajectory: string;
+    readonly odometry: string | null;
+    readonly loops: number;
+    readonly nodes: number;
+    readonly cpu_s: number;
+    readonly sharpness: readonly [number | null, number | null];
+    readonly notes: readonly string[];
+  } | null;
+}
+
+const session = (id: string): string => `/api/sessions/${encodeURIComponent(id)}`;
+const slam = (log: string): string => `/api/logs/${encodeURIComponent(log)}/slam`;
+
+export const heal = (id: string): Promise<SlamState> => request(`${session(id)}/heal`, "POST");
+
+export const slamState = (log: string): Promise<SlamState> => request(slam(log));
+
+export const cancelSlam = (log: string): Promise<SlamState> => request(slam(log), "DELETE");
+
+/** The graph of the trajectory in use; null where it has none. */
+export const poseGraph = async (id: string): Promise<PoseGraph | null> =>
+  (await request<{ graph: PoseGraph | null }>(`${session(id)}/graph`)).graph;
+
+export interface Change {
+  readonly remove?: number;
+  readonly lock?: number;
+  readonly unlock?: number;
+  readonly robust?: string;
+  readonly robust_scale?: number;
+  readonly reset?: boolean;
+}
+
+export const changeGraph = async (id: string, change: Change): Promise<PoseGraph> =>
+  (await request<{ graph: PoseGraph }>(`${session(id)}/graph`, "POST", change)).graph;
+
+export const edgeOf = (id: string, edge: number): Promise<Edge> => request(`${session(id)}/graph/edges/${edge}`);
+
+export const placeOf = (id: string, x: number, y: number): Promise<Place> =>
+  request(`${session(id)}/graph/candidates?x=${x}&y=${y}`);
+
+export const candidateOf = (id: string, candidate: number): Promise<Candidate & ScanPair> =>
+  request(`${session(id)}/graph/candidates/${candidate}`);
+
+export const keepGraph = (id: string): Promise<unknown> => request(`${session(id)}/graph/keep`, "POST");

@@ -1,0 +1,185 @@
+/** Healing of a log's poses on the page: the job on the server, the pose graph, and what of it is selected. */
+
+import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import type { ScanPair } from "../../../store/sessionState";
+import type { Store } from "../../../store/store";
+import { type Candidate, type Edge, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";
+import type { Point } from "../../../wire/protocol";
+import * as api from "./api";
+
+/** The layer of the graph. */
+export const LAYER = "graph";
+const EVERY_MS = 400;
+
+const isUnderWay = (job: api.SlamState | null): boolean => job?.state === "queued" || job?.state === "running";
+
+export class Healing {
+  /** The newest job; null where there was none. */
+  readonly job = signal<api.SlamState | null>(null);
+  /** The pose graph of the trajectory in use; null where it has none. */
+  readonly graph = signal<PoseGraph | null>(null);
+  readonly edge = signal<Edge | null>(null);
+  readonly candidate = signal<(Candidate & ScanPair) | null>(null);
+  /** The place that was asked about. */
+  readonly place = signal<{ readonly at: Point; readonly found: Place } | null>(null);
+  readonly failure = signal<string | null>(null);
+  readonly isBusy = signal(false);
+  readonly isUnderWay: ReadonlySignal<boolean> = computed(() => isUnderWay(this.job.value));
+  readonly badge: ReadonlySignal<string | null> = computed(() => {
+    const job = this.job.value;
+    return isUnderWay(job) ? `${Math.floor(100 * (job?.fraction ?? 0))} %` : null;
+  });
+  /** What takes a click on the map while the graph is shown. */
+  readonly takesTap = signal<((point: Point) => boolean) | null>(null);
+  /** The trajectory of the map before it was healed. */
+  readonly before: Signal<string | null> = signal(null);
+  #timer = 0;
+
+  constructor(
+    readonly store: Store,
+    readonly session: string,
+  ) {}
+
+  /** The id of the session's log. */
+  get #log(): string | null {
+    return this.store.hello.peek()?.log?.id ?? null;
+  }
+
+  async #ask(what: () => Promise<void>): Promise<void> {
+    this.isBusy.value = true;
+    this.failure.value = null;
+    try {
+      await what();
+    } catch (error) {
+      this.failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+    } finally {
+      this.isBusy.value = false;
+    }
+  }
+
+  /** Heal the log's poses; a job that is under way is followed. */
+  async begin(): Promise<void> {
+    const trajectory = this.store.trajectory.peek()?.name ?? null;
+    if (this.graph.peek() === null && !this.isUnderWay.peek()) this.before.value = trajectory;
+    this.#deselect();
+    this.graph.value = null;
+    await this.#ask(async () => {
+      this.job.value = await api.heal(this.session);
+    });
+    this.#follow();
+  }
+
+  async cancel(): Promise<void> {
+    const log = this.#log;
+    if (log === null) return;
+    await this.#ask(async () => {
+      this.job.value = await api.cancelSlam(log);
+    });
+  }
+
+  /** Find out whether a job is under way, or what came of the last one. */
+  async look(): Promise<void> {
+    const log = this.#log;
+    if (log === null) return;
+    try {
+      this.job.value = await api.slamState(log);
+    } catch {
+      // The server does not answer: another time.
+    }
+    this.#follow();
+  }
+
+  #follow(): void {
+    clearTimeout(this.#timer);
+    if (this.isUnderWay.peek()) this.#timer = window.setTimeout(() => void this.look(), EVERY_MS);
+  }
+
+  stop(): void {
+    clearTimeout(this.#timer);
+    this.#timer = -1;
+  }
+
+  /** Show the graph of the trajectory in use, where it has one. */
+  async load(): Promise<void> {
+    try {
+      this.graph.value = await api.poseGraph(this.session);
+    } catch {
+      this.graph.value = null;
+    }
+  }
+
+  /** Select a loop: both of its scans are shown. */
+  readonly select = (edge: number): Promise<void> =>
+    this.#ask(async () => {
+      const found = await api.edgeOf(this.session, edge);
+      this.#deselect();
+      this.edge.value = found;
+      this.store.scanPair.value = found;
+    });
+
+  readonly selectCandidate = (candidate: number): Promise<void> =>
+    this.#ask(async () => {
+      const found = await api.candidateOf(this.session, candidate);
+      this.edge.value = null;
+      this.candidate.value = found;
+      this.store.scanPair.value = found;
+    });
+
+  /** Ask why no loop closed at a place. */
+  readonly ask = (at: Point): Promise<void> =>
+    this.#ask(async () => {
+      const found = await api.placeOf(this.session, ...at);
+      this.#deselect();
+      this.place.value = { at, found };
+    });
+
+  #deselect(): void {
+    this.edge.value = null;
+    this.candidate.value = null;
+    this.place.value = null;
+    this.store.scanPair.value = null;
+  }
+
+  /** Change the graph; the map follows. */
+  readonly change = (change: api.Change): Promise<void> =>
+    this.#ask(async () => {
+      const edge = this.edge.peek()?.edge;
+      this.graph.value = await api.changeGraph(this.session, change);
+      this.#deselect();
+      const isStill = edge !== undefined && edge !== change.remove && change.remove === undefined && !change.reset;
+      if (isStill) await this.select(edge);
+    });
+
+  readonly keep = (): Promise<void> =>
+    this.#ask(async () => {
+      await api.keepGraph(this.session);
+    });
+
+  /** Show the graph as a layer, and take clicks on the map; the result ends both. */
+  show(): () => void {
+    const unsubscribe = this.store.layers.subscribe(LAYER);
+    this.takesTap.value = (point) => {
+      if (this.graph.peek() === null) return false;
+      const edge = loopAt(this.store.layers.content(LAYER).peek(), point, this.store.view.peek()?.scale ?? 0);
+      void (edge === null ? this.ask(point) : this.select(edge));
+      return true;
+    };
+    return () => {
+      unsubscribe();
+      this.takesTap.value = null;
+      this.#deselect();
+    };
+  }
+}
+
+/** The healing of a session's log. A guest only sees the graph. */
+export function useHealing(store: Store, session: string, isGuest: boolean): Healing {
+  const healing = useMemo(() => new Healing(store, session), [store, session]);
+  const log = store.hello.value?.log?.id ?? null;
+  useEffect(() => {
+    if (!isGuest && log !== null) void healing.look();
+    return () => healing.stop();
+  }, [healing, log, isGuest]);
+  return healing;
+}

@@ -1,0 +1,190 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { Choice } from "../../../ui/Choice";
+import { written } from "../../../ui/numbers";
+import { Panel } from "../../../ui/Panel";
+import { fetchJson } from "../contents/contents";
+import { Plot } from "../contents/LazyPlot";
+import { trajectoryLabel } from "../describeLog";
+import { AddTrajectory } from "./AddTrajectory";
+import { courseOf, rowsOf, STATISTICS, type TrajectoryErrors } from "./errors";
+import { TrajectoryChoice } from "./TrajectoryChoice";
+import "./trajectories.css";
+
+const ALIGNMENTS = [
+  { value: "rigid", label: "Least squares" },
+  { value: "scaled", label: "With scale" },
+  { value: "origin", label: "First pose" },
+  { value: "none", label: "Not aligned" },
+];
+
+interface TrajectoriesProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly isGuest: boolean;
+  /** What is compared now, for the paths on the map. */
+  readonly errors: Signal<TrajectoryErrors | null>;
+}
+
+/** The poses of the map, trajectories brought along, and the errors of one trajectory against another one. */
+export function Trajectories({ store, session, isGuest, errors }: TrajectoriesProps) {
+  const log = store.hello.value?.log;
+  const names = (log?.trajectories ?? []).map((one) => one.name);
+  return (
+    <>
+      <TrajectoryChoice store={store} />
+      {!isGuest && log && <AddTrajectory log={log.id} />}
+      <Panel title="Errors of one against another">
+        {names.length < 2 ? (
+          <p class="quiet">The log has one trajectory: add another one to compare the two.</p>
+        ) : (
+          <Errors store={store} session={session} names={names} errors={errors} />
+        )}
+      </Panel>
+    </>
+  );
+}
+
+function Errors({
+  store,
+  session,
+  names,
+  errors,
+}: Pick<TrajectoriesProps, "store" | "session" | "errors"> & { readonly names: readonly string[] }) {
+  const reference = useSignal(names[0] ?? "");
+  const estimate = useSignal(names[1] ?? "");
+  const align = useSignal("rigid");
+  const failure = useSignal<string | null>(null);
+  const delta = useSignal(1);
+  const query = new URLSearchParams({
+    reference: reference.value,
+    estimate: estimate.value,
+    align: align.value,
+    delta: String(delta.value),
+  }).toString();
+  useEffect(() => {
+    const abort = new AbortController();
+    errors.value = null;
+    fetchJson<TrajectoryErrors>(
+      `/api/sessions/${encodeURIComponent(session)}/trajectory-errors?${query}`,
+      abort.signal,
+    ).then(
+      ({ body }) => {
+        failure.value = null;
+        errors.value = body;
+      },
+      (error: Error) => {
+        if (!abort.signal.aborted) failure.value = error.message;
+      },
+    );
+    return () => abort.abort();
+  }, [session, query]);
+  useEffect(
+    () => () => {
+      errors.value = null; // the paths are on the map while the group is open
+    },
+    [],
+  );
+  const found = errors.value;
+  return (
+    <div class="errors">
+      <Select label="Reference" names={names} value={reference} />
+      <Select label="Compared with it" names={names} value={estimate} />
+      <Choice
+        label="Aligned by"
+        options={ALIGNMENTS}
+        value={align.value}
+        onChange={(value) => {
+          align.value = value;
+        }}
+      />
+      <Choice
+        label="Relative error over"
+        options={["0.5", "1", "5", "10"].map((value) => ({ value, label: `${value} m` }))}
+        value={String(delta.value)}
+        onChange={(value) => {
+          delta.value = Number(value);
+        }}
+      />
+      {failure.value && <p role="alert">{failure.value}</p>}
+      {!found && !failure.value && <p class="quiet">…</p>}
+      {found && !failure.value && (
+        <>
+          <Table errors={found} />
+          {(["absolute", "relative"] as const).map((which) => {
+            const course = courseOf(found, which);
+            return course.columns.map(({ plot }) => (
+              <Plot key={`${query} ${plot}`} store={store} series={course} plot={plot} />
+            ));
+          })}
+        </>
+      )}
+      <p class="quiet">
+        On the map: both paths in the frame of the reference; the compared one is coloured by its absolute error. The
+        definitions are those of evo and of <code>gridbloom evaluate</code>.
+      </p>
+    </div>
+  );
+}
+
+function Select({
+  label,
+  names,
+  value,
+}: {
+  readonly label: string;
+  readonly names: readonly string[];
+  readonly value: Signal<string>;
+}) {
+  return (
+    <label class="field">
+      <span class="field-label">{label}</span>
+      <select
+        class="select"
+        value={value.value}
+        onChange={(event) => {
+          value.value = event.currentTarget.value;
+        }}
+      >
+        {names.map((name) => (
+          <option key={name} value={name} selected={name === value.value}>
+            {trajectoryLabel(name)}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Table({ errors }: { readonly errors: TrajectoryErrors }) {
+  return (
+    <div class="errors-table">
+      <table>
+        <caption class="quiet">{errors.pairs} pairs of poses</caption>
+        <thead>
+          <tr>
+            <th scope="col">Error</th>
+            {STATISTICS.map((name) => (
+              <th key={name} scope="col">
+                {name}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {rowsOf(errors).map(([what, unit, figures]) => (
+            <tr key={what + unit}>
+              <th scope="row">
+                {what}, {unit}
+              </th>
+              {figures.map((value, n) => (
+                <td key={STATISTICS[n]}>{written(value, value >= 100 ? 0 : value >= 10 ? 1 : 3)}</td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

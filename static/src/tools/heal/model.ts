@@ -1,0 +1,107 @@
+/** The pose graph of a healed log, as the server tells of it, and what a place of the picture stands for. */
+
+import { columnOf, type LayerContent } from "../../render/picture/overlays";
+import type { ScanPair } from "../../store/sessionState";
+import type { Point } from "../../wire/protocol";
+import { CONTRADICTS, STRAINED } from "./poseGraph";
+
+/** A loop of the graph: the constraint between two scans that were taken at one place at different times. */
+export interface Loop {
+  readonly edge: number;
+  /** The two scans, from 0. */
+  readonly scans: readonly [number, number];
+  /** How far the graph's solution is from the measurement, in standard deviations. */
+  readonly residual: number;
+  /** What the robust kernel leaves of the loop, 0 to 1. */
+  readonly weight: number;
+  readonly locked: boolean;
+}
+
+export interface PoseGraph {
+  readonly trajectory: string;
+  readonly nodes: number;
+  readonly odometry: number;
+  /** The worst first. */
+  readonly loops: readonly Loop[];
+  /** Number of loops that were tried, accepted or not. */
+  readonly tried: number;
+  readonly robust: string;
+  readonly robust_scale: number;
+  readonly changed: boolean;
+}
+
+/** An edge with both of its scans. */
+export interface Edge extends Loop, ScanPair {
+  readonly kind: "loop" | "odometry";
+  readonly off_m: number;
+  readonly off_deg: number;
+  readonly score: number | null;
+  readonly inliers: number | null;
+}
+
+/** A loop that was tried. */
+export interface Candidate {
+  readonly candidate: number;
+  readonly scans: readonly [number, number];
+  readonly away_m: number;
+  readonly score: number;
+  readonly inliers: number;
+  readonly accepted: boolean;
+  /** What refused it; empty where it was accepted. */
+  readonly reason: string;
+}
+
+/** What was tried near a place. */
+export interface Place {
+  /** Runs of scans, first and last, that were taken near it. */
+  readonly visits: readonly (readonly [number, number])[];
+  readonly candidates: readonly Candidate[];
+}
+
+const REACH_PX = 10;
+
+function fromSegment(at: Point, [ax, ay]: Point, [bx, by]: Point): number {
+  const [dx, dy] = [bx - ax, by - ay];
+  const length = dx * dx + dy * dy;
+  const along = length > 0 ? Math.max(0, Math.min(1, ((at[0] - ax) * dx + (at[1] - ay) * dy) / length)) : 0;
+  return Math.hypot(at[0] - ax - along * dx, at[1] - ay - along * dy);
+}
+
+/** The number of the loop nearest to a place, at most a few pixels of `scale` metres away; null for none. */
+export function loopAt(content: LayerContent | null, at: Point, scale: number): number | null {
+  if (!content?.edges || !content.values) return null;
+  const xs = columnOf(content, "x");
+  const ys = columnOf(content, "y");
+  if (!xs || !ys) return null;
+  let best: number | null = null;
+  let least = REACH_PX * scale;
+  for (let edge = 0; edge < content.values.length; edge++) {
+    if (Number.isNaN(content.values[edge])) continue; // odometry
+    const [i, j] = [content.edges[2 * edge] as number, content.edges[2 * edge + 1] as number];
+    const away = fromSegment(at, [xs[i] as number, ys[i] as number], [xs[j] as number, ys[j] as number]);
+    if (away < least) {
+      least = away;
+      best = edge;
+    }
+  }
+  return best;
+}
+
+/** Why no loop closed at a place, in one sentence. */
+export function whyNone({ visits, candidates }: Place): string {
+  if (visits.length === 0) return "The robot was never within 3 m of this place.";
+  const times = ["never", "once", "twice"][visits.length] ?? `${visits.length} times`;
+  const accepted = candidates.filter((one) => one.accepted).length;
+  if (accepted > 0)
+    return `The robot was here ${times}, and ${accepted} ${accepted === 1 ? "loop" : "loops"} closed near this place.`;
+  if (candidates.length > 0)
+    return `The robot was here ${times}; ${candidates.length} ${candidates.length === 1 ? "loop was" : "loops were"} tried near this place, and all were refused.`;
+  if (visits.length === 1) return "The robot was here only once: there is nothing that a loop could join.";
+  return `The robot was here ${times}, but no loop was tried: between the visits the way was too short, or the poses were too far apart.`;
+}
+
+/** A residual in words, so that it is not told by colour alone. */
+export function residualLabel(residual: number): string {
+  if (residual < STRAINED) return "fits";
+  return residual < CONTRADICTS ? "strained" : "contradicts";
+}

@@ -1,0 +1,85 @@
+"""Healing the poses of a drifting log on its page: pressed, watched, compared, questioned, changed by hand."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.drifting import drifting_ring
+from tests.browser.looking import SECONDS, open_group, settled_digest, until
+
+
+def opened(page: Page, server: str, name: str, data: bytes) -> None:
+    """Upload a log and open its map."""
+    page.goto(f"{server}/logs.html")
+    page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
+    page.locator(".log-card", has_text=name).get_by_role("button", name="Open map").click()
+    expect(page.get_by_role("tab", name="Heal")).to_be_visible()
+
+
+def facts(panel: Locator) -> tuple[float, float]:
+    """The sharpness before and after."""
+    cell = panel.locator("dd[data-before]")
+    return float(str(cell.get_attribute("data-before"))), float(str(cell.get_attribute("data-after")))
+
+
+def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
+    opened(page, server, name, data)
+    # The doctor finds the drift, and its finding offers the remedy.
+    doctor = open_group(page, "Doctor")
+    doctor.get_by_role("button", name=re.compile("Show .* findings?|Examine")).click()
+    finding = doctor.locator('[data-check="walls.drift"]')
+    expect(finding).to_contain_text("gridbloom slam")
+    finding.get_by_role("button", name="Heal its poses").click()
+    panel = page.get_by_role("region", name="Heal its poses")
+    expect(panel.locator("progress")).to_be_visible()
+    # The map fills in along the poses so far, while the job runs.
+    until(
+        "a part of the map along corrected poses",
+        lambda: page.evaluate(
+            "() => { const s = gridbloom.connection.store;"
+            " return s.trajectory.peek()?.name === 'SLAM' && s.frame.peek().index > 0 }"
+        ),
+    )
+    expect(panel).to_contain_text("Healed", timeout=5 * SECONDS * 1000)
+    before, after = facts(panel)
+    assert after > before
+    expect(panel).to_contain_text(re.compile(r"[1-9]\d* loops?"))
+    page.wait_for_function(
+        "() => { const f = gridbloom.connection.store.frame.peek(); return f.index === f.count && !f.playing }"
+    )
+    panel.get_by_role("button", name="Compare with before").click()
+    expect(page.get_by_role("slider", name=re.compile("divider", re.IGNORECASE))).to_be_visible()
+
+    graph = page.get_by_role("region", name="Pose graph")
+    graph.get_by_text("Loops, the worst first").click()
+    loops = graph.get_by_role("list", name="Loops", exact=True)
+    loops.get_by_role("button").first.click()
+    selected = page.get_by_role("region", name="Selected loop")
+    expect(selected).to_contain_text(re.compile(r"Residual\s*[\d.]+ σ"))
+    assert page.evaluate("() => gridbloom.connection.store.scanPair.peek().points.aligned.length") > 10
+    graph.get_by_role("button", name="Why no loop at the robot?").click()
+    why = page.get_by_role("region", name="Why no loop closed here")
+    expect(why).to_contain_text(re.compile("The robot was here"))
+    # Without any loop the map is another one, and as SLAM left it, it is the one from before.
+    healed = settled_digest(page)
+    count = loops.get_by_role("button").count()
+    loops.get_by_role("button").first.click()
+    selected.get_by_role("button", name="Remove this loop").click()
+    expect(loops.get_by_role("button")).to_have_count(count - 1 if count < 60 else 60)
+    graph.get_by_role("button", name="As SLAM left it").click()
+    expect(loops.get_by_role("button")).to_have_count(count)
+    assert settled_digest(page) == healed
+
+
+def test_a_drifting_log_is_healed(page: Page, server: str) -> None:
+    drift_is_healed(page, server, "ring.log", drifting_ring())
+
+
+@pytest.mark.long
+def test_intel_is_healed(page: Page, server: str, data_file: Callable[[str], Path]) -> None:
+    drift_is_healed(page, server, "intel.log.gz", data_file("carmen/intel.log.gz").read_bytes())
