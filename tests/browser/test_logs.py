@@ -1,4 +1,4 @@
-"""The logs page in real Chromium: choose and upload a log, watch it fill in, seek, change parameters, download."""
+"""The logs page in Chromium: choose and upload a log, watch it fill in, seek, change parameters, download."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_going_back_makes_the_earlier_map_again(intel: Page) -> None:
     until("the earlier map, cell for cell", lambda: frame(intel)["index"] == at and map_digest(intel) == there)
 
 
-def test_the_whole_map_is_made_again_while_a_handle_moves(intel: Page) -> None:
+def test_the_map_is_recomputed_while_a_handle_moves(intel: Page) -> None:
     seek_to_end(intel)
     before = map_digest(intel)
     handle = intel.locator("figure.profile").get_by_role("slider", name="Max range", exact=True)
@@ -139,7 +139,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     expect(card).to_have_count(0)
 
 
-def test_an_upload_that_is_cut_goes_on_by_itself(context: BrowserContext, server: str) -> None:
+def test_an_interrupted_upload_resumes(context: BrowserContext, server: str) -> None:
     page = context.new_page()  # unwatched: the console rightly tells of the cut
     line = FrayedLine(int(server.rsplit(":", 1)[1]), 300_000)
     try:
@@ -154,7 +154,7 @@ def test_an_upload_that_is_cut_goes_on_by_itself(context: BrowserContext, server
         line.close()
 
 
-def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
+def test_the_cards_show_the_contents_of_the_logs(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text="intel-corrected.log.gz")
     expect(card.locator(".log-run")).to_have_text("44:10 · 500 m driven · 910 scans")
@@ -169,7 +169,7 @@ def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Pa
     (logs_dir / "intel.ref.tum").unlink()
 
 
-def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: str) -> None:
+def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(
         {"name": "holiday.jpg", "mimeType": "image/jpeg", "buffer": bytes(range(256)) * 40}
