@@ -99,6 +99,6 @@ def test_what_is_for_one_sensor_is_refused_for_several(service: Service) -> None
     session = service.http.post("/api/sessions", json=wanted).json()
     assert session["count"] == 8
     exported = service.http.get(f"/api/sessions/{session['id']}/run.mcap")
-    assert (exported.status_code, exported.json()["code"]) == (422, "export.sensors")
+    assert (exported.status_code, exported.json()["code"]) == (409, "export.sensors")
     healed = service.http.post(f"/api/sessions/{session['id']}/heal")
     assert (healed.status_code, healed.json()["code"]) == (422, "slam.sensors")
