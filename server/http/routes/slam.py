@@ -13,7 +13,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import PartialPoses
+from server.library.slam_job import PartialPoses, check_one_sensor
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource
 from server.sessions.view import GraphChange
@@ -81,6 +81,7 @@ async def heal(library: Logs, sessions: Sessions, visitor: Visitor, session_id: 
     recording = session.model.recording
     if recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    check_one_sensor(recording.log)
     log_id, topic = recording.log_id, recording.view().topic
     state = await library.slam.begin(visitor, log_id, topic)
     session.enqueue({"type": "follow_slam"})
