@@ -24,7 +24,7 @@ from mapper.matching.kernels.types import (
     PairRule,
     ScanArrays,
 )
-from mapper.matching.kernels.views import nearest_beam
+from mapper.matching.kernels.views import _nearest_beam
 
 
 @jit
@@ -88,7 +88,7 @@ def accumulate_scan(
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
         r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
         x, y = r_x + t_x, r_y + t_y
-        q = nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
+        q = _nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
         if q == -2:
             continue
         tried += 1
@@ -242,7 +242,7 @@ def solve_step(hessian: Float64Array, gradient: Float64Array, step: Float64Array
 
 
 @jit
-def take_step(
+def _take_step(
     hessian: Float64Array,
     gradient: Float64Array,
     iterations: Iterations,
@@ -300,7 +300,7 @@ def refine_pose(
             hessian[u, u] += prior_weight[u]
             gradient[u] -= prior_weight[u] * off
         done += 1
-        if not take_step(hessian, gradient, iterations, gate, pose, step):
+        if not _take_step(hessian, gradient, iterations, gate, pose, step):
             break
         gate = max(gate * iterations.shrink, iterations.last_gate)
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))
@@ -345,7 +345,7 @@ def refine_pair(
             for v in range(3):
                 hessian[u, v] += back[u, v]
         done += 1
-        if not take_step(hessian, gradient, iterations, gate, pose, step):
+        if not _take_step(hessian, gradient, iterations, gate, pose, step):
             break
         gate = max(gate * iterations.shrink, iterations.last_gate)
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))
