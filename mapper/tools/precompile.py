@@ -92,7 +92,7 @@ def _match(log: ScanLog) -> None:
     for method in METHODS:
         config = MatchConfig(method=method, window_m=0.2, window_rad=0.1)
         match_scan(scans, 1, one, guess, config)
-        match_scan(scans, 1, both, guess, config)
+        match_scan(scans, 1, both, both.poses[1], config)
     first = np.zeros(1, dtype=np.int64)
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
     rule = PairRule(0.5, 12, CAUCHY, 0.03, 1)

@@ -323,7 +323,7 @@ def refine_pair(
 
     As :func:`refine_pose` without a prior, but the points of scan j are paired with scan i too, so that neither scan's
     normals and holes count more. The scale of the weight is at least a quarter of the gate, so that pairs count while
-    the pose is still far off. ``hessian`` (3, 3) and the sums are those of both.
+    the pose is still far off; until the last gate half of the beams do. ``hessian`` (3, 3) and the sums are of both.
     """
     gradient, step, back, right = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3)
     pairs, tried, squares, weighted, done = 0, 0, 0.0, 0.0, 0
@@ -331,7 +331,8 @@ def refine_pair(
     for _ in range(iterations.most):
         hessian[:], gradient[:], back[:], right[:] = 0.0, 0.0, 0.0, 0.0
         scale = max(rule.scale, 0.25 * gate)
-        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, scale, rule.stride, rule.keep, rule.residual)
+        stride = rule.stride if gate <= iterations.last_gate else 2 * rule.stride
+        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, scale, stride, rule.keep, rule.residual)
         pairs, tried, squares, weighted = accumulate_scan(moving, i, pose, fixed, j, at, gate, now, hessian, gradient)
         n, m, e, w = accumulate_scan(fixed, j, at, moving, i, pose, gate, now, back, right)
         pairs += n

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -14,10 +14,13 @@ from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.library.slam_job import PartialPoses
-from server.sessions import SessionHost, SessionRegistry
+from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource
 from server.sessions.view import GraphChange
 from server.stream.protocol import ProtocolError
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
 

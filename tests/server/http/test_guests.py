@@ -74,6 +74,7 @@ NEVER = {
     ("GET", "/api/logs"),
     ("PUT", "/api/logs"),
     ("GET", "/api/logs/uploads/{key}"),
+    ("DELETE", "/api/logs/uploads/{key}"),
     ("GET", "/api/logs/{log_id}"),
     ("DELETE", "/api/logs/{log_id}"),
     ("GET", "/api/logs/{log_id}/trajectories/{name}"),
