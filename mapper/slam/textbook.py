@@ -74,7 +74,7 @@ def ways(start: int, way: Float64Array, loops: NDArray[np.int64]) -> Float64Arra
         length[i, j] = length[j, i] = 0.0
     for k in range(n):
         length = np.minimum(length, length[:, k : k + 1] + length[k : k + 1])
-    return length[start]
+    return np.asarray(length[start])
 
 
 def information(

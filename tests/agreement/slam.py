@@ -44,7 +44,7 @@ def graph_cases(draw: st.DrawFn) -> GraphCase:
     graph = PoseGraph(
         np.arange(n), rng.normal(size=(n, 3)), i, j, rng.normal(size=(e, 3)),
         roots @ roots.transpose(0, 2, 1) + 0.1 * np.eye(3),
-        np.zeros(e), np.zeros(e, dtype=bool), np.zeros(e), np.ones(e),
+        np.zeros(e, dtype=np.uint8), np.zeros(e, dtype=np.bool_), np.zeros(e), np.ones(e),
     )  # fmt: skip
     way = np.concatenate([[0.0], np.cumsum(rng.integers(0, 8, n - 1) / 8.0)])
     points = rng.normal(size=(3, 9))
