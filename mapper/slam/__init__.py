@@ -2,6 +2,7 @@
 
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
+from mapper.slam.estimate import SlamEstimate, estimate
 from mapper.slam.optimise import optimise
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
 from mapper.slam.slam import Slam, slam_log
@@ -15,8 +16,10 @@ __all__ = [
     "Slam",
     "SlamCancelled",
     "SlamConfig",
+    "SlamEstimate",
     "SlamProgress",
     "SlamResult",
+    "estimate",
     "optimise",
     "slam_log",
 ]

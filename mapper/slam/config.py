@@ -79,7 +79,7 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
         low=0.5, high=50.0, step=0.5,
     ),
     Parameter(
-        "refinement", "Refinement iterations", "refinement", "number", 5,
+        "refinement", "Refinement iterations", "refinement", "number", 3,
         "Iterations in which all scans are aligned with their neighbours in space at once; 0 for none.",
         low=0, high=20, step=1,
     ),
@@ -114,7 +114,7 @@ class SlamConfig:
     loop_inliers: float = 0.55
     robust: str = "geman_mcclure"
     robust_scale: float = 3.0
-    refinement: float = 5
+    refinement: float = 3
     refinement_neighbours: float = 8
 
     def __post_init__(self) -> None:

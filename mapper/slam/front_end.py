@@ -5,12 +5,13 @@ Its poses are in a frame of their own that no loop closure moves, so that it can
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import between_one, compose_one
 from mapper.matching.kernels.point_to_line import refine_pose
 from mapper.slam.config import SlamConfig
 from mapper.slam.fields import ScoreField
@@ -30,6 +31,11 @@ Float64Array = NDArray[np.float64]
 RESOLUTION, SIGMA, TURN = 0.05, 0.08, np.radians(1.0)
 GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
 LEAST_INLIERS = 0.5
+RELIABLE, FAIR = 0.85, 0.5  #: agreement from which nothing is searched, and from which no wider window is
+BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that of the predicted one
+WIDER = 3.0  #: the second window beside the first
+WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
+MARGIN = 5.0  #: metres around what the first scan of a submap saw
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
 
@@ -47,6 +53,23 @@ class Step:
     is_aligned: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """A scan aligned from ``start`` (3,), whose correlation ``score`` was known: 0 where nothing was searched.
+
+    ``agreement`` is the share of all points that agree times the share ``inliers`` of those that agree or contradict.
+    """
+
+    start: Float64Array
+    score: float
+    pose: Float64Array
+    hessian: Float64Array
+    prior: Float64Array
+    inliers: float
+    agreement: float
+    is_aligned: bool
+
+
 class FrontEnd:
     """Aligns scans one after another. ``poses`` (n, 3) are theirs in the front end's frame."""
 
@@ -56,7 +79,10 @@ class FrontEnd:
         self._poses = np.zeros((512, 3))
         self._n = 0
         self._half = int(config.submap_scans)
-        self._fields: list[tuple[ScoreField, int]] = []  # with the first scan of each
+        self._seen: list[int] = []  # scans with points
+        self._rule = pair_rule(store.arrays)
+        self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
+        self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
         self._motion = np.zeros(3)
         self.submaps: list[tuple[int, int]] = []  #: finished ones: first scan and the one after the last
 
@@ -77,75 +103,93 @@ class FrontEnd:
             step = Step(np.zeros(3), np.eye(3), 1.0, True)
         else:
             step = self._align(i, motion)
-            self._poses[i] = compose(self._poses[i - 1], step.relative)
+            self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
         self._n += 1
-        self._draw(i)
+        if self._store.count(i) >= LEAST_PAIRS:
+            self._seen.append(i)
+        self._divide()
         return step
 
     def _align(self, i: int, motion: Float64Array | None) -> Step:
         # Without odometry the robot is taken to move on as before.
         expected = self._motion if motion is None else motion
-        way, turned = float(np.hypot(expected[0], expected[1])), abs(float(expected[2]))
+        way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
         before = self._poses[i - 1]
-        predicted = compose(before, expected)
+        predicted = np.array(compose_one(before.tolist(), expected.tolist()))
         if motion is None:
             window, turn_window = 0.25 + 0.5 * way, 0.15 + 0.5 * turned
             spread = np.array([0.05 + 0.5 * way] * 2 + [0.03 + 0.5 * turned])
         else:
             window, turn_window = 0.10 + 0.2 * way, 0.07 + 0.2 * way + 0.2 * turned
             spread = np.array([0.03 + 0.15 * way] * 2 + [0.02 + 0.15 * way + 0.1 * turned])
-        scans = self._store.arrays
-        found, score, _ = self._fields[0][0].search(
-            scans, i, predicted, min(window, 0.6), min(turn_window, 0.5), TURN, 2
+        # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
+        # fits as well, the prediction counts. Without odometry it is too poor for that.
+        if motion is None:
+            enough, best = RELIABLE, self._searched(i, predicted, spread, window, turn_window)
+        else:
+            enough, best = FAIR, self._refined(i, predicted, predicted, spread, 0.0)
+            if best.agreement < RELIABLE:
+                best = _better(best, self._searched(i, predicted, spread, window, turn_window))
+        if best.agreement < enough:
+            best = _better(best, self._searched(i, predicted, spread, WIDER * window, WIDER * turn_window))
+        if best.is_aligned:
+            pose, information = best.pose, information_of(best.hessian, float(best.pose[2]), best.prior)
+        else:
+            pose = best.start if best.score > LEAST_SCORE else predicted
+            information = np.diag(1.0 / (3.0 * spread) ** 2)
+        relative = np.array(between_one(before.tolist(), pose.tolist()))
+        self._motion = relative if best.is_aligned else expected
+        return Step(relative, information, best.inliers, best.is_aligned)
+
+    def _searched(
+        self, i: int, predicted: Float64Array, spread: Float64Array, window: float, turn_window: float
+    ) -> _Attempt:
+        """Align scan i from the best pose of a window around the predicted one."""
+        start, score, _ = self._field().search(
+            self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, 2
         )
-        pose = found.copy()
-        hessian = np.empty((3, 3))
-        weight = NOISE**2 / CORRELATION / spread**2
-        neighbours = np.arange(max(self._fields[0][1], i - int(self._config.neighbours)), i)
+        return self._refined(i, start, predicted, spread, score)
+
+    def _refined(
+        self, i: int, start: Float64Array, predicted: Float64Array, spread: Float64Array, score: float
+    ) -> _Attempt:
+        scans = self._store.arrays
+        pose, hessian, prior = start.copy(), np.empty((3, 3)), NOISE**2 / CORRELATION / spread**2
+        others = np.array(self._seen[-int(self._config.neighbours) :], dtype=np.int64)
         pairs = refine_pose(
-            scans,
-            i,
-            scans,
-            neighbours,
-            self._poses,
-            predicted,
-            weight,
-            pair_rule(scans),
-            FRONT_ITERATIONS,
-            pose,
-            hessian,
+            scans, i, scans, others, self._poses, predicted, prior, self._rule, FRONT_ITERATIONS, pose, hessian
         )[0]
         counts = np.empty(3, dtype=np.int64)
-        count_agreement(scans, i, pose, neighbours, self._poses, GATE, 1, counts)
-        inliers = counts[1] / max(counts[1] + counts[2], 1)
+        count_agreement(scans, i, pose, others, self._poses, GATE, 1, counts)
+        points, agreeing, contradicting = counts.tolist()
+        inliers = agreeing / max(agreeing + contradicting, 1)
         aligned = pairs >= LEAST_PAIRS and inliers > LEAST_INLIERS
-        if aligned:
-            information = information_of(hessian, float(pose[2]), weight)
-        else:
-            pose = found if score > LEAST_SCORE else predicted
-            information = np.diag(1.0 / (3.0 * spread) ** 2)
-        relative = compose(inverse(before), pose)
-        relative[2] = wrap_angle(relative[2])
-        self._motion = relative if aligned else expected
-        return Step(relative, information, inliers, aligned)
+        return _Attempt(start, score, pose, hessian, prior, inliers, inliers * agreeing / max(points, 1), aligned)
 
-    def _draw(self, i: int) -> None:
-        """Draw scan i into the fields, and exchange them when they are full."""
-        if not self._fields:
-            self._begin(i)
-        else:
-            for field, _ in self._fields:
-                field.add(self._store.arrays, i, self._poses[i])
-        held = i + 1 - self._fields[0][1]
-        if held >= 2 * self._half:
-            self.submaps.append((self._fields[0][1], i + 1))
-            del self._fields[0]
-            self._begin(i)
-        elif len(self._fields) == 1 and held >= self._half:
-            self._begin(i)
+    def _field(self) -> ScoreField:
+        """Return the score field of the scans of the newest submap but one, or the newest, up to the last scan."""
+        if self._drawn is None or self._drawn[0] != self._begun[0]:
+            first = self._begun[0]
+            reach = max(self._store.farthest(k) for k in (first, self._n - 1)) + MARGIN
+            field = ScoreField(self._poses[first, :2], min(reach, self._config.range_max + MARGIN), RESOLUTION, SIGMA)
+            self._drawn = (first, first, field)
+        first, drawn, field = self._drawn
+        for k in range(drawn, self._n):
+            field.add(self._store.arrays, k, self._poses[k])
+        self._drawn = (first, self._n, field)
+        return field
 
-    def _begin(self, i: int) -> None:
-        reach = min(self._store.farthest(i) + 5.0, self._config.range_max + 5.0)
-        field = ScoreField(self._poses[i, :2], max(reach, 10.0), RESOLUTION, SIGMA)
-        field.add(self._store.arrays, i, self._poses[i])
-        self._fields.append((field, i))
+    def _divide(self) -> None:
+        """Begin and finish submaps after a scan was added."""
+        if not self._begun:
+            self._begun = [0]
+        elif len(self._begun) == 1 and self._n - self._begun[0] >= self._half:
+            self._begun.append(self._n - 1)
+        elif self._n - self._begun[0] >= 2 * self._half:
+            self.submaps.append((self._begun[0], self._n))
+            self._begun = [self._begun[1], self._n - 1]
+
+
+def _better(first: _Attempt, second: _Attempt) -> _Attempt:
+    """Return the second of two attempts where it agrees clearly better, else the first."""
+    return second if second.agreement > first.agreement + BETTER else first

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule, ScanArrays
+from mapper.slam.kernels.information import write_information
 
 Float64Array = NDArray[np.float64]
 
@@ -34,14 +35,6 @@ def information_of(hessian: Float64Array, heading: float, prior: Float64Array) -
     on its diagonal; ``heading`` is the pose's, radians. Normals that are off by a few degrees make a wall resist motion
     along itself: :data:`FALSE_SHARE` of the strongest direction's information is taken off every direction.
     """
-    pairs = hessian - np.diag(prior)
-    values, vectors = np.linalg.eigh(pairs[:2, :2])
-    kept = np.sqrt(np.maximum(values - FALSE_SHARE * values[1], 1e-9) / np.maximum(values, 1e-9))
-    shrink = np.eye(3)
-    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
-    c, s = math.cos(heading), math.sin(heading)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * (CORRELATION / NOISE**2)
-    covariance = np.linalg.inv(own + 1e-3 * np.eye(3)) + np.diag(FLOOR**2)
-    inverse = np.linalg.inv(covariance)
-    return np.asarray(0.5 * (inverse + inverse.T))
+    information = np.empty((3, 3))
+    write_information(hessian, prior, heading, FALSE_SHARE, CORRELATION / NOISE**2, FLOOR, information)
+    return information

@@ -21,7 +21,7 @@ Float64Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 60
 STOP = 1e-5  #: metres and radians: the largest step after which the poses count as found
-SHRINK = 0.5  #: of the squared scale of the kernel, from one iteration to the next
+SHRINK = 0.25  #: of the squared scale of the kernel, from one iteration to the next
 GREATEST_TURN = 0.5  #: radians: of one step, where the linearisation holds
 
 

@@ -19,7 +19,8 @@ from mapper.matching.kernels.types import PairRule, ScanArrays
 from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam.config import SlamConfig
 from mapper.slam.kernels.edges import edge_errors, linearise_edges
-from mapper.slam.matching_rules import CORRELATION, NOISE, pair_rule
+from mapper.slam.kernels.information import shrink_pairs
+from mapper.slam.matching_rules import CORRELATION, FALSE_SHARE, NOISE, pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.sparse_system import SparseSystem
 
@@ -30,7 +31,7 @@ RADIUS = 3.0  #: metres
 BEFORE = 4  #: scans before each one that it is aligned with
 FIRST_GATE, LAST_GATE, SHRINK = 0.3, 0.10, 0.7
 LEAST_SHARE, LEAST_PAIRS = 0.35, 25
-SECOND_SEARCH = 3  #: the iteration before which the neighbours are looked for again
+SECOND_SEARCH = 2  #: the iteration before which the neighbours are looked for again
 EDGE_SHARE = 0.2  #: of the graph's information that counts, for the same points are in the pairs
 DAMPING = 1e-9
 PARTS = 16  #: of the pairs, computed on all cores; the sums do not depend on it
@@ -59,12 +60,13 @@ def refine(
     for done in range(1, iterations + 1):
         if system is None or done == SECOND_SEARCH:
             pairs = neighbour_pairs(poses, int(config.refinement_neighbours))
-            first, second = np.concatenate([pairs, pairs[:, ::-1]]).T.copy()
+            first, second = pairs.T.copy()
             ends = np.column_stack([np.r_[first, edges[0]], np.r_[second, edges[1]]])
             system = SparseSystem(m, ends, np.array([0]))
         hessians, gradients, figures = _accumulated(scans, first, second, poses, gate, rule)
         few = (figures[:, 0] < LEAST_PAIRS) | (figures[:, 0] < LEAST_SHARE * figures[:, 1])
         hessians[few], gradients[few] = 0.0, 0.0
+        shrink_pairs(first, second, poses, FALSE_SHARE, hessians, gradients)
         edge_errors(poses, *edges, errors)
         linearise_edges(poses, *edges, graph.information, EDGE_SHARE * graph.weight, errors, blocks, sides)
         poses += system.solve(
@@ -96,29 +98,27 @@ def _accumulated(
 
 
 def neighbour_pairs(poses: Float64Array, n: int) -> Int64Array:
-    """Return pairs (p, 2) of poses to align, the later one first: each with the ones before it and with ``n`` nearby.
+    """Return pairs (p, 2) of poses to align: each with the ones before it and with ``n`` nearby.
 
     Half of the ``n`` are the nearest in place and heading (1 rad counts as 1 m), the others are spread evenly over the
-    rest within :data:`RADIUS`.
+    rest within :data:`RADIUS`. Whose points are laid on whose lines takes turns, for each favours one direction.
     """
-    found = []
-    tree = KDTree(poses[:, :2])
-    near = tree.query_pairs(RADIUS, output_type="ndarray")
-    near = np.concatenate([near, near[:, ::-1]])
-    near = near[near[:, 0] - near[:, 1] > BEFORE]
-    cost = np.hypot(*(poses[near[:, 0], :2] - poses[near[:, 1], :2]).T) + np.abs(
-        wrap_angle(poses[near[:, 0], 2] - poses[near[:, 1], 2])
-    )
-    order = np.lexsort((near[:, 1], cost, near[:, 0]))
-    near = near[order]
-    starts = np.searchsorted(near[:, 0], np.arange(len(poses) + 1))
-    for k in range(len(poses)):
-        before = np.arange(max(0, k - BEFORE), k)
-        own = near[starts[k] : starts[k + 1], 1]
-        half = n // 2
-        rest = own[half:]
-        if len(rest) > n - half:
-            rest = rest[np.linspace(0, len(rest) - 1, n - half).astype(np.int64)]
-        others = np.concatenate([before, own[:half], rest])
-        found.append(np.column_stack([np.full(len(others), k), others]))
-    return np.concatenate(found)
+    m = len(poses)
+    near = KDTree(poses[:, :2]).query_pairs(RADIUS, output_type="ndarray").astype(np.int64)
+    near = near[near[:, 1] - near[:, 0] > BEFORE]
+    turned = np.abs(wrap_angle(poses[near[:, 0], 2] - poses[near[:, 1], 2]))
+    cost = np.hypot(*(poses[near[:, 0], :2] - poses[near[:, 1], :2]).T) + turned
+    near = near[np.lexsort((near[:, 0], cost, near[:, 1]))]
+    starts = np.searchsorted(near[:, 1], np.arange(m + 1))
+    rank, count = np.arange(len(near)) - starts[near[:, 1]], np.diff(starts)[near[:, 1]]
+    half, rest = n // 2, n - n // 2
+    # Of those behind the nearest half, each at which the number of evenly spaced ones passes a whole number.
+    behind, others = rank - half, np.maximum(count - half, 1)
+    chosen = (rank < half) | (np.minimum(behind + 1, others) * rest // others > behind * rest // others)
+    chosen |= count <= n
+    before = [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(BEFORE, m - 1) + 1)]
+    pairs = np.concatenate([*before, near[chosen]])
+    pairs = pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))]
+    flipped = pairs.sum(axis=1) % 2 == 1
+    pairs[flipped] = pairs[flipped, ::-1]
+    return np.ascontiguousarray(pairs)

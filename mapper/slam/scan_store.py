@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.matching.kernels.scan_points import write_normals, write_points
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
+from mapper.matching.prepare import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, MOST_BEAMS, REACH
 from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
-HALF_WIDTH = 3  #: beams on either side that a normal comes from
-LEAST_GAP = 0.15  #: metres: neighbours nearer than this are on one surface
-MAX_THICKNESS = 0.02  #: metres: of what counts as a line
 FULL_TURN = 2.0 * np.pi
 
 
@@ -71,7 +69,7 @@ class ScanStore:
         one = self._slice(self._n, self._n + 1)
         taken = np.ascontiguousarray(ranges[self._beams], dtype=np.float32)[np.newaxis]
         write_points(taken, self._directions, self._x, self._y, self._range_min, self._range_max, one.points, one.kind)
-        write_normals(one, HALF_WIDTH, 0.0, HALF_WIDTH, LEAST_GAP, MAX_THICKNESS)
+        write_normals(one, HALF_WIDTH, REACH, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
         self._n += 1
         return self._n - 1
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import compose, compose_one, inverse, wrap_angle
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
@@ -24,8 +25,9 @@ from mapper.slam.scan_store import ScanStore
 
 Float64Array = NDArray[np.float64]
 
-MOVED, TURNED = 0.10, 0.02  #: metres, radians: a loop off by more than this makes the graph be optimised at once
+MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
+SETTLING = 6  #: iterations after a loop
 EVERY = 25  #: scans between two reports
 
 
@@ -48,6 +50,7 @@ class Slam:
         self._relative = np.zeros((512, 3))
         self._information = np.zeros((512, 3, 3))
         self._waiting = 0
+        self.n_unaligned = 0  #: scans that could not be aligned with those before them
 
     def __len__(self) -> int:
         return len(self.front_end)
@@ -76,13 +79,14 @@ class Slam:
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         step = self.front_end.add(ranges, motion)
+        self.n_unaligned += not step.is_aligned
         if n == 0:
             if start is not None:
                 self._poses[0] = start
             return False
         self._relative[n], self._information[n] = step.relative, step.information
-        self._poses[n] = compose(self._poses[n - 1], step.relative)
-        self._way[n] = self._way[n - 1] + float(np.hypot(*step.relative[:2]))
+        self._poses[n] = compose_one(self._poses[n - 1].tolist(), step.relative.tolist())
+        self._way[n] = self._way[n - 1] + math.hypot(step.relative[0], step.relative[1])
         if not self.config.loop_closure:
             return False
         tried = self._closer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops)
@@ -98,7 +102,7 @@ class Slam:
         if np.hypot(off[0], off[1]) < MOVED and abs(off[2]) < TURNED and self._waiting < MOST_WAITING:
             return False
         self._waiting = 0
-        self._poses[: len(self)] = self.optimised(8).poses
+        self._poses[: len(self)] = self.optimised(SETTLING).poses
         return True
 
     def graph(self) -> PoseGraph:
@@ -149,9 +153,13 @@ def slam_log(
         raise ConfigError("slam.no_scans", "The log has no scans.")
     name = odometry_name(log) if trajectory is None else trajectory
     odometry = None if name is None else log.trajectory(name).poses
-    nodes = np.arange(log.n_scans) if odometry is None else matched_scans(odometry, config)
+    nodes = matched_scans(log.n_scans, odometry, config)
     moved = None if odometry is None else motions(odometry[nodes])
-    start = np.zeros(3) if odometry is None else odometry[0]
+    if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max)).any():
+        raise ConfigError(
+            "slam.no_returns", "There is nothing to align: no scan has a reading within the range limits."
+        )
+    start = log.trajectory(name).poses[0]
     slam = Slam(log, config)
     share = 0.8 if config.refinement else 1.0
 
@@ -161,9 +169,7 @@ def slam_log(
 
     def all_poses(node_poses: Float64Array) -> Float64Array:
         known = nodes[: len(node_poses)]
-        if odometry is None or len(known) == known[-1] + 1:
-            return node_poses.copy()
-        return carry(known, node_poses, odometry[: known[-1] + 1])
+        return node_poses.copy() if len(known) == known[-1] + 1 else carry(known, node_poses, odometry)
 
     for k, scan in enumerate(nodes.tolist()):
         moved_poses = slam.add_scan(log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], start)
@@ -180,6 +186,15 @@ def slam_log(
     poses[:, 2] = wrap_angle(poses[:, 2])
     graph = replace(graph, nodes=nodes, poses=poses)
     tried = slam.tried
+    notes = []
+    if len(nodes) == int(config.max_nodes) and odometry is None:
+        notes.append(f"Of {log.n_scans} scans {len(nodes)} were matched; the poses of the others lie between.")
+    unaligned = slam.n_unaligned
+    if unaligned:
+        scans = "1 scan fits" if unaligned == 1 else f"{unaligned} scans fit"
+        notes.append(
+            f"{scans} none of the scans before and only follow the {'motion' if name is None else 'odometry'}."
+        )
     return SlamResult(
         all_poses(poses),
         graph,
@@ -193,4 +208,5 @@ def slam_log(
         ),
         name,
         time.process_time() - began,
+        tuple(notes),
     )

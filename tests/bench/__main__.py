@@ -32,6 +32,7 @@ from tests.bench.reading import reading
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
+from tests.bench.slam import slam
 
 RANGE_MAX = 30.0
 ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
@@ -207,6 +208,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "sharing": lambda: sharing(hall(800, 360)),
     "doctor": doctor,
     "match": matching,
+    "slam": slam,
     "size": size,
     "feel": feel,
 }

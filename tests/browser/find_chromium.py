@@ -1,4 +1,4 @@
-"""Find the Chromium that the browser tests drive; as a program, install it where that is possible.
+"""Find the Chromium that the browser tests use; as a program, install it if possible.
 
 ``make test`` runs it before the tests: it prints the path, or one sentence on what to do and exits with 1.
 """
@@ -12,7 +12,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from tests.programs import MissingProgramError, apt_install
+from tests.programs import MissingProgramError, apt_install, in_ci
 
 # Chromium without the windows around its pages comes first: opening a page takes a quarter of the time in it.
 HEADLESS = ("chromium-headless-shell", "chrome-headless-shell", "headless_shell")
@@ -54,11 +54,23 @@ def chromium() -> Path:
     raise MissingProgramError(f"{PURPOSE}: {ADVICE}.")
 
 
+def _light() -> Path | None:
+    """Return the headless shell, installed now; None where it cannot be, or is not wanted beside another Chromium."""
+    if not in_ci() or os.environ.get("GRIDBLOOM_CHROMIUM") or chromium().name in HEADLESS:
+        return None
+    try:
+        apt_install(PACKAGES[:1], PURPOSE, ADVICE)
+    except MissingProgramError:
+        return None
+    chromium.cache_clear()
+    return chromium()
+
+
 def main() -> int:
-    """Print the path of Chromium; install it first where it is missing."""
+    """Print the path of Chromium; install it first where it is missing, and in CI the headless shell."""
     try:
         try:
-            program = chromium()
+            program = _light() or chromium()
         except MissingProgramError:
             if os.environ.get("GRIDBLOOM_CHROMIUM"):
                 raise

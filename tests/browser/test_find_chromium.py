@@ -1,4 +1,4 @@
-"""The search for Chromium: what is named, what starts, and what is said where there is none."""
+"""The search for Chromium: named, started, and the message if there is none."""
 
 from __future__ import annotations
 
@@ -57,8 +57,21 @@ def test_one_without_windows_is_preferred(tmp_path):
     assert find(tmp_path).stdout == f"{light}\n"
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root installs without sudo")
+def test_in_ci_the_headless_shell_is_installed_where_it_can_be(tmp_path):
+    other = program(tmp_path, "chromium", "echo Chromium 1")
+    light = tmp_path / "chromium-headless-shell"
+    program(tmp_path, "env", 'shift; exec "$@"')
+    program(tmp_path, "apt-get", "exit 100")
+    assert find(tmp_path, CI="true").stdout == f"{other}\n"
+    making = f'printf "#!/bin/sh\necho 1\n" > {light} && /bin/chmod 755 {light}'
+    program(tmp_path, "apt-get", f'if [ "$2" = install ]; then {making}; fi')
+    assert find(tmp_path).stdout == f"{other}\n"
+    assert find(tmp_path, CI="true").stdout == f"{light}\n"
+
+
 @pytest.mark.skipif(sys.platform == "darwin", reason="looks into /Applications as well")
-def test_without_any_one_sentence_says_what_to_do(tmp_path):
+def test_without_a_chromium_one_sentence_gives_advice(tmp_path):
     done = find(tmp_path)
     assert done.returncode == 1
     assert done.stdout == ""
@@ -68,7 +81,7 @@ def test_without_any_one_sentence_says_what_to_do(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "darwin" or os.geteuid() != 0, reason="only root installs without sudo")
 @pytest.mark.parametrize("package", PACKAGES)
-def test_where_it_can_it_installs_and_then_prints_the_path(tmp_path, package):
+def test_it_installs_chromium_if_possible_and_prints_the_path(tmp_path, package):
     """``package`` is the only one that apt-get knows."""
     program(tmp_path, "env", 'shift; exec "$@"')
     made = tmp_path / package

@@ -51,7 +51,8 @@ def linearise_edges(
 ) -> None:
     """Write w JᵀΩJ (e, 6, 6) and −w JᵀΩe (e, 6) of each edge over the poses of its two ends.
 
-    ``errors`` (e, 3) are those of :func:`edge_errors`, ``weights`` (e,) those of the robust kernel. Increments are
+    ``errors`` (e, 3) are those of :func:`edge_errors`, ``weights`` (e,) those of the robust kernel, and ``information``
+    (e, 3, 3) is symmetric. Increments are
     added to x, y and theta in the map frame. Source: Grisetti et al. 2010, A tutorial on graph-based SLAM.
     """
     for k in range(len(first)):
@@ -60,23 +61,38 @@ def linearise_edges(
         turned = poses[i, 2] + relative[k, 2]
         # With R = R(θᵢ + θz): e = Rᵀ (tⱼ − tᵢ) − Rzᵀ tz.
         c, s = math.cos(turned), math.sin(turned)
-        jacobian = (
-            (-c, -s, -s * dx + c * dy, c, s, 0.0),
-            (s, -c, -c * dx - s * dy, -s, c, 0.0),
-            (0.0, 0.0, -1.0, 0.0, 0.0, 1.0),
-        )
-        for a in range(6):
-            for b in range(6):
-                total = 0.0
-                for r in range(3):
-                    for t in range(3):
-                        total += jacobian[r][a] * information[k, r, t] * jacobian[t][b]
-                hessians[k, a, b] = weights[k] * total
-            total = 0.0
-            for r in range(3):
-                for t in range(3):
-                    total += jacobian[r][a] * information[k, r, t] * errors[k, t]
-            gradients[k, a] = -weights[k] * total
+        o, w = information[k], weights[k]
+        u, v = -s * dx + c * dy, -c * dx - s * dy
+        # J over the second pose is diag(Rᵀ, 1), and over the first one its opposite, with (u, v) for the turn.
+        for a in range(2):
+            m0, m1 = (c, -s) if a == 0 else (s, c)
+            p0, p1, p2 = m0 * o[0, 0] + m1 * o[1, 0], m0 * o[0, 1] + m1 * o[1, 1], m0 * o[0, 2] + m1 * o[1, 2]
+            hessians[k, 3 + a, 3] = w * (p0 * c - p1 * s)
+            hessians[k, 3 + a, 4] = w * (p0 * s + p1 * c)
+            hessians[k, 3 + a, 5] = w * p2
+            hessians[k, 3 + a, 2] = w * (p0 * u + p1 * v - p2)
+            gradients[k, 3 + a] = -w * (p0 * errors[k, 0] + p1 * errors[k, 1] + p2 * errors[k, 2])
+        hessians[k, 5, 3] = hessians[k, 3, 5]
+        hessians[k, 5, 4] = hessians[k, 4, 5]
+        hessians[k, 5, 5] = w * o[2, 2]
+        hessians[k, 5, 2] = w * (o[2, 0] * u + o[2, 1] * v - o[2, 2])
+        gradients[k, 5] = -w * (o[2, 0] * errors[k, 0] + o[2, 1] * errors[k, 1] + o[2, 2] * errors[k, 2])
+        t0 = u * o[0, 0] + v * o[1, 0] - o[2, 0]
+        t1 = u * o[0, 1] + v * o[1, 1] - o[2, 1]
+        t2 = u * o[0, 2] + v * o[1, 2] - o[2, 2]
+        hessians[k, 2, 2] = w * (t0 * u + t1 * v - t2)
+        gradients[k, 2] = -w * (t0 * errors[k, 0] + t1 * errors[k, 1] + t2 * errors[k, 2])
+        for a in range(2):
+            gradients[k, a] = -gradients[k, 3 + a]
+            hessians[k, a, 2] = -hessians[k, 3 + a, 2]
+            hessians[k, 2, a] = -hessians[k, 3 + a, 2]
+            for b in range(3):
+                hessians[k, a, 3 + b] = -hessians[k, 3 + a, 3 + b]
+                hessians[k, 3 + b, a] = -hessians[k, 3 + a, 3 + b]
+            for b in range(2):
+                hessians[k, a, b] = hessians[k, 3 + a, 3 + b]
+        for a in range(3):
+            hessians[k, 2, 3 + a] = hessians[k, 3 + a, 2]
 
 
 @jit

@@ -38,15 +38,16 @@ def drive(
     )  # fmt: skip
 
 
-def along(corners: list[tuple[float, float]], step: float = 0.25) -> np.ndarray:
-    """Return poses (n, 3) along straight lines between corners, ``step`` metres apart, and turning at the corners."""
+def along(corners: list[tuple[float, float]], step: float = 0.25, turn: float = 0.3) -> np.ndarray:
+    """Return poses (n, 3) along straight lines between corners, ``step`` metres apart, and turning by ``turn``
+    radians at the corners."""
     out: list[tuple[float, float, float]] = []
     for (x0, y0), (x1, y1) in pairwise(corners):
         heading, length = np.arctan2(y1 - y0, x1 - x0), np.hypot(x1 - x0, y1 - y0)
         if out:
-            turn = np.mod(heading - out[-1][2] + np.pi, 2 * np.pi) - np.pi
-            n = int(abs(turn) / 0.3)
-            out += [(x0, y0, out[-1][2] + turn * k / (n + 1)) for k in range(1, n + 1)]
+            whole = np.mod(heading - out[-1][2] + np.pi, 2 * np.pi) - np.pi
+            n = int(abs(whole) / turn)
+            out += [(x0, y0, out[-1][2] + whole * k / (n + 1)) for k in range(1, n + 1)]
         out += [(x0 + (x1 - x0) * t, y0 + (y1 - y0) * t, heading) for t in np.arange(0, 1, step / length)]
     return np.array(out)
 

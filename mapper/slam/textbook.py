@@ -1,0 +1,92 @@
+"""Graph optimisation as the tutorial prints it: dense matrices, one edge at a time.
+
+Source: Grisetti et al. 2010, A tutorial on graph-based SLAM, algorithm 1 and its equations for SE(2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.sensors.pose_graph import PoseGraph
+
+Float64Array = NDArray[np.float64]
+
+
+def edge_error(pose_i: Float64Array, pose_j: Float64Array, relative: Float64Array) -> Float64Array:
+    """Return e (3,): Z⁻¹ ∘ (Tᵢ⁻¹ ∘ Tⱼ), for three poses (3,)."""
+    return compose(inverse(relative), compose(inverse(pose_i), pose_j))
+
+
+def edge_jacobians(
+    pose_i: Float64Array, pose_j: Float64Array, relative: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """Return ∂e/∂xᵢ and ∂e/∂xⱼ (3, 3), for increments that are added to x, y and theta."""
+    c, s = np.cos(pose_i[2]), np.sin(pose_i[2])
+    turn_i = np.array([[c, -s], [s, c]])
+    derivative = np.array([[-s, -c], [c, -s]])
+    cz, sz = np.cos(relative[2]), np.sin(relative[2])
+    turn_z = np.array([[cz, -sz], [sz, cz]])
+    a, b = np.zeros((3, 3)), np.zeros((3, 3))
+    a[:2, :2] = -turn_z.T @ turn_i.T
+    a[:2, 2] = turn_z.T @ derivative.T @ (pose_j[:2] - pose_i[:2])
+    a[2, 2] = -1.0
+    b[:2, :2] = turn_z.T @ turn_i.T
+    b[2, 2] = 1.0
+    return a, b
+
+
+def optimise_dense(graph: PoseGraph, iterations: int = 30, fixed: int = 0) -> Float64Array:
+    """Return the poses (m, 3) that minimise Σ eᵀ Ω e, by Gauss and Newton's method, with the pose ``fixed`` held."""
+    poses = graph.poses.copy()
+    m = len(poses)
+    for _ in range(iterations):
+        h, b = np.zeros((3 * m, 3 * m)), np.zeros(3 * m)
+        for k, (i, j) in enumerate(zip(graph.i.tolist(), graph.j.tolist(), strict=True)):
+            error = edge_error(poses[i], poses[j], graph.relative[k])
+            jacobians = edge_jacobians(poses[i], poses[j], graph.relative[k])
+            omega = graph.information[k]
+            for one, first in zip((i, j), jacobians, strict=True):
+                b[3 * one : 3 * one + 3] += first.T @ omega @ error
+                for other, second in zip((i, j), jacobians, strict=True):
+                    h[3 * one : 3 * one + 3, 3 * other : 3 * other + 3] += first.T @ omega @ second
+        free = np.repeat(np.arange(m) != fixed, 3)
+        step = np.zeros(3 * m)
+        step[free] = np.linalg.solve(h[np.ix_(free, free)], -b[free])
+        poses += step.reshape(m, 3)
+        poses[:, 2] = wrap_angle(poses[:, 2])
+    return poses
+
+
+def ways(start: int, way: Float64Array, loops: NDArray[np.int64]) -> Float64Array:
+    """Return the length (n,) of the shortest way from node ``start`` to each of a chain's nodes, by Floyd's algorithm.
+
+    ``way`` (n,) is the distance driven until each node, ``loops`` (l, 2) join nodes without a length.
+    """
+    n = len(way)
+    length = np.full((n, n), np.inf)
+    np.fill_diagonal(length, 0.0)
+    steps = np.diff(way)
+    for k in range(n - 1):
+        length[k, k + 1] = length[k + 1, k] = steps[k]
+    for i, j in loops.tolist():
+        length[i, j] = length[j, i] = 0.0
+    for k in range(n):
+        length = np.minimum(length, length[:, k : k + 1] + length[k : k + 1])
+    return np.asarray(length[start])
+
+
+def information(
+    hessian: Float64Array, prior: Float64Array, heading: float, false_share: float, scale: float, floor: Float64Array
+) -> Float64Array:
+    """Return what :func:`mapper.slam.kernels.information.write_information` writes, with NumPy's linear algebra."""
+    pairs = hessian - np.diag(prior)
+    values, vectors = np.linalg.eigh(pairs[:2, :2])
+    kept = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / np.maximum(values, 1e-9))
+    shrink = np.eye(3)
+    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
+    c, s = np.cos(heading), np.sin(heading)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * scale + 1e-3 * np.eye(3)
+    return np.asarray(np.linalg.inv(np.linalg.inv(own) + np.diag(floor**2)))

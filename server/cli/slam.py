@@ -1,0 +1,169 @@
+"""``slam``: correct the poses of a log by aligning its scans."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.core.errors import MapperError
+from server.cli.app import app
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    TrajectoryName,
+    fail,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+)
+from server.cli.map_files import save
+
+if TYPE_CHECKING:
+    from mapper.grid import OccupancyGrid
+    from mapper.sensors.scan import ScanLog
+    from mapper.slam import SlamConfig, SlamProgress, SlamResult
+
+SLAM = "slam"  #: name of the trajectory
+WORTH_SAYING_S = 10.0  #: seconds of processor time that are announced
+
+
+@app.command()
+def slam(
+    log: LogPath,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PREFIX",
+            help="Write PREFIX.pgm and PREFIX.yaml, the map; PREFIX.tum, a pose for each scan in the log's order; and "
+            "PREFIX.g2o, the graph.",
+        ),
+    ] = None,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    values: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A SLAM parameter; given again, another one."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Correct the poses of a log by aligning its scans with one another (SLAM)."""
+    from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
+
+    config = _configured(values or [])
+    scans = read_log(log, topic)
+    with refusing(log):
+        expected = estimate(scans, config, trajectory)
+        if expected.seconds > WORTH_SAYING_S and not as_json:
+            typer.echo(
+                f"{scans.n_scans} scans, of which {expected.n_matched} are matched: about {expected.seconds:.0f} s of "
+                f"processor time and {expected.n_bytes / 1e6:.0f} MB of memory.",
+                err=True,
+            )
+        with progress_bar("SLAM") as bar:
+
+            def report(done: SlamProgress) -> None:
+                if bar is not None:
+                    bar(done.fraction)
+
+            found = slam_log(scans, config, trajectory=trajectory, progress=report)
+        corrected = _with_poses(scans, found)
+        before = None if found.odometry is None else _map_and_sharpness(scans, found.odometry)[1]
+        grid, after = _map_and_sharpness(corrected, SLAM)
+    written = [] if out is None else [*save(grid, out, "trinary", "map"), *_write(out, corrected, found)]
+    loops = found.graph.kind == 1
+    residuals = found.graph.residual[loops]
+    facts: dict[str, Any] = {
+        "log": scans.name,
+        "scans": scans.n_scans,
+        "odometry": found.odometry,
+        "cpu_seconds": round(found.cpu_seconds, 3),
+        "nodes": len(found.graph.nodes),
+        "loops": found.graph.n_loops,
+        "loops_tried": len(found.candidates),
+        "loops_outweighed": int((found.graph.weight[loops] < 0.5).sum()),
+        "residuals": {
+            "mean": round(float(residuals.mean()), 4) if len(residuals) else None,
+            "max": round(float(residuals.max()), 4) if len(residuals) else None,
+        },
+        "sharpness_before": None if before is None else round(before, 4),
+        "sharpness_after": round(after, 4),
+        "files": [str(path) for path in written],
+        "notes": [*scans.notes, *found.notes],
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{facts['log']}: {scans.n_scans} scans, from {found.odometry or 'the scans alone, without odometry'}")
+    typer.echo(f"  {found.cpu_seconds:.1f} s of processor time, {facts['nodes']} poses in the graph")
+    typer.echo(
+        f"  {facts['loops']} loops closed of {facts['loops_tried']} tried; the graph outweighs "
+        f"{facts['loops_outweighed']} of them"
+    )
+    if len(residuals):
+        typer.echo(f"  residuals of the loops: mean {residuals.mean():.2f}, largest {residuals.max():.2f} σ")
+    was = "" if before is None else f", before {before:.3f}"
+    typer.echo(f"  sharpness of the walls {after:.3f}{was}")
+    for path in written:
+        typer.echo(f"  wrote {path}")
+    for note in facts["notes"]:
+        typer.echo(f"  note: {note}")
+
+
+def _configured(values: list[str]) -> SlamConfig:
+    """Return the parameters with those given as NAME=VALUE replaced, or end the command with an error."""
+    from mapper.slam import SLAM_PARAMETERS, SlamConfig  # noqa: PLC0415 - start-up
+    from server.cli.common import value_of  # noqa: PLC0415 - start-up
+
+    rows = {row.name: row for row in SLAM_PARAMETERS}
+    given: dict[str, Any] = {}
+    for one in values:
+        name, equals, text = one.partition("=")
+        if not equals:
+            fail(f"--set needs NAME=VALUE, not {one!r:.80}.")
+        name = name.strip().replace("-", "_")
+        given[name] = value_of(rows[name], text.strip()) if name in rows else text
+    try:
+        return SlamConfig().with_values(given)
+    except MapperError as error:
+        fail(error.message)
+
+
+def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
+
+    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map")
+    return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
+
+
+def _map_and_sharpness(log: ScanLog, trajectory: str) -> tuple[OccupancyGrid, float]:
+    from mapper.grid.compare import wall_contrast  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
+    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415 - start-up
+
+    config = MappingConfig()
+    grid = grid_for(log, config, trajectory)
+    integrate_log(grid, log, config, trajectory)
+    return grid, wall_contrast(grid)
+
+
+def _write(prefix: Path, log: ScanLog, found: SlamResult) -> list[Path]:
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
+    from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
+
+    texts = {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(found.graph))}
+    paths = []
+    for ending, text in texts.items():
+        path = prefix.with_name(prefix.name + ending)
+        try:
+            with atomic_write(path) as file:
+                file.write(text.encode())
+        except OSError as error:
+            fail(f"{path}: the file cannot be written: {error.strerror}.")
+        paths.append(path)
+    return paths
