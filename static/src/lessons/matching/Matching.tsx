@@ -205,7 +205,7 @@ export function Matching() {
         >
           To the end
         </Button>
-        <Button onClick={restart}>Back to the start</Button>
+        <Button onClick={restart}>Reset</Button>
       </div>
       <figcaption class="quiet number" aria-live="polite">
         {isSnapped && <b>Snapped. </b>}
