@@ -118,7 +118,7 @@ export function MatchingSection({ id, number, title }: { id: string; number: num
         The <b class="noun-beam">first factor</b> says how well the scan z fits the map m so far, the{" "}
         <b class="noun-robot">second</b> how well the pose fits the odometry u. Earlier poses are not changed. The
         figure shows the first factor alone, with one scan as the map. Drag the <b class="noun-robot">scan</b> over the
-        black one until it snaps; the outer handle turns it.
+        other one until it snaps; the outer handle turns it.
       </p>
     </Section>
   );
