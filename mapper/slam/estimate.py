@@ -27,11 +27,7 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
     """Return what :func:`mapper.slam.slam_log` will take, on a processor of 2020. Raises :class:`ConfigError`."""
     config = config or SlamConfig()
     name = odometry_name(log) if trajectory is None else trajectory
-    n = log.n_scans
-    if name is not None and n:
-        n = len(matched_scans(log.trajectory(name).poses, config))
-    elif n > config.max_nodes:
-        n = int(config.max_nodes)
+    n = log.n_scans and len(matched_scans(log.n_scans, None if name is None else log.trajectory(name).poses, config))
     beams = min(log.n_beams, int(config.n_beams))
     return SlamEstimate(
         n,

@@ -79,6 +79,7 @@ class FrontEnd:
         self._poses = np.zeros((512, 3))
         self._n = 0
         self._half = int(config.submap_scans)
+        self._seen: list[int] = []  # scans with points
         self._rule = pair_rule(store.arrays)
         self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
         self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
@@ -104,6 +105,8 @@ class FrontEnd:
             step = self._align(i, motion)
             self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
         self._n += 1
+        if self._store.count(i) >= LEAST_PAIRS:
+            self._seen.append(i)
         self._divide()
         return step
 
@@ -152,7 +155,7 @@ class FrontEnd:
     ) -> _Attempt:
         scans = self._store.arrays
         pose, hessian, prior = start.copy(), np.empty((3, 3)), NOISE**2 / CORRELATION / spread**2
-        others = np.arange(max(0, i - int(self._config.neighbours)), i)
+        others = np.array(self._seen[-int(self._config.neighbours) :], dtype=np.int64)
         pairs = refine_pose(
             scans, i, scans, others, self._poses, predicted, prior, self._rule, FRONT_ITERATIONS, pose, hessian
         )[0]

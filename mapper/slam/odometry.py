@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import compose, interpolate, inverse
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 
@@ -32,12 +32,15 @@ def motions(poses: Float64Array) -> Float64Array:
     return compose(inverse(poses[:-1]), poses[1:])
 
 
-def matched_scans(poses: Float64Array, config: SlamConfig) -> NDArray[np.int64]:
-    """Return the scans to match: those at which the odometry (n, 3) moved or turned enough since the last one.
+def matched_scans(n_scans: int, poses: Float64Array | None, config: SlamConfig) -> NDArray[np.int64]:
+    """Return the scans to match: those at which the odometry ``poses`` (n_scans, 3) moved or turned enough.
 
     The first and the last are always matched. Where they are more than ``max_nodes``, the distances are doubled until
-    they are not.
+    they are not. Without odometry (None) it is all scans, or ``max_nodes`` of them, evenly spread.
     """
+    if poses is None:
+        most = int(config.max_nodes)
+        return np.arange(n_scans) if n_scans <= most else np.linspace(0, n_scans - 1, most).astype(np.int64)
     distance, turn = config.node_distance, config.node_turn
     while True:
         found = _spaced(poses, distance, turn)
@@ -62,15 +65,19 @@ def _spaced(poses: Float64Array, distance: float, turn: float) -> NDArray[np.int
     return np.array(found, dtype=np.int64)
 
 
-def carry(nodes: NDArray[np.int64], node_poses: Float64Array, odometry: Float64Array) -> Float64Array:
-    """Return poses (n, 3) of all scans: those of the nodes (m,), and between them the odometry (n, 3).
+def carry(nodes: NDArray[np.int64], node_poses: Float64Array, odometry: Float64Array | None) -> Float64Array:
+    """Return poses (n, 3) of the scans up to the last node: those of the nodes (m,), and between them the odometry.
 
-    It is chained from the node before and from the node after, and the difference of the two is distributed in
-    proportion to the motion.
+    ``odometry`` (n, 3) is chained from the node before and from the node after, and the difference of the two is
+    distributed in proportion to the motion. Without it (None) poses are interpolated by the number of the scan.
     """
-    every = np.arange(len(odometry))
+    every = np.arange(int(nodes[-1]) + 1)
     low = np.clip(np.searchsorted(nodes, every, side="right") - 1, 0, max(0, len(nodes) - 2))
     high = np.minimum(low + 1, len(nodes) - 1)
+    if odometry is None:
+        share = (every - nodes[low]) / np.maximum(nodes[high] - nodes[low], 1)
+        return interpolate(node_poses[low], node_poses[high], share)
+    odometry = odometry[: len(every)]
     from_low = compose(inverse(odometry[nodes[low]]), odometry)
     from_high = compose(inverse(odometry[nodes[high]]), odometry)
     forward, backward = compose(node_poses[low], from_low), compose(node_poses[high], from_high)

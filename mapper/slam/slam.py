@@ -50,6 +50,7 @@ class Slam:
         self._relative = np.zeros((512, 3))
         self._information = np.zeros((512, 3, 3))
         self._waiting = 0
+        self.n_unaligned = 0  #: scans that could not be aligned with those before them
 
     def __len__(self) -> int:
         return len(self.front_end)
@@ -78,6 +79,7 @@ class Slam:
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         step = self.front_end.add(ranges, motion)
+        self.n_unaligned += not step.is_aligned
         if n == 0:
             if start is not None:
                 self._poses[0] = start
@@ -151,7 +153,7 @@ def slam_log(
         raise ConfigError("slam.no_scans", "The log has no scans.")
     name = odometry_name(log) if trajectory is None else trajectory
     odometry = None if name is None else log.trajectory(name).poses
-    nodes = np.arange(log.n_scans) if odometry is None else matched_scans(odometry, config)
+    nodes = matched_scans(log.n_scans, odometry, config)
     moved = None if odometry is None else motions(odometry[nodes])
     if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max)).any():
         raise ConfigError(
@@ -167,9 +169,7 @@ def slam_log(
 
     def all_poses(node_poses: Float64Array) -> Float64Array:
         known = nodes[: len(node_poses)]
-        if odometry is None or len(known) == known[-1] + 1:
-            return node_poses.copy()
-        return carry(known, node_poses, odometry[: known[-1] + 1])
+        return node_poses.copy() if len(known) == known[-1] + 1 else carry(known, node_poses, odometry)
 
     for k, scan in enumerate(nodes.tolist()):
         moved_poses = slam.add_scan(log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], start)
@@ -186,6 +186,15 @@ def slam_log(
     poses[:, 2] = wrap_angle(poses[:, 2])
     graph = replace(graph, nodes=nodes, poses=poses)
     tried = slam.tried
+    notes = []
+    if len(nodes) == int(config.max_nodes) and odometry is None:
+        notes.append(f"Of {log.n_scans} scans {len(nodes)} were matched; the poses of the others lie between.")
+    unaligned = slam.n_unaligned
+    if unaligned:
+        scans = "1 scan fits" if unaligned == 1 else f"{unaligned} scans fit"
+        notes.append(
+            f"{scans} none of the scans before and only follow the {'motion' if name is None else 'odometry'}."
+        )
     return SlamResult(
         all_poses(poses),
         graph,
@@ -199,4 +208,5 @@ def slam_log(
         ),
         name,
         time.process_time() - began,
+        tuple(notes),
     )

@@ -57,3 +57,36 @@ def optimise_dense(graph: PoseGraph, iterations: int = 30, fixed: int = 0) -> Fl
         poses += step.reshape(m, 3)
         poses[:, 2] = wrap_angle(poses[:, 2])
     return poses
+
+
+def ways(start: int, way: Float64Array, loops: NDArray[np.int64]) -> Float64Array:
+    """Return the length (n,) of the shortest way from node ``start`` to each of a chain's nodes, by Floyd's algorithm.
+
+    ``way`` (n,) is the distance driven until each node, ``loops`` (l, 2) join nodes without a length.
+    """
+    n = len(way)
+    length = np.full((n, n), np.inf)
+    np.fill_diagonal(length, 0.0)
+    steps = np.diff(way)
+    for k in range(n - 1):
+        length[k, k + 1] = length[k + 1, k] = steps[k]
+    for i, j in loops.tolist():
+        length[i, j] = length[j, i] = 0.0
+    for k in range(n):
+        length = np.minimum(length, length[:, k : k + 1] + length[k : k + 1])
+    return np.asarray(length[start])
+
+
+def information(
+    hessian: Float64Array, prior: Float64Array, heading: float, false_share: float, scale: float, floor: Float64Array
+) -> Float64Array:
+    """Return what :func:`mapper.slam.kernels.information.write_information` writes, with NumPy's linear algebra."""
+    pairs = hessian - np.diag(prior)
+    values, vectors = np.linalg.eigh(pairs[:2, :2])
+    kept = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / np.maximum(values, 1e-9))
+    shrink = np.eye(3)
+    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
+    c, s = np.cos(heading), np.sin(heading)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * scale + 1e-3 * np.eye(3)
+    return np.asarray(np.linalg.inv(np.linalg.inv(own) + np.diag(floor**2)))

@@ -80,6 +80,17 @@ from tests.agreement.matching import (
     views_by_kernel,
     views_by_textbook,
 )
+from tests.agreement.slam import (
+    edges_by_kernel,
+    edges_by_textbook,
+    graph_cases,
+    information_by_kernel,
+    information_by_textbook,
+    solved_by_kernel,
+    solved_by_textbook,
+    ways_by_kernel,
+    ways_by_textbook,
+)
 
 
 @dataclass(frozen=True)
@@ -401,4 +412,8 @@ TABLE = (
     Row("likelihood field", field_equations_by_kernel, field_equations_by_textbook, match_cases(), 1e-6),
     Row("split and merge", split_by_kernel, split_by_textbook, match_cases()),
     Row("correlative search", searched_by_kernel, searched_by_textbook, match_cases()),
+    Row("edges of a pose graph", edges_by_kernel, edges_by_textbook, graph_cases(), 1e-9),
+    Row("block Cholesky", solved_by_kernel, solved_by_textbook, graph_cases(), 1e-6),
+    Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
+    Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
 )

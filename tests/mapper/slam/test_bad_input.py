@@ -42,7 +42,9 @@ def test_no_scan_and_one_scan(room: ScanLog) -> None:
 def test_scans_without_returns_follow_the_odometry(room: ScanLog) -> None:
     ranges = room.ranges.copy()
     ranges[10:20] = np.inf
-    assert off(room, slam_log(replace(room, ranges=ranges)).poses) < 0.15
+    found = slam_log(replace(room, ranges=ranges))
+    assert off(room, found.poses) < 0.15
+    assert "10 scans fit none" in found.notes[0]
     with pytest.raises(ConfigError, match="no scan has"):
         slam_log(replace(room, ranges=np.full_like(ranges, np.inf)))
 
@@ -60,6 +62,15 @@ def test_without_odometry_the_scans_are_enough() -> None:
     found = slam_log(without_poses(log))
     assert found.odometry is None
     assert off(log, found.poses) < 0.15
+
+
+def test_of_too_many_scans_some_are_matched() -> None:
+    twice = without_poses(drive("room", along(ROOM, 0.07, 0.1)))
+    found = slam_log(twice, SlamConfig(max_nodes=100))
+    assert (len(found.graph.nodes), len(found.poses)) == (100, twice.n_scans)
+    assert twice.n_scans > 100
+    assert np.hypot(*np.diff(found.poses[:, :2], axis=0).T).max() < 0.3
+    assert "100 were matched" in found.notes[0]
 
 
 def test_a_trajectory_that_the_log_lacks(room: ScanLog) -> None:
