@@ -1,4 +1,4 @@
-"""In CI a test fails where what it needs is missing; elsewhere it is skipped and says why."""
+"""In CI a test fails if something it needs is missing; elsewhere it is skipped with the reason."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def outcome(folder: Path, **environment: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("ci", ["", "false"])
-def test_elsewhere_it_is_skipped_and_says_why(tmp_path: Path, ci: str) -> None:
+def test_outside_ci_it_is_skipped_with_the_reason(tmp_path: Path, ci: str) -> None:
     status, said = outcome(tmp_path, CI=ci)
     assert status == 0, said
     assert "3 skipped, 1 xfailed" in said
     assert "GRIDBLOOM_TEST_DATA does not name the folder of real logs" in said
 
 
-def test_in_ci_it_fails_and_says_why(tmp_path: Path) -> None:
+def test_in_ci_it_fails_with_the_reason(tmp_path: Path) -> None:
     (tmp_path / "carmen").mkdir()
     for data in ({}, {"GRIDBLOOM_TEST_DATA": str(tmp_path)}):
         status, said = outcome(tmp_path, CI="true", **data)

@@ -1,10 +1,15 @@
 """Scan matching: the pose at which two scans, a scan and a map, or two maps lie on one another."""
 
-from mapper.matching.maps import match_maps
-from mapper.matching.match import Match, match_scan
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import attributes_from
 from mapper.matching.parameters import METHODS, PARAMETERS, MatchConfig
-from mapper.matching.prepare import prepare_scans
-from mapper.matching.target import Target, map_points, map_target, scan_target
+
+if TYPE_CHECKING:
+    from mapper.matching.maps import match_maps
+    from mapper.matching.match import Match, match_scan
+    from mapper.matching.prepare import prepare_scans
+    from mapper.matching.target import Target, map_points, map_target, scan_target
 
 __all__ = [
     "METHODS",
@@ -19,3 +24,18 @@ __all__ = [
     "prepare_scans",
     "scan_target",
 ]
+
+# The command imports only the parameters, for its options.
+__getattr__ = attributes_from(
+    __name__,
+    {
+        "Match": "mapper.matching.match",
+        "Target": "mapper.matching.target",
+        "map_points": "mapper.matching.target",
+        "map_target": "mapper.matching.target",
+        "match_maps": "mapper.matching.maps",
+        "match_scan": "mapper.matching.match",
+        "prepare_scans": "mapper.matching.prepare",
+        "scan_target": "mapper.matching.target",
+    },
+)

@@ -18,6 +18,7 @@ from mapper.matching.target import Target
 from mapper.matching.task import MOST_BEAMS, Task
 
 FEW_POINTS = 20.0  #: so many points that agree with nothing are added, so that a few points alone score low
+SAME_SCORE = 0.01  #: scores that differ by less say nothing about which pose is right
 LEAST_VARIANCE = 1e-8  #: of a residual, where all of them are 0
 NOT_KNOWN = 1e6  #: the greatest variance, m² or rad²
 
@@ -65,7 +66,7 @@ def match_scan(
         raise ConfigError("matching.apart", "No point of the scan lies near the target at any pose of the window.")
     refined = [REFINEMENTS[parts.refinement](task, pose) for pose in begins]
     scores = np.array([agreement(task, one.pose) for one in refined])
-    best = int(np.argmax(scores))
+    best = _chosen(task, refined, scores)
     one = refined[best]
     one.pose[2] = wrap_angle(one.pose[2])
     information, direction = _least_known(task, one.hessian)
@@ -84,6 +85,14 @@ def match_scan(
         scores,
         task.config.method,
     )
+
+
+def _chosen(task: Task, refined: list[Refined], scores: Float64Array) -> int:
+    """Return which refined pose is the match: that with the best score; of nearly equal ones that nearest the guess."""
+    off = np.array([one.pose for one in refined]) - task.guess
+    far = np.hypot(off[:, 0], off[:, 1]) + np.abs(wrap_angle(off[:, 2]))
+    far[scores < scores.max() - SAME_SCORE] = np.inf
+    return int(np.argmin(far))
 
 
 def agreement(task: Task, pose: Float64Array) -> float:
@@ -134,7 +143,7 @@ def _least_known(task: Task, hessian: Float64Array) -> tuple[float, Float64Array
     total = hessian[0, 0] + hessian[1, 1]
     if not total > 0.0:
         return 0.0, np.array([1.0, 0.0, 0.0])
-    values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(hessian * scale * scale[:, np.newaxis])
     direction = vectors[:, 0] * scale
     first = direction[np.argmax(np.abs(direction))]
     return float(max(values[0], 0.0) / total), direction / np.linalg.norm(direction) * np.sign(first)

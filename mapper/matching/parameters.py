@@ -51,11 +51,11 @@ _FIELDS = ("global", "global_field", "likelihood_field", "correlative", "exhaust
 PARAMETERS: tuple[Parameter, ...] = (
     Parameter("method", "Method", "method", "choice", "global", "How the match is found.", choices=tuple(METHODS)),
     Parameter(
-        "window_m", "Window", "search", "number", 1.0, "How far from the guess, along each axis, poses are searched.",
+        "window_m", "Window", "search", "number", 1.5, "How far from the guess, along each axis, poses are searched.",
         "m", 0.0, 50.0, 0.05, only_for=_SEARCHING,
     ),
     Parameter(
-        "window_rad", "Window of angles", "search", "number", math.radians(60.0),
+        "window_rad", "Window of angles", "search", "number", math.radians(70.0),
         "By how much from the guess, either way, poses are turned.", "rad", 0.0, math.pi, 0.01, only_for=_SEARCHING,
     ),
     Parameter(
@@ -129,8 +129,8 @@ class MatchConfig:
     """One value for each row of :data:`PARAMETERS`. Raises :class:`ConfigError` for an invalid one."""
 
     method: str = "global"
-    window_m: float = 1.0
-    window_rad: float = math.radians(60.0)
+    window_m: float = 1.5
+    window_rad: float = math.radians(70.0)
     field_resolution: float = 0.1
     field_sigma: float = 0.1
     turn_step: float = math.radians(2.0)

@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 import mapper
 from mapper.grid import TILE
 from mapper.grid.compare import compare
+from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.matching.kernels.point_to_line import accumulate_pairs
+from mapper.matching.kernels.likelihood_field import accumulate_field
+from mapper.matching.kernels.point_to_line import accumulate_pairs, solve_step
 from mapper.matching.kernels.types import CAUCHY, PairRule
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import METHODS, MatchConfig
@@ -96,7 +98,10 @@ def _match(log: ScanLog) -> None:
     first = np.zeros(1, dtype=np.int64)
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
     rule = PairRule(0.5, 12, CAUCHY, 0.03, 1)
-    accumulate_pairs(scans, first, first, one.poses, 0.3, rule, hessians, gradients, np.zeros((1, 4)))
+    accumulate_pairs(scans, first, first, np.zeros((2, 3)), 0.3, rule, hessians, gradients, np.zeros((1, 4)))
+    solve_step(hessians[0, :3, :3].copy(), gradients[0, :3].copy(), np.empty(3))
+    scores, frame = np.zeros((10, 10), dtype=np.uint8), Frame(0.0, 0.0, 1.0, 0.0, 0.1)
+    accumulate_field(scores, frame, scans, 0, guess, 1, np.empty((3, 3)), np.empty(3))
 
 
 def _close_a_loop(log: ScanLog) -> None:

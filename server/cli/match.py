@@ -53,7 +53,7 @@ def match(
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option(metavar="M,RAD", help="How far from the guess poses are searched. [1,1.047; of maps 5,3.142]"),
+        typer.Option(metavar="M,RAD", help="How far from the guess poses are searched. [1.5,1.222; of maps 5,3.142]"),
     ] = None,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,

@@ -50,7 +50,6 @@ _STATUS_OF_CODE = {
     "download.too_many": 429,
     "session.full": 503,
     "session.memory": 503,
-    "session.not_making": 404,
     "session.not_yours": 403,
     "library.busy": 503,
     "library.full": 507,

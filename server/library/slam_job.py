@@ -20,7 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import LimitError, ReadError
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from server.library.log_pack import StalePackError, read_pack
 
@@ -99,6 +101,8 @@ def _slam(job: SlamJob) -> SlamOutcome:
         log = read_pack(Path(job.pack))
     except StalePackError:
         raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
+        raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     result = slam_log(log, trajectory=job.trajectory, progress=_Reporter(job.out))
     log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses)})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
@@ -146,3 +150,13 @@ def _lower_priority() -> None:
         wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
         with contextlib.suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))
+
+
+def check_one_sensor(log: ScanLog) -> None:
+    """Raise :class:`ConfigError` for several sensors in one log."""
+    if isinstance(log, JointLog):
+        raise ConfigError(
+            "slam.sensors",
+            "Poses are healed by the scans of one sensor: open one of them by itself and heal it there; all sensors of "
+            "the log can then be mapped with the healed poses.",
+        )

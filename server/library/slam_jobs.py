@@ -33,6 +33,7 @@ from server.library.slam_job import (
     PartialPoses,
     SlamJob,
     SlamOutcome,
+    check_one_sensor,
     read_progress,
 )
 from server.library.slam_record import SlamRecord, load_slam_records, put_slam_record
@@ -250,6 +251,7 @@ class SlamJobs:
         """Run SLAM in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id = record.owner, record.log_id
         log = await self._logs.load(owner, log_id, record.topic)
+        check_one_sensor(log)
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
         folder = self._folder / secrets.token_hex(10)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from mapper.core.errors import MapperError
 from server.work.scheduler import checkpoint
 
 
@@ -66,9 +65,6 @@ class UnderWay:
         for making in self._all:
             making.is_wanted = False
 
-    def get(self, visitor: str, name: str) -> Making:
-        """Return the entry of that name. Raises :class:`MapperError` if there is none."""
-        making = self._named.get((visitor, name))
-        if making is None:
-            raise MapperError("session.not_making", "No session of that name is being made.")
-        return making
+    def get(self, visitor: str, name: str) -> Making | None:
+        """Return the entry of that name, None if there is none."""
+        return self._named.get((visitor, name))

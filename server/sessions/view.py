@@ -44,13 +44,14 @@ class Wanted:
 class GraphChange:
     """A change of a pose graph by hand; what is None stays.
 
-    ``remove``, ``lock`` and ``unlock`` are numbers of loops; ``robust`` and ``robust_scale`` say how the graph is
-    solved. With ``reset`` it is as SLAM left it.
+    ``remove``, ``lock`` and ``unlock`` are numbers of loops, ``add`` two scans to be joined by a loop; ``robust`` and
+    ``robust_scale`` say how the graph is solved. With ``reset`` it is as SLAM left it.
     """
 
     remove: int | None = None
     lock: int | None = None
     unlock: int | None = None
+    add: tuple[int, int] | None = None
     robust: str | None = None
     robust_scale: float | None = None
     reset: bool = False

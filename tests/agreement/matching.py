@@ -181,7 +181,7 @@ def refined_by_textbook(case: MatchCase) -> tuple[Any, ...]:
 
 def refined_both_ways_by_kernel(case: MatchCase) -> tuple[Any, ...]:
     pose, hessian = case.poses[1].copy(), np.empty((3, 3))
-    iterations = ITERATIONS._replace(most=1)
+    iterations = ITERATIONS._replace(most=1, last_gate=ITERATIONS.first_gate)
     scans = case.scans
     *figures, count = refine_pair(scans, 1, scans, 0, case.poses[0], case.rule, iterations, pose, hessian)
     return hessian, np.array(figures), count

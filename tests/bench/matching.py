@@ -4,8 +4,9 @@ Pairs are the relations of the Freiburg benchmark (Kümmerle et al. 2009) of whi
 3,461: each stamp is mapped to an odometry message (the policy of ``gridbloom evaluate``), and a message that a scan
 follows directly is that scan's. Where several messages have a stamp, which one is meant is a guess by the odometry, so
 that some of these relations belong to another scan: the pairs without a choice are told apart. As a second judge the
-logs with poses that a SLAM program has corrected: scans within 3 m of each other and more than 20 scans apart, with the
-corrected poses taken for true, which they are to a few centimetres only.
+logs with poses that a SLAM program has corrected: scans within 3 m of each other and more than 20 scans apart, of each
+of which half the points are within 0.3 m of points of the other, with the corrected poses taken for true, which they
+are to a few centimetres only.
 
 A first guess is the true pose times a random motion, uniform in the disc of so many metres and in so many degrees to
 either side, three draws for each pair with a fixed seed. Methods with a window search it as wide as the
@@ -28,10 +29,11 @@ import numpy as np
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import compose, inverse, transform_points
 from mapper.evaluation.record_order import records_of_relations
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
+from mapper.matching.kernels.types import ScanArrays
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import METHODS, MatchConfig
 from mapper.matching.prepare import prepare_scans
@@ -43,7 +45,8 @@ DRAWS = 3
 WIDER = 1.1  #: the window, beside how far the guess is off
 SUCCESS = (0.10, 2.0)  #: m, degrees
 CORRECTED = ("aces-corrected", "fhw-corrected", "intel-corrected")
-NEAR_M, LATER_SCANS, MOST_PAIRS = 3.0, 20, 150
+NEAR_M, LATER_SCANS, MOST_PAIRS = 3.0, 20, 100
+OVERLAP_M, LEAST_OVERLAP = 0.3, 0.5
 
 Matcher = Callable[[int, int, Float64Array, float, float], Float64Array]  # scans, guess, window → pose
 
@@ -82,9 +85,22 @@ def corrected(data: Path, name: str) -> Pairs:
     i, j = np.triu_indices(log.n_scans, LATER_SCANS)
     motions = compose(inverse(poses[i]), poses[j])
     near = np.flatnonzero((np.hypot(*motions[:, :2].T) < NEAR_M) & (np.abs(motions[:, 2]) < np.pi / 2))
-    near = np.sort(np.random.default_rng(3).choice(near, min(MOST_PAIRS, len(near)), replace=False))
-    scans = np.stack([i[near], j[near]], axis=-1)
-    return Pairs(name, log, scans, motions[near], np.ones(len(near), dtype=np.bool_))
+    scans, chosen = prepare_scans(log), list[int]()
+    for k in np.random.default_rng(3).permutation(near):
+        if len(chosen) < MOST_PAIRS and overlap(scans, int(i[k]), int(j[k]), motions[k]) >= LEAST_OVERLAP:
+            chosen.append(int(k))
+    ends = np.stack([i[chosen], j[chosen]], axis=-1)
+    return Pairs(name, log, ends, motions[chosen], np.ones(len(chosen), dtype=np.bool_))
+
+
+def overlap(scans: ScanArrays, i: int, j: int, motion: Float64Array) -> float:
+    """Return the share of the points of two scans that are near points of the other, of the scan with the less."""
+    first = scans.points[i][scans.kind[i] > 0].astype(np.float64)
+    second = transform_points(motion, scans.points[j][scans.kind[j] > 0])
+    if not len(first) or not len(second):
+        return 0.0
+    near = np.hypot(*np.moveaxis(first[:, np.newaxis] - second, -1, 0)) < OVERLAP_M
+    return float(min(near.any(axis=0).mean(), near.any(axis=1).mean()))
 
 
 def matchers(log: ScanLog) -> Iterator[tuple[str, Matcher]]:

@@ -1,4 +1,4 @@
-"""The running service and real Chromium, for every browser test: without a Chromium they fail, they never skip."""
+"""The running service and Chromium, for every browser test. Without Chromium the tests fail, they never skip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A forwarder on loopback that can cut every connection and stay away for a while, as a network does."""
+"""A forwarder on loopback that can cut all connections and refuse new ones for a time."""
 
 from __future__ import annotations
 

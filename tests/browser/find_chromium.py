@@ -1,4 +1,4 @@
-"""Find the Chromium that the browser tests drive; as a program, install it where that is possible.
+"""Find the Chromium that the browser tests use; as a program, install it if possible.
 
 ``make test`` runs it before the tests: it prints the path, or one sentence on what to do and exits with 1.
 """

@@ -1,4 +1,4 @@
-"""What the tests of the lecture share: a section on show, and the numbers in its words."""
+"""Shared by the tests of the lecture: opening a section, and the numbers in its text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the browser tests read from a page: the map that the browser holds, and what its figures show."""
+"""What the browser tests read from a page: the map in the browser, and the state of its figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Start the service as its users do, in a process of its own on a free loopback port, and Chromium beside it."""
+"""Start the service as a process of its own on a free loopback port, and Chromium with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The server away: every page says what is the matter, and goes on by itself when the server is back."""
+"""Pages without a connection to the server: they show it, and continue when the server is back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def says(page: Page, place: str, words: str) -> None:
     expect(page.locator(place)).to_contain_text(words)
 
 
-def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, server: str) -> None:
+def test_pages_show_a_lost_connection_and_reconnect(context: BrowserContext, server: str) -> None:
     # Pages that are not watched for console errors: a refused connection is one, and is what the test is about.
     with cutting_proxy(urlsplit(server).port or 0) as proxy:
         home, viewer, logs = (context.new_page() for _ in range(3))
@@ -60,7 +60,7 @@ def test_pages_say_that_the_server_is_away_and_go_on(context: BrowserContext, se
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
 
 
-def test_what_is_set_in_the_lab_while_the_server_is_away_stands_when_it_begins_anew(
+def test_settings_made_without_a_connection_are_sent_to_the_restarted_server(
     context: BrowserContext, server: str
 ) -> None:
     with cutting_proxy(urlsplit(server).port or 0) as proxy:

@@ -1,4 +1,4 @@
-"""No page, in no state, has a serious violation that axe-core finds, and every slider says what it is and does.
+"""axe-core finds no serious violation on any page in any state, and every slider has a name and a value text.
 
 axe-core is read from node_modules: nothing is downloaded.
 """

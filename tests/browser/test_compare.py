@@ -1,4 +1,4 @@
-"""Two maps of one log in one picture, in real Chromium: pixels, numbers, keys, and the link that opens it all again."""
+"""Two maps of one log in one picture, in Chromium: pixels, numbers, keys, and the link that restores it."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def open_cells(page: Page, geometry: dict[str, Any], found: NDArray[np.bool_], n
     return np.asarray(kept[np.linspace(0, len(kept) - 1, n).astype(int)])
 
 
-def test_kept_settings_beside_what_the_slider_makes_of_them(viewer: Page, server: str) -> None:
+def test_a_map_with_kept_settings_is_compared_with_the_present_one(viewer: Page, server: str) -> None:
     open_group(viewer, "Compare")
     viewer.get_by_role("button", name="Save as A").click()
     until("the numbers", lambda: numbers(viewer).get("max_difference") == 0.0)

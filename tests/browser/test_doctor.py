@@ -1,4 +1,4 @@
-"""The log doctor on the log page: silent on a clean run, and what it finds in a drifting one leads to the moment."""
+"""The log doctor on the log page: no findings on a clean log, and findings that lead to their scans."""
 
 from __future__ import annotations
 

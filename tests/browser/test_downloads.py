@@ -1,4 +1,4 @@
-"""The download buttons in real Chromium: a pair of map files is of one instant, and no pair replaces another."""
+"""The download buttons in Chromium: yaml and pgm are of one map, and no pair replaces another."""
 
 from __future__ import annotations
 

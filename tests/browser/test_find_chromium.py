@@ -1,4 +1,4 @@
-"""The search for Chromium: what is named, what starts, and what is said where there is none."""
+"""The search for Chromium: named, started, and the message if there is none."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_in_ci_the_headless_shell_is_installed_where_it_can_be(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="looks into /Applications as well")
-def test_without_any_one_sentence_says_what_to_do(tmp_path):
+def test_without_a_chromium_one_sentence_gives_advice(tmp_path):
     done = find(tmp_path)
     assert done.returncode == 1
     assert done.stdout == ""
@@ -81,7 +81,7 @@ def test_without_any_one_sentence_says_what_to_do(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "darwin" or os.geteuid() != 0, reason="only root installs without sudo")
 @pytest.mark.parametrize("package", PACKAGES)
-def test_where_it_can_it_installs_and_then_prints_the_path(tmp_path, package):
+def test_it_installs_chromium_if_possible_and_prints_the_path(tmp_path, package):
     """``package`` is the only one that apt-get knows."""
     program(tmp_path, "env", 'shift; exec "$@"')
     made = tmp_path / package

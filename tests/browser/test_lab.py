@@ -1,4 +1,4 @@
-"""The lab in real Chromium: the world and the belief, the profile and its handles, the sliders, the robot."""
+"""The lab in Chromium: the world and the belief, the profile and its handles, the sliders, the robot."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ HANDLES = [
 ]
 
 
-def test_each_handle_on_the_curve_changes_the_profile_and_the_map_and_answers_to_keys(still_lab: Page) -> None:
+def test_each_handle_of_the_curve_changes_profile_and_map_by_mouse_and_keys(still_lab: Page) -> None:
     first = settled_digest(still_lab)
     for name, by, changes_map in HANDLES:
         profile_before = profile(still_lab)
@@ -145,7 +145,7 @@ def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) 
     assert any(byte for byte in states)
 
 
-def test_a_teleport_into_a_wall_lands_beside_it_and_says_so(lab: Page) -> None:
+def test_a_teleport_into_a_wall_moves_beside_it_and_shows_a_notice(lab: Page) -> None:
     box = lab.locator(".picture").first.bounding_box()
     assert box is not None
     wall = lab.evaluate(
@@ -213,7 +213,7 @@ def test_another_world_is_another_map(lab: Page) -> None:
     assert lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "room"
 
 
-def test_the_link_shows_the_same_session_to_somebody_else(lab: Page, visitor: BrowserContext) -> None:
+def test_the_link_shows_the_same_session_to_another_visitor(lab: Page, visitor: BrowserContext) -> None:
     page = visitor.new_page()
     page.goto(lab.url)
     await_map(page)

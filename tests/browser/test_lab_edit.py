@@ -1,4 +1,4 @@
-"""Drawing into the world, erasing, taking back, and the moving table, in real Chromium."""
+"""Drawing into the world, erasing, undo, and the moving table, in Chromium."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A link opens exactly what its sender saw, in a session of its own, also when the sender's session is gone."""
+"""A link restores what its sender saw, in a session of its own, also after the sender's session has ended."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def opened(visitor: BrowserContext, link: str) -> Page:
     return page
 
 
-def test_the_address_opens_what_was_there_after_the_session_has_ended(lab: Page, visitor: BrowserContext) -> None:
+def test_the_address_restores_an_ended_session(lab: Page, visitor: BrowserContext) -> None:
     kept = settled_digest(lab)
     pose, index = frame(lab)["pose"], frame(lab)["index"]
     look = {"x": 5.5, "y": 5, "scale": 0.011}
@@ -114,7 +114,7 @@ def test_share_copies_a_link_to_a_world_of_its_own(lab: Page, visitor: BrowserCo
     assert settled_digest(lab) == before
 
 
-def test_a_link_that_lost_a_piece_opens_a_new_world_and_says_so(page: Page, server: str) -> None:
+def test_a_truncated_link_opens_a_new_world_with_a_notice(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html#s=notalink")
     await_map(page)
     expect(page.locator(".toast").first).to_contain_text("incomplete or damaged")

@@ -1,4 +1,4 @@
-"""Every sensor model in the lab's profile, in real Chromium: its shape, its handles, and the sonar ring's cones."""
+"""Every sensor model in the lab's profile, in Chromium: shape, handles, and cones of the sonar ring."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_each_thin_model_has_its_own_handles(lab: Page) -> None:
         lab.evaluate("() => gridbloom.connection.store.reset()")
 
 
-def test_a_ring_of_sonars_brings_its_cone_and_the_cone_has_handles(lab: Page) -> None:
+def test_a_sonar_ring_selects_the_cone_model_with_its_handles(lab: Page) -> None:
     lab.locator(".lab-sensor").get_by_text("sonar ring", exact=True).click()
     until("the cone", lambda: value(lab, "model") == "sonar_cone")
     profile = lab.locator("figure.profile")

@@ -1,4 +1,4 @@
-"""Step by step in real Chromium: one cell, one beam, one scan, one second, on and back."""
+"""Stepping in Chromium: by cell, beam, scan and second, forwards and back."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_scans_and_seconds_go_on_and_back(lab: Page) -> None:
     assert settled_digest(lab) == before
 
 
-def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> None:
+def test_a_scan_is_added_cell_by_cell_and_beam_by_beam(lab: Page) -> None:
     index = frame(lab)["index"]
     by(lab, "cell")
     lab.get_by_role("button", name="Forward one cell").click()
@@ -113,7 +113,7 @@ def test_a_scan_goes_into_the_map_cell_by_cell_and_beam_by_beam(lab: Page) -> No
     assert same >= 0.98 * len(held)
 
 
-def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_stepping(lab: Page) -> None:
+def test_stepping_back_removes_the_last_beam_and_play_ends_stepping(lab: Page) -> None:
     index = frame(lab)["index"]
     by(lab, "beam")
     lab.get_by_role("button", name="Back one beam").click()
@@ -125,7 +125,7 @@ def test_back_from_a_whole_scan_takes_out_its_last_beam_and_play_ends_the_steppi
     expect(lab.locator(".steps-note")).to_have_count(0)
 
 
-def test_what_has_no_order_of_cells_says_so(lab: Page) -> None:
+def test_models_without_an_order_of_cells_show_a_notice(lab: Page) -> None:
     lab.evaluate("() => gridbloom.connection.store.setParameter('update', 'per_scan')")
     by(lab, "cell")
     lab.get_by_role("button", name="Forward one cell").click()

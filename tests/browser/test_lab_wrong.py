@@ -1,4 +1,4 @@
-"""What goes wrong, in real Chromium: each switch changes the map, says what to look for, gives back what was there."""
+"""The switches of "What goes wrong", in Chromium: each changes the map, explains it, and can be undone."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
     return page
 
 
-def test_each_switch_changes_the_map_and_gives_back_what_was_there(lab: Page) -> None:
+def test_each_switch_changes_the_map_and_restores_it(lab: Page) -> None:
     lab.emulate_media(reduced_motion="reduce")  # a map that changes many times is painted once for each
     lab.evaluate("() => gridbloom.connection.store.setParameter('mount_yaw', 0.02)")
     before = settled_digest(lab)
@@ -76,7 +76,7 @@ def test_a_slider_ends_a_fault_and_undo_brings_it_back(lab: Page) -> None:
     expect(switch).to_have_attribute("aria-checked", "true")
 
 
-def test_right_stands_beside_wrong(lab: Page) -> None:
+def test_the_correct_map_is_shown_beside_the_wrong_one(lab: Page) -> None:
     right = settled_digest(lab)
     lab.get_by_role("switch", name="Laser upside down").click()
     until("the wrong map", lambda: map_digest(lab) != right)

@@ -1,4 +1,4 @@
-"""The lecture as a page in real Chromium: it opens whole, is presented, printed, and leads to a log of one's own."""
+"""The lecture as a page in Chromium: opened, presented, printed, and its link to the log page."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
-def test_the_lecture_opens_whole(page: Page, server: str, scheme) -> None:
+def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
     page.add_init_script("window.requestIdleCallback = () => 0")  # a browser that is never idle
     page.goto(f"{server}/lecture.html")
@@ -87,7 +87,7 @@ def test_a_log_dropped_at_the_end_leads_to_the_logs_page(page: Page, server: str
 # --- presenting ------------------------------------------------------------------------------------------------------
 
 
-def test_the_lecturers_mode_goes_by_keys(page: Page, server: str) -> None:
+def test_the_presentation_mode_is_controlled_by_keys(page: Page, server: str) -> None:
     page.goto(f"{server}/lecture.html?present#log-odds")
     count = int(page.locator(".presenter-number").inner_text().split("/")[1])
     expect(page.locator(".presenter-number")).to_have_text(f"3 / {count}")

@@ -1,4 +1,4 @@
-"""The lecture's figures of a cell, a beam and a scan in real Chromium, by their handles, and what they then show."""
+"""The lecture's figures of a cell, a beam and a scan in Chromium, by their handles."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_the_profile_feeds_the_cell(page: Page, server: str) -> None:
 # --- 5: rays ---------------------------------------------------------------------------------------------------------
 
 
-def test_the_line_goes_round_and_needs_its_fixes(page: Page, server: str) -> None:
+def test_the_line_algorithm_needs_its_corrections_in_all_octants(page: Page, server: str) -> None:
     section = open_section(page, server, "rays")
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("Octant 1: a = 18, b = 7. Cell 10 of 19: ∇ = −22 < 0, so straight")

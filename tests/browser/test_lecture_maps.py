@@ -1,4 +1,4 @@
-"""The lecture's figures of whole maps in real Chromium, by their handles, and what they then show."""
+"""The lecture's figures of whole maps in Chromium, by their handles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.browser.looking import drag, until
 # --- no return -------------------------------------------------------------------------------------------------------
 
 
-def test_only_the_mistake_builds_walls_where_nothing_stands(page: Page, server: str) -> None:
+def test_only_the_mistake_maps_walls_in_free_space(page: Page, server: str) -> None:
     section = open_section(page, server, "no-return")
     ignored, freed, mistaken = (section.locator(".side-by-side p").nth(i) for i in range(3))
     assert numbers(freed)[0] > numbers(ignored)[0] + 100
@@ -57,7 +57,7 @@ def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str
 # --- forgetting ------------------------------------------------------------------------------------------------------
 
 
-def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page, server: str) -> None:
+def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
     say = section.get_by_role("slider", name="My guess, with the clamp")
     say.focus()
@@ -74,7 +74,7 @@ def test_the_table_goes_and_both_outcomes_stand_beside_the_prediction(page: Page
     expect(caption).to_contain_text("How many scans does the map need")
 
 
-def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
+def test_a_figure_off_screen_is_paused(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
     section.get_by_role("button", name="Remove the table").click()
     page.locator("#grid").scroll_into_view_if_needed()
@@ -89,7 +89,7 @@ def test_a_figure_off_screen_waits(page: Page, server: str) -> None:
     expect(caption).not_to_contain_text("without it: forgotten")  # it has not come to its end
 
 
-def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> None:
+def test_with_reduced_motion_the_table_is_removed_in_steps(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
     section = open_section(page, server, "forgetting")
     section.get_by_role("button", name="Remove the table").click()
@@ -105,7 +105,7 @@ def test_with_less_motion_the_table_goes_by_steps(page: Page, server: str) -> No
 # --- per beam or per scan --------------------------------------------------------------------------------------------
 
 
-def test_near_the_sensor_a_scan_says_it_many_times(page: Page, server: str) -> None:
+def test_near_the_sensor_a_scan_updates_cells_many_times(page: Page, server: str) -> None:
     section = open_section(page, server, "counting")
     per_beam, per_scan = (section.locator(".side-by-side p").nth(i) for i in range(2))
     expect(per_beam).to_contain_text("ℓ = −2.00, p = 0.12, at the clamp")
@@ -123,7 +123,7 @@ def test_near_the_sensor_a_scan_says_it_many_times(page: Page, server: str) -> N
 # --- the file --------------------------------------------------------------------------------------------------------
 
 
-def test_thresholds_change_the_file_and_a_reader_can_spoil_it(page: Page, server: str) -> None:
+def test_thresholds_change_the_file_and_its_reading(page: Page, server: str) -> None:
     section = open_section(page, server, "file")
     words = section.locator("figure > p")
     free, unknown, occupied, *read = numbers(words)

@@ -1,4 +1,4 @@
-"""Who asks for less motion gets step figures: nothing moves by itself, and everything goes on by a press."""
+"""With reduced motion figures advance in steps: nothing moves by itself."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def stands(page: Page) -> None:
     assert page.evaluate("() => document.getAnimations().filter(one => one.playState === 'running').length") == 0
 
 
-def test_live_maps_stand_still_and_go_on_by_steps(page: Page, server: str) -> None:
+def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/lab.html")
     await_map(page)

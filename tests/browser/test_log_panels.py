@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, frame, open_group, until
-from tests.mapper.io.contents.recorded_robot import robot
+from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
 
 SECONDS = 4
@@ -20,7 +22,8 @@ def seek(page: Page, index: int) -> None:
 
 
 def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None:
-    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes(robot(SECONDS)))
+    camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
+    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(SECONDS), camera]))
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(tmp_path / "robot.mcap")
     page.locator(".log-card", has_text="robot.mcap").get_by_role("button", name="Open map").click()
@@ -32,6 +35,10 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     expect(imu).to_contain_text("sensor_msgs/Imu")
     assert imu.get_by_role("cell").all_inner_texts()[:2] == [str(20 * SECONDS), "20.0 Hz"]
     expect(topics.get_by_role("row").filter(has_text="/scan")).to_contain_text("mapped")
+
+    picture = open_group(page, "Pictures").get_by_role("img")
+    expect(picture).to_have_attribute("alt", "/camera at 0.50 s")
+    until("the picture", lambda: picture.evaluate("(img) => [img.naturalWidth, img.naturalHeight]") == [64, 48])
 
     # A click on a plot goes to that moment: at half of the width to half of the time.
     plots = open_group(page, "Plots")

@@ -1,4 +1,4 @@
-"""The logs page in real Chromium: choose and upload a log, watch it fill in, seek, change parameters, download."""
+"""The logs page in Chromium: choose and upload a log, watch it fill in, seek, change parameters, download."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_going_back_makes_the_earlier_map_again(intel: Page) -> None:
     until("the earlier map, cell for cell", lambda: frame(intel)["index"] == at and map_digest(intel) == there)
 
 
-def test_the_whole_map_is_made_again_while_a_handle_moves(intel: Page) -> None:
+def test_the_map_is_recomputed_while_a_handle_moves(intel: Page) -> None:
     seek_to_end(intel)
     before = map_digest(intel)
     handle = intel.locator("figure.profile").get_by_role("slider", name="Max range", exact=True)
@@ -139,7 +139,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     expect(card).to_have_count(0)
 
 
-def test_an_upload_that_is_cut_goes_on_by_itself(context: BrowserContext, server: str) -> None:
+def test_an_interrupted_upload_resumes(context: BrowserContext, server: str) -> None:
     page = context.new_page()  # unwatched: the console rightly tells of the cut
     line = FrayedLine(int(server.rsplit(":", 1)[1]), 300_000)
     try:
@@ -154,7 +154,7 @@ def test_an_upload_that_is_cut_goes_on_by_itself(context: BrowserContext, server
         line.close()
 
 
-def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
+def test_the_cards_show_the_contents_of_the_logs(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text="intel-corrected.log.gz")
     expect(card.locator(".log-run")).to_have_text("44:10 · 500 m driven · 910 scans")
@@ -169,7 +169,7 @@ def test_the_cards_tell_what_the_runs_hold(page: Page, server: str, logs_dir: Pa
     (logs_dir / "intel.ref.tum").unlink()
 
 
-def test_a_file_that_is_no_log_is_refused_in_one_sentence(page: Page, server: str) -> None:
+def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(
         {"name": "holiday.jpg", "mimeType": "image/jpeg", "buffer": bytes(range(256)) * 40}
@@ -206,3 +206,45 @@ def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: 
         one.get_by_role("button", name="Delete").click()
         page.get_by_role("dialog").get_by_role("button", name="Delete").click()
         expect(one).to_have_count(0)
+
+
+def test_the_opening_of_a_log_shows_its_progress_and_can_be_cancelled(page: Page, server: str) -> None:
+    asked: list[str] = []
+
+    def held(route: Any) -> None:  # the session is never made
+        asked.append(route.request.post_data_json["name"])
+
+    progress = {"what": "Reading the log", "fraction": 0.437, "elapsed_s": 75.2}
+    page.route("**/api/sessions", held)
+    page.route("**/api/sessions/making/*", lambda route: route.fulfill(json=progress))
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    opening = page.locator(".viewer-message")
+    expect(opening).to_contain_text("Reading the log … 43 %, 1:15")
+    assert len(asked) == 1
+    opening.get_by_role("button", name="Cancel").click()
+    expect(page.locator(".library")).to_be_visible()
+    page.unroute("**/api/sessions")
+    page.unroute("**/api/sessions/making/*")
+
+
+def test_progress_is_shown_on_the_map_and_can_be_cancelled(page: Page, server: str) -> None:
+    sent: list[str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda data: sent.append(str(data))))
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    # Again and again: the server ends what it shows itself.
+    page.evaluate(
+        "() => setInterval(() => { gridbloom.connection.store.working.value = { fraction: 0.25, elapsed_s: 3 }; }, 20)"
+    )
+    working = page.locator(".viewer-map .working")
+    expect(working).to_contain_text("Computing the map …")
+    expect(working).to_contain_text("25 %, 3 s")
+    map_box, box = page.locator(".viewer-map").bounding_box(), working.bounding_box()
+    assert map_box is not None
+    assert box is not None
+    assert map_box["x"] < box["x"]
+    assert box["y"] + box["height"] < map_box["y"] + map_box["height"]
+    working.get_by_role("button", name="Cancel").click()
+    until("the command", lambda: any('"cancel"' in data for data in sent))

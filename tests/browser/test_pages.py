@@ -1,4 +1,4 @@
-"""Every page at every size: it fills in, logs no error, asks no other host, and does not scroll sideways."""
+"""Every page at every size: it is shown, logs no error, requests no other host, and does not scroll sideways."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str
     expect(page.get_by_role("heading", name="Robot logs")).to_be_visible()
 
 
-def test_an_ended_session_is_replaced_and_the_page_says_so(page: Page, server: str, watched) -> None:
+def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, watched) -> None:
     page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
     await_map(page)
     expect(page.locator(".toast").first).to_contain_text("This is a new world")

@@ -1,4 +1,4 @@
-"""The map drawn by a graphics card (WebGL) and by the processor: one picture, whichever draws it."""
+"""The map drawn with WebGL and without: both pictures are equal."""
 
 from __future__ import annotations
 

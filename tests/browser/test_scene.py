@@ -1,4 +1,4 @@
-"""The 3D view in a real browser: a gizmo that is dragged with the mouse reaches the session."""
+"""The 3D view in a browser: a gizmo that is dragged with the mouse reaches the session."""
 
 from __future__ import annotations
 

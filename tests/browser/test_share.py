@@ -1,4 +1,4 @@
-"""A link to a view of a log: made on one page, opened on another visitor's, revoked."""
+"""A link to a view of a log: made on one page, opened by another visitor, revoked."""
 
 from __future__ import annotations
 

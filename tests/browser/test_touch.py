@@ -1,4 +1,4 @@
-"""Viewer, lecture and lab under fingers: the browser's own touch events, so that its scrolling takes part."""
+"""Log page, lecture and lab with touch events of the browser, including its scrolling."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -
     assert value() == chosen
 
 
-def test_the_chooser_of_trajectories_follows_whoever_chooses(viewer: Page) -> None:
+def test_the_choice_of_trajectory_follows_other_clients(viewer: Page) -> None:
     other = viewer.context.new_page()
     other.goto(viewer.url)
     for page in (viewer, other):

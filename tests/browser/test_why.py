@@ -1,4 +1,4 @@
-"""Asking a cell why, in real Chromium: in the lab and on a log, by mouse, keyboard and finger."""
+"""The explanation of a cell in Chromium: in the lab and on a log, by mouse, keyboard and touch."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
     return why
 
 
-def test_a_wall_of_the_lab_says_why(lab: Page) -> None:
+def test_a_wall_in_the_lab_is_explained(lab: Page) -> None:
     pose = frame(lab)["pose"]
     why = check_answer(lab, ask(lab))
     assert frame(lab)["pose"] == pose  # a question sends nobody anywhere
@@ -135,7 +135,7 @@ def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
     until("more scans in the answer", lambda: store(lab, "why")["index"] > before["index"] + 10)
 
 
-def test_the_keyboard_asks_and_comes_back(lab: Page) -> None:
+def test_a_cell_is_selected_and_left_by_keyboard(lab: Page) -> None:
     picture = lab.locator(".picture").last
     wall_pixel(lab, picture)
     picture.focus()
@@ -168,7 +168,7 @@ def test_the_beam_that_is_looked_at_is_painted(lab: Page) -> None:
     assert sum(abs(a - b) for a, b in zip(asked, plain, strict=True)) > 60
 
 
-def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
+def test_a_log_seeks_to_the_scan_of_a_contribution(viewer: Page) -> None:
     why = check_answer(viewer, ask(viewer))
     slider = viewer.get_by_role("slider", name="Beams through this cell")
     slider.focus()
@@ -186,7 +186,7 @@ def test_a_log_goes_to_the_scan_of_a_touch(viewer: Page) -> None:
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
-def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
+def test_a_long_press_explains_a_cell(open_lab: Callable[..., Page]) -> None:
     page = open_lab()
     scrolled = page.evaluate("() => scrollY")
     _, (x, y) = wall_pixel(page, page.locator(".picture").first)
@@ -207,7 +207,7 @@ def test_a_finger_that_rests_asks(open_lab: Callable[..., Page]) -> None:
 
 
 @pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
-def test_in_a_log_the_answer_takes_the_place_of_the_open_group(viewer: Page) -> None:
+def test_in_a_log_the_explanation_replaces_the_open_group(viewer: Page) -> None:
     open_group(viewer, "Download")
     picture = viewer.locator(".picture").first
     before = picture.bounding_box()

@@ -1,4 +1,4 @@
-"""Data that expands to gibibytes, made in milliseconds: one compressed piece, again and again.
+"""Data that expands to gibibytes, made in milliseconds by repeating one compressed piece.
 
 Source: RFC 1951 (deflate: a stream may be flushed to a byte's border and go on); RFC 8878 (Zstandard's blocks of one
 byte, repeated); the LZ4 frame format (independent blocks); bzip2 (blocks of bits, and how their checksums combine).

@@ -1,4 +1,4 @@
-"""A service that hostile visitors meet, an innocent visitor beside them, and a log that must stay free of defects."""
+"""A service for hostile visitors, a second visitor beside them, and a log that must show no defects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A small whole file of every format that is read, to be damaged: text logs, recordings, map images."""
+"""A small valid file of every format that is read, to be damaged: text logs, recordings, map images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ways to damage a file, and what every damaged file must come to: something usable, or one of our own errors.
+"""Ways to damage a file, and the allowed results: something usable, or one of our own errors.
 
 With ``GRIDBLOOM_FUZZ=10000``, as in ``make test-long``, each format meets 10,000 damaged files, every prefix and every
 place; without it, a seeded part of them. Tests that do so are marked ``sampled``.

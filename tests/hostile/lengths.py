@@ -1,4 +1,4 @@
-"""Where the lengths stand in a whole bag or MCAP file, found by walking it as its format says.
+"""The positions of length fields in a valid bag or MCAP file, found by parsing it.
 
 Source: wiki.ros.org/Bags/Format/2.0; mcap.dev/spec.
 """

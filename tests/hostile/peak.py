@@ -1,4 +1,4 @@
-"""Open logs in a process of its own, and say what became of each and how much memory the process has held at most.
+"""Open logs in a process of its own, and report the result of each and the process's peak memory.
 
 ``python -m tests.hostile.peak LOG_BYTES CHUNK_BYTES FILE…`` prints a line of JSON before the first file and after each.
 """

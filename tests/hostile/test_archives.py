@@ -1,4 +1,4 @@
-"""Hostile tar archives: nothing is unpacked, no name in them is a path, and what is whole is read."""
+"""Hostile tar archives: nothing is unpacked, no name is used as a path, and valid members are read."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_size_that_lies(path, number):
     assert "The archive ends early: only what precedes is read." in notes
 
 
-def test_links_devices_and_names_are_nothing_but_what_they_are(path):
+def test_links_devices_and_path_names_in_archives_have_no_effect(path):
     """A link to the machine's own files gives nothing of them, and a name is no path."""
     secret = path.with_name("secret.log")
     secret.write_bytes(CARMEN)

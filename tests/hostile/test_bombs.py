@@ -1,4 +1,4 @@
-"""Files of kilobytes that hold 4 GiB: each is refused, in memory that the limits bound, and without taking for ever."""
+"""Files of kilobytes that expand to 4 GiB: each is refused in bounded memory and time."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ CASES: dict[str, tuple[Callable[[], bytes], str]] = {
 @pytest.mark.sampled
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="what a process held at most is read there")
 @pytest.mark.timeout(600)
-def test_what_holds_four_gibibytes_is_refused_in_bounded_memory(tmp_path):
+def test_files_that_expand_to_4_gib_are_refused_in_bounded_memory(tmp_path):
     paths = []
     for number, (make, _) in enumerate(CASES.values()):
         paths.append(tmp_path / f"{number}.log")
@@ -83,7 +83,7 @@ def test_what_holds_four_gibibytes_is_refused_in_bounded_memory(tmp_path):
         assert one["bytes"] - before["bytes"] < 2.2 * chunk_bytes + (96 << 20), case
 
 
-def test_the_bombs_hold_what_they_say(tmp_path):
+def test_the_bombs_expand_to_the_stated_size(tmp_path):
     """The same makers at a size at which another program unpacks them whole."""
     size = 8 << 20
     head = b"before"

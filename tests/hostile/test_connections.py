@@ -1,4 +1,4 @@
-"""Connections that send nothing or half of a header are closed and keep nobody out; so does a lack of descriptors."""
+"""Connections that send nothing or half a header are closed and block nobody, nor does a lack of descriptors."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def until_closed(connections: list[socket.socket], trickle: bytes = b"") -> None
 
 @pytest.mark.usefixtures("many_descriptors")
 @pytest.mark.parametrize("sent", [b"", HALF])
-def test_two_thousand_connections_without_a_request_are_closed_and_keep_nobody_out(tmp_path: Path, sent: bytes) -> None:
+def test_two_thousand_idle_connections_are_closed_and_do_not_block_others(tmp_path: Path, sent: bytes) -> None:
     with (
         serving(tmp_path, header_timeout_s="2", max_connections_per_address="3000") as service,
         ExitStack() as held,
@@ -127,7 +127,7 @@ def test_two_thousand_connections_without_a_request_are_closed_and_keep_nobody_o
         assert "Traceback" not in "".join(service.lines())
 
 
-def test_a_header_that_trickles_after_an_answer_is_given_up(tmp_path: Path) -> None:
+def test_a_slow_header_after_an_answer_ends_its_connection(tmp_path: Path) -> None:
     with running(settings_for(tmp_path, header_timeout_s=0.5)) as service:
         for rest in (HALF, b"POST /api/nothing HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 100000\r\n\r\n"):
             with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as connection:
@@ -145,7 +145,7 @@ def test_a_header_that_trickles_after_an_answer_is_given_up(tmp_path: Path) -> N
                 assert time.monotonic() < deadline
 
 
-def test_a_new_connection_takes_the_place_of_the_one_that_has_waited_longest(tmp_path: Path) -> None:
+def test_a_new_connection_replaces_the_one_idle_for_longest(tmp_path: Path) -> None:
     with running(settings_for(tmp_path, max_connections=3)) as service, ExitStack() as held:
         silent = [held.enter_context(socket.create_connection(("127.0.0.1", service.port))) for _ in range(3)]
         until(lambda: len(service.server.connections) == 3)
@@ -188,7 +188,7 @@ def streaming(port: int, session: str) -> Iterator[None]:
         yield
 
 
-def test_more_connections_than_descriptors_keep_nobody_out(tmp_path: Path) -> None:
+def test_more_connections_than_descriptors_do_not_block_others(tmp_path: Path) -> None:
     with serving(tmp_path, descriptors=256) as service, ExitStack() as held:
         for _ in range(6):
             for _ in range(100):
@@ -199,7 +199,7 @@ def test_more_connections_than_descriptors_keep_nobody_out(tmp_path: Path) -> No
 
 
 @LINUX
-def test_when_descriptors_run_out_it_says_so_in_a_line_and_recovers(tmp_path: Path) -> None:
+def test_a_lack_of_descriptors_is_logged_once_and_recovered_from(tmp_path: Path) -> None:
     with serving(tmp_path) as service, ExitStack() as held:
         pid = service.process.pid
         limits = resource.prlimit(pid, resource.RLIMIT_NOFILE)

@@ -1,4 +1,4 @@
-"""The whole service on a full disk, and killed in the middle: what is stored opens, and nothing half is seen."""
+"""The whole service on a full disk, and killed during a write: stored logs open, and no partial file is visible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Flipped bits, mistakes in the lines, and lengths that lie: something usable, or one of our own errors."""
+"""Flipped bits, errors in lines, and wrong lengths: something usable, or one of our own errors."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_flipped_bits_in_packed_data(path, kind, packing):
         opened(path, flipped(rng, data))
 
 
-def test_a_lie_in_every_length_of_a_bag(path):
+def test_a_wrong_value_in_every_length_of_a_bag(path):
     data = recorded.write_bag(path, said(1)).read_bytes()
     places = list(lengths.in_bag(data))
     assert len(places) > 100
@@ -97,7 +97,7 @@ def test_a_lie_in_every_length_of_a_bag(path):
 
 
 @pytest.mark.parametrize("chunks", [True, False])
-def test_a_lie_in_every_length_of_an_mcap(path, chunks):
+def test_a_wrong_value_in_every_length_of_an_mcap(path, chunks):
     # Without checksums, which would tell of the lie before it is met.
     data = recorded.mcap_bytes(said(1), "none", use_chunking=chunks, enable_crcs=False)
     places = list(lengths.in_mcap(data))
@@ -107,7 +107,7 @@ def test_a_lie_in_every_length_of_an_mcap(path, chunks):
             opened(path, data[:at] + lie + data[at + size :])
 
 
-def test_a_lie_at_every_place_of_the_messages_in_a_db3(path):
+def test_a_wrong_value_at_every_offset_of_the_messages_in_a_db3(path):
     """A length stands at a place that is a multiple of four from the message's begin: at some, that is all of them."""
     messages = said(1)
     data = recording("db3")

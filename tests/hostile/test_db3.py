@@ -1,4 +1,4 @@
-"""SQLite files that are no bags, or bags of values that no recorder writes."""
+"""SQLite files that are no bags, or bags with values that no recorder writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Guests who download a large map many times at once, and clients that read nothing: memory, answers, ending."""
+"""Guests who download a large map repeatedly, and clients that read nothing: memory, answers, shutdown."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ async def guest_session(process: Process) -> str:
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize(("cells", "side_m"), [LESS_WIDE, pytest.param(*WIDE, marks=pytest.mark.long)])
-async def test_twelve_guests_who_take_a_wide_map(process: Process, cells: int) -> None:
+async def test_twelve_guests_download_a_wide_map(process: Process, cells: int) -> None:
     session = await guest_session(process)
 
     def take(_: int) -> httpx.Response:

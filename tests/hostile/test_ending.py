@@ -1,4 +1,4 @@
-"""The command itself: whatever visitors do, it ends when told to, in good order; and it says why it cannot start."""
+"""The command ends on a signal whatever its visitors do, and states why it cannot start."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_it_ends_in_good_order_whatever_visitors_are_in_the_middle_of(tmp_path: 
 
 
 @pytest.mark.parametrize("folder", ["file/below", "file"])
-def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str) -> None:
+def test_an_unusable_folder_gives_one_sentence(tmp_path: Path, folder: str) -> None:
     (tmp_path / "file").write_text("")
     done = subprocess.run(
         [*SERVE, str(tmp_path / folder)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False
@@ -86,7 +86,7 @@ def test_a_folder_that_cannot_be_had_is_one_sentence(tmp_path: Path, folder: str
     assert done.stderr.startswith("gridbloom: cannot keep data in ")
 
 
-def test_a_folder_that_another_service_uses_is_one_sentence(tmp_path: Path) -> None:
+def test_a_folder_in_use_by_another_service_gives_one_sentence(tmp_path: Path) -> None:
     with claimed(tmp_path):
         done = subprocess.run(
             [*SERVE, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False
@@ -98,7 +98,7 @@ def test_a_folder_that_another_service_uses_is_one_sentence(tmp_path: Path) -> N
     )
 
 
-def test_records_that_cannot_be_used_are_one_sentence(tmp_path: Path) -> None:
+def test_unusable_records_give_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "library").mkdir()
     Database.open(None, tmp_path / "library").close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library" / "library.db")) as connection, connection:

@@ -1,4 +1,4 @@
-"""Files that end too early, at every byte: what is whole is there and marked, or they are refused in one sentence."""
+"""Files truncated at every byte: complete parts are read and marked, or the file is refused with one sentence."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def damages(log: ScanLog) -> list[str]:
     return [note for note in log.notes if not note.startswith(("Only /scan is mapped", "Only /points is mapped"))]
 
 
-def test_the_corpus_is_whole(path):
+def test_the_files_of_the_corpus_are_read(path):
     for data in (*map(str.encode, TEXTS.values()), *map(recording, (*BAGS, *MCAPS, "db3", *CLOUDS))):
         log = opened(path, data)
         assert isinstance(log, ScanLog)
@@ -50,7 +50,7 @@ def test_the_corpus_is_whole(path):
 
 
 @pytest.mark.parametrize("kind", TEXTS)
-def test_of_every_prefix_of_a_text_the_whole_lines_are_there(path, kind):
+def test_complete_lines_of_every_prefix_of_a_text_are_read(path, kind):
     data = TEXTS[kind].encode()
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
@@ -103,7 +103,7 @@ def test_of_every_prefix_of_a_packed_text(path, kind, packing):
 
 
 @pytest.mark.parametrize("kind", [*BAGS, *MCAPS, *CLOUDS])
-def test_of_every_prefix_of_a_recording_what_is_whole_is_there(path, kind):
+def test_complete_messages_of_every_prefix_of_a_recording_are_read(path, kind):
     data = recording(kind)
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
@@ -123,7 +123,7 @@ def test_of_every_prefix_of_a_recording_what_is_whole_is_there(path, kind):
     assert scans == whole.n_scans
 
 
-def test_of_every_prefix_of_a_db3_what_is_whole_is_there(path):
+def test_complete_messages_of_every_prefix_of_a_db3_are_read(path):
     data = recording("db3")
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
@@ -143,7 +143,7 @@ def test_of_every_prefix_of_a_db3_what_is_whole_is_there(path):
 
 @pytest.mark.parametrize("pack", [gzip.compress, zstandard.compress], ids=["gzip", "zstd"])
 @pytest.mark.parametrize("kind", ["bag-none", "mcap-none"])
-def test_a_compressed_recording_that_is_cut_keeps_what_came_before(path, kind, pack):
+def test_a_truncated_compressed_recording_is_read_up_to_the_cut(path, kind, pack):
     # Noise does not compress, so that a cut leaves some of it.
     noise = np.random.default_rng(1).uniform(1, 9, (4000, 50))
     messages = [scan(T0 + i, row) for i, row in enumerate(noise)]

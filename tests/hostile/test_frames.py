@@ -1,4 +1,4 @@
-"""Trees of frames that no robot has: circles, chains of thousands, thousands of sensors that hang on one chain."""
+"""Transform trees that no robot has: cycles, chains of thousands, thousands of sensors on one chain."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ def test_a_chain_of_thousands_is_refused(tmp_path):
     )
 
 
-def test_a_robot_that_moves_in_many_worlds_is_told_in_few(tmp_path):
+def test_a_robot_in_many_world_frames_gives_few_trajectories(tmp_path):
     said = [*chain(MAX_DEPTH - 1, moving=True), scan(T0, [1.0], frame="f0"), scan(T0 + SECOND, [1.0], frame="f0")]
     log = opened(tmp_path / "a.log", recorded.mcap_bytes(said))
     assert isinstance(log, ScanLog)
     assert len(log.trajectories) == MAX_WORLDS
 
 
-def test_frames_are_put_in_order_once_however_many_sensors_hang_on_them(tmp_path, monkeypatch: pytest.MonkeyPatch):
+def test_frames_are_sorted_once_for_any_number_of_sensors(tmp_path, monkeypatch: pytest.MonkeyPatch):
     orders: list[Timeline] = []
     put_in_order = Timeline._put_in_order
 

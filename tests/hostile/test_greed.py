@@ -1,4 +1,4 @@
-"""Visitors who ask for more than their share: the others' sessions go on, and a session ends when it is told to."""
+"""Visitors who request more than their share: other sessions continue, and a session can always be ended."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def session_of(service: Service, session_id: str) -> SessionHost:
     return session
 
 
-async def test_a_session_ends_at_once_however_much_it_was_asked_to_do(
+async def test_a_session_ends_immediately_with_any_number_of_commands(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.http.stream_connection.COMMAND_BURST", 1e9)
@@ -70,7 +70,7 @@ async def test_a_session_ends_in_the_middle_of_a_long_computation(
     assert len(parts) == 1
 
 
-async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Service) -> None:
+async def test_a_long_step_is_computed_in_parts_to_its_end(service: Service) -> None:
     session_id = await asyncio.to_thread(service.begin)
     session = session_of(service, session_id)
     async with service.connect(session_id) as socket:
@@ -89,7 +89,7 @@ async def test_a_long_step_is_taken_in_parts_and_comes_to_its_end(service: Servi
         assert len(counts) > 3
 
 
-async def test_a_visitors_many_questions_are_answered_once_a_tick(
+async def test_many_questions_are_answered_once_per_tick(
     service: Service, undisturbed: Undisturbed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Only the newest "why" of each client counts: a thousand of them are not a thousand searches of the log."""

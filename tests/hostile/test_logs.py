@@ -1,4 +1,4 @@
-"""Logs that are wrong, cut, absurd or meant to harm: each gets its own error, which says where."""
+"""Logs that are wrong, truncated, absurd or malicious: each has its own error, which states the place."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ LINES = {
 
 
 @pytest.mark.parametrize("case", LINES)
-def test_a_bad_line_is_named_with_what_is_wrong(tmp_path, case):
+def test_errors_of_a_bad_line_name_it_and_the_reason(tmp_path, case):
     line, code, words = LINES[case]
     error = refused(tmp_path, f"{GOOD}\n{ODOM}\n{line}\n{GOOD}\n".encode("latin-1"))
     assert isinstance(error, ReadError)
@@ -121,7 +121,7 @@ def test_a_log_without_scans(tmp_path):
         (bytes(range(256)) * 20, "log.binary", "binary"),
     ],
 )
-def test_what_is_no_log_at_all(tmp_path, data, code, words):
+def test_files_that_are_no_logs(tmp_path, data, code, words):
     error = refused(tmp_path, data)
     assert error.code == code
     assert words in error.message
@@ -141,7 +141,7 @@ def test_a_file_that_is_not_there_and_one_that_is_a_folder(tmp_path):
     )
 
 
-def test_a_text_file_that_ends_in_the_middle_of_a_line_keeps_its_whole_scans(tmp_path):
+def test_a_text_file_truncated_within_a_line_keeps_its_complete_scans(tmp_path):
     path = tmp_path / "a.log"
     path.write_text(f"{GOOD}\n{GOOD}\n{GOOD[:40]}")
     log = open_log(path)
@@ -153,7 +153,7 @@ def test_a_text_file_that_ends_in_the_middle_of_its_first_scan_is_refused(tmp_pa
     assert refused(tmp_path, f"{ODOM}\n{GOOD[:40]}".encode()).code == "log.truncated_line"
 
 
-def test_a_cut_gzip_file_keeps_its_whole_scans_and_says_after_which_line_it_ends(tmp_path):
+def test_a_truncated_gzip_file_keeps_its_complete_scans_and_notes_its_last_line(tmp_path):
     rng = np.random.default_rng(1)
     lines = [GOOD.replace("3.0", f"{reading:.3f}") for reading in rng.uniform(1, 9, 2000)]
     packed = gzip.compress("".join(line + "\n" for line in lines).encode())
@@ -210,7 +210,7 @@ def test_gzip_data_with_another_checksum_than_its_own_is_marked(tmp_path):
     assert any("The gzip data is damaged" in note for note in log.notes)
 
 
-def test_gzip_data_of_which_nothing_comes_out_is_refused(tmp_path):
+def test_gzip_data_that_expands_to_nothing_is_refused(tmp_path):
     assert refused(tmp_path, b"\x1f\x8bhello").code == "log.gzip"
     packed = bytearray(gzip.compress(f"{GOOD}\n".encode()))
     packed[12:20] = b"\xff" * 8

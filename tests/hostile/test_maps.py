@@ -1,4 +1,4 @@
-"""Map files that are wrong, or meant to harm: each gets its own error, which names the key or the image."""
+"""Map files that are wrong or malicious: each has its own error, which names the key or the image."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ YAMLS = {
 
 
 @pytest.mark.parametrize("case", YAMLS)
-def test_a_bad_yaml_is_refused_with_what_is_wrong(tmp_path, case):
+def test_a_bad_yaml_is_refused_with_the_reason(tmp_path, case):
     text, code, words = YAMLS[case]
     error = refused(folder_with(tmp_path, text))
     assert isinstance(error, ReadError)
@@ -193,7 +193,7 @@ def test_an_image_of_too_many_bytes_is_refused(tmp_path):
     ],
     ids=["pgm", "pgm of 16 bits", "pgm as text", "bits", "png"],
 )
-def test_an_image_that_claims_more_than_its_bytes_can_hold(tmp_path, image):
+def test_an_image_larger_than_its_bytes_allow_is_refused(tmp_path, image):
     error = refused(folder_with(tmp_path, image=image))
     assert (type(error), error.code) == (ReadError, "map.image")
     assert "claims 16000 × 16000 pixels, which its" in error.message
@@ -341,7 +341,7 @@ def test_a_pgm_with_a_header_of_a_megabyte_is_refused(tmp_path, filler, magic):
     assert load_map(folder_with(tmp_path, image=long)).grid.geometry.shape == (3, 4)
 
 
-def test_the_comments_in_a_pgm_as_text_are_left_out_before_pillow_sees_them(monkeypatch):
+def test_comments_of_a_text_pgm_are_removed_before_pillow_reads_it(monkeypatch):
     """Pillow copies a block of up to 1 MB for each: half a million of them took it half a minute."""
     few = b"P2 # a\n4 #b\n 3\n255\n0 1# c\r 2 3 # 9 9\n\n 4 5 6 7 8 9 10 11 # end"
     pixels = np.asarray(Image.open(io.BytesIO(few)))

@@ -23,7 +23,7 @@ ROBOT_LASER = "ROBOTLASER1 0 -1 2 {step} 30 0.01 0 3 1 2 3 0 0 0 0 0 0 0 0 0 0 0
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_stamps_that_lie_30_years_apart_are_noted_with_their_place(tmp_path: Path, kind: str) -> None:
+def test_stamps_30_years_apart_are_noted_with_their_scan(tmp_path: Path, kind: str) -> None:
     far = EVEN + np.where(np.arange(N) > 6, 10**9 * SECOND, 0)
     for name in ("far", "even"):
         (tmp_path / name).mkdir()
@@ -32,7 +32,7 @@ def test_stamps_that_lie_30_years_apart_are_noted_with_their_place(tmp_path: Pat
     assert not any("jumps" in note for note in open_log(written(tmp_path / "even", kind, EVEN)).notes)
 
 
-def test_stamps_of_sonars_that_lie_30_years_apart_are_noted(tmp_path: Path) -> None:
+def test_stamps_of_sonars_30_years_apart_are_noted(tmp_path: Path) -> None:
     times = [1000 + 100 * i + (10**12 if i > 3 else 0) for i in range(8)]
     (tmp_path / "measurement.txt").write_text("".join(f"{t}{' 900' * 8}\n" for t in times))
     (tmp_path / "poses.txt").write_text("".join(f"{t} {i} 0 0\n" for i, t in enumerate(times)))
@@ -61,11 +61,11 @@ def test_messages_whose_beams_have_no_angle_between_them_are_left_out(tmp_path: 
         (tmp_path / name).mkdir()
     good = [recorded.scan(T0 + i * SECOND, [1.0, 2.0]) for i in range(3)]
     odd = recorded.scan(T0 + 9 * SECOND, [1.0, 2.0], angles=(0.0, step))
-    why = f"1 of 4 on /scan (message 4 states an angle_increment of {np.float32(step):g} rad for its 2 beams)"
+    why = f"1 of 4 on /scan (message 4: it states an angle_increment of {np.float32(step):g} rad for its 2 beams)"
     log = open_log(recorded.written(tmp_path / "some", [*good, odd], kind))
     assert log.n_scans == 3
     assert any(why in note for note in log.notes), log.notes
-    with pytest.raises(ReadError, match=r"1 of 1 on /scan \(message 1 states an angle_increment of"):
+    with pytest.raises(ReadError, match=r"1 of 1 on /scan \(message 1: it states an angle_increment of"):
         open_log(recorded.written(tmp_path / "all", [odd], kind))
 
 

@@ -1,4 +1,4 @@
-"""Bags and MCAP files that lie, state other types, or hold poses and frames that cannot be: left out, and named."""
+"""Bags and MCAP files with false lengths, other types, or invalid poses and frames: left out, and named."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def lying(**changes: object) -> recorded.Said:
     ],
     ids=["nan angle", "infinite step", "nan limit", "negative limit", "no beams"],
 )
-def test_a_scan_that_cannot_be_is_left_out_and_counted(tmp_path, message):
+def test_an_invalid_scan_is_left_out_and_counted(tmp_path, message):
     data = recorded.mcap_bytes([scan(T0, [1.0, 2.0]), message])
     log = opened(tmp_path / "a.log", data)
     assert isinstance(log, ScanLog)
@@ -122,7 +122,7 @@ def test_a_scan_that_cannot_be_is_left_out_and_counted(tmp_path, message):
     assert any("1 of 2 on /scan" in note for note in log.notes)
 
 
-def test_poses_that_are_no_places_are_left_out(tmp_path):
+def test_invalid_poses_are_left_out(tmp_path):
     nowhere = [odometry(T0 + i, x, 0.0, 0.0) for i, x in enumerate([float("nan"), float("inf"), 1e300, 5.0])]
     unturned = odometry(T0, 1.0, 0.0, 0.0)
     unturned.fields["pose"]["pose"]["orientation"] = dict.fromkeys("xyzw", 0.0)
@@ -143,7 +143,7 @@ def test_poses_that_are_no_places_are_left_out(tmp_path):
     ],
 )
 @pytest.mark.parametrize("kind", ["bag-none", "mcap-zstd", "db3"])
-def test_the_limits_hold(tmp_path, kind, change, code):
+def test_limits_are_enforced(tmp_path, kind, change, code):
     limits = replace(DEFAULT_LIMITS, **change)
     error = opened(tmp_path / "a.log", recording(kind), limits)
     assert isinstance(error, LimitError), error
@@ -151,7 +151,7 @@ def test_the_limits_hold(tmp_path, kind, change, code):
 
 
 @pytest.mark.parametrize("kind", ["bag-bz2", "mcap-zstd"])
-def test_what_chunks_expand_to_has_a_limit_together(tmp_path, kind):
+def test_the_total_size_of_expanded_chunks_is_limited(tmp_path, kind):
     few = replace(DEFAULT_LIMITS, max_unpacked_bytes=2000, max_expansion=0)
     error = opened(tmp_path / "a.log", recording(kind), few)
     assert isinstance(error, LimitError), error
@@ -176,7 +176,7 @@ def test_a_bag_of_another_version_and_one_that_is_encrypted(tmp_path):
     assert locked.code == "log.encrypted"
 
 
-def test_a_bags_header_of_megabytes_is_damage_and_not_waited_for(tmp_path):
+def test_a_bag_header_of_megabytes_is_damage(tmp_path):
     data = recording("bag-none")
     for length in (b"\x01\0\x10\0", b"\xff" * 4):
         log = opened(tmp_path / "a.log", data + length + bytes(100))
@@ -211,7 +211,7 @@ def test_an_mcap_whose_summary_has_another_checksum_is_marked_and_its_summary_no
     assert any("summary" in note and "checksum" in note for note in log.notes)
 
 
-def test_what_is_no_known_type_is_counted_and_never_decoded(tmp_path, monkeypatch):
+def test_unknown_types_are_counted_and_never_decoded(tmp_path, monkeypatch):
     """Types that are named nearly as the known ones, and a known one that is said to be encoded in another way."""
     from mapper.io.logs import ros_messages
 

@@ -1,4 +1,4 @@
-"""Requests that no browser sends: each is refused in the common shape, and shows nothing of the service."""
+"""Requests that no browser sends: each is refused in the common form, and discloses nothing of the service."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_an_odd_request_is_refused_in_the_common_shape(service: Service, case: s
         "GET /x HTTP/1.1\nHost: {host}\nConnection: Upgrade\nUpgrade: websocket\nSec-WebSocket-Version: 13",
     ],
 )
-def test_what_is_no_request_at_all_is_refused(service: Service, head: str) -> None:
+def test_data_that_is_no_request_is_refused(service: Service, head: str) -> None:
     try:
         status, content = raw(service, head.replace("{host}", f"127.0.0.1:{service.port}"))
     except ConnectionError:  # closed before all of it was read
@@ -123,7 +123,7 @@ def test_what_is_no_request_at_all_is_refused(service: Service, head: str) -> No
 
 
 @pytest.mark.parametrize("method", ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"])
-def test_every_address_takes_odd_names_and_bodies(service: Service, method: str) -> None:
+def test_every_route_handles_odd_names_and_bodies(service: Service, method: str) -> None:
     """Every address that the interface describes, and those of the pages, with what nobody sends."""
     paths = [*service.http.get("/api/openapi.json").json()["paths"], "/", "/assets/{a}", "/{a}", "/scenes/{a}/", "/3d"]
     codes = set()
@@ -144,7 +144,7 @@ def test_every_address_takes_odd_names_and_bodies(service: Service, method: str)
                 codes.add(check_error(answer.content))
     assert codes <= {
         "http.not_found", "http.method_not_allowed", "http.bad_request", "request.invalid", "session.unknown",
-        "log.not_found", "log.empty", "world.name", "link.gone", "session.not_making",
+        "log.not_found", "log.empty", "world.name", "link.gone",
     }  # fmt: skip
 
 
@@ -167,14 +167,14 @@ def test_a_name_that_no_file_can_have_is_not_there(
         assert (answer.status_code, check_error(answer.content)) == (404, "http.not_found")
 
 
-def test_a_body_that_does_not_come_is_given_up(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_request_without_its_body_is_cancelled(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.http.security.BODY_S", 0.2)
     head = f"POST /api/sessions HTTP/1.1\nHost: 127.0.0.1:{service.port}\nContent-Length: 100"
     status, content = raw(service, head, b'{"kind":')
     assert (status, check_error(content)) == (408, "request.stalled")
 
 
-def test_a_handshake_that_cannot_be_read_ends_its_connection(service: Service) -> None:
+def test_an_invalid_handshake_ends_its_connection(service: Service) -> None:
     """The service would wait for the rest of it for ever, and stumble over it when it ends."""
     with socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S) as connection:
         connection.sendall(

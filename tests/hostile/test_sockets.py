@@ -1,4 +1,4 @@
-"""Sockets that break the protocol, or say what no page says: who does it is told or cut off; nobody else notices."""
+"""Sockets that break the protocol: their client gets an error or is disconnected, and no other one is affected."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ BROKEN = {
 }  # fmt: skip
 
 
-async def test_what_is_no_websocket_any_more_is_closed(service: Service, undisturbed: Undisturbed) -> None:
+async def test_a_broken_websocket_is_closed(service: Service, undisturbed: Undisturbed) -> None:
     async with undisturbed(service):
         session_id = await asyncio.to_thread(service.begin)
         for case, (data, code) in BROKEN.items():
@@ -160,7 +160,7 @@ async def barrier(watcher: Watcher, number: int) -> None:
 
 @pytest.mark.usefixtures("unthrottled")
 @pytest.mark.parametrize("kind", ["simulation", "log"])
-async def test_every_command_takes_odd_values(service: Service, undisturbed: Undisturbed, kind: str) -> None:
+async def test_every_command_handles_odd_values(service: Service, undisturbed: Undisturbed, kind: str) -> None:
     wanted = {"kind": "log", "log": "sample-office"} if kind == "log" else {"kind": "simulation", "world": "room"}
     session_id = await asyncio.to_thread(lambda: service.begin(**wanted))
     async with undisturbed(service), service.connect(session_id) as socket:
@@ -224,7 +224,7 @@ def codes(watcher: Watcher, since: int) -> list[str]:
 
 
 @pytest.mark.usefixtures("unthrottled")
-async def test_the_largest_map_that_can_be_asked_for_stays_within_its_cells(tmp_path: Path) -> None:
+async def test_the_largest_requested_map_stays_within_its_cells(tmp_path: Path) -> None:
     """Every parameter that makes a map large, at its largest, in a service that allows few cells."""
     with running(settings_for(tmp_path, max_cells=1 << 20)) as service:
         session_id = service.begin(kind="simulation", world="office", seed=1)
@@ -238,7 +238,7 @@ async def test_the_largest_map_that_can_be_asked_for_stays_within_its_cells(tmp_
             assert service.state.sessions.get(session_id).cells <= 1 << 20
 
 
-async def test_who_never_reads_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_client_that_never_reads_is_disconnected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A page that is frozen with full buffers would keep its session alive, and its place, for ever."""
     monkeypatch.setattr("server.serving.UNREAD_MS", 500)
 

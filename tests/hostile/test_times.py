@@ -1,4 +1,4 @@
-"""Clocks that run backwards, stand still or jump by decades: a map is made all the same, and the doctor names them."""
+"""Clocks that run backwards, stop or jump by decades: a map is made, and the doctor names the scans."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Logs that are sent to harm: each fails alone, with its own error, and leaves nothing."""
+"""Malicious uploads: each fails alone, with its own error, and leaves no file."""
 
 from __future__ import annotations
 

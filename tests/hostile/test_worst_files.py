@@ -1,4 +1,4 @@
-"""The worst files of each kind, sent to the command as people run it: each fails or is salvaged, nothing is left."""
+"""The worst files of each kind, read by the command: each fails or is salvaged, and no file is left."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def alive(client: httpx.Client) -> bool:
 
 
 @pytest.mark.parametrize("name", WORST, ids=lambda name: name[:30].encode("unicode_escape").decode())
-def test_the_service_lives_on_and_nothing_is_left(process, name):
+def test_the_service_continues_and_no_files_are_left(process, name):
     client, data, temporary = process
     make, expected = WORST[name]
     answer = client.put("/api/logs", params={"name": name}, content=make())

@@ -7,12 +7,10 @@ read from its beginning, in which other topics are jumped over.
 from __future__ import annotations
 
 import contextlib
-import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
+from mcap.reader import SeekingReader
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
@@ -104,9 +102,9 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
 def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
     if kind is mcap_file.MCAP:
         try:
-            found = _by_index_of_mcap(file, topic, at_ns)
-        except (McapError, ImportError, OSError, ValueError, KeyError, EOFError, struct.error, MemoryError):
-            found = None  # without an index that leads there, it is read from its beginning
+            found = _by_index_of_mcap(file, topic, at_ns, limits)
+        except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file: it is read from its beginning
+            found = None
         if found is not None:
             return found
     if kind is ros2_db3.ROS2_DB3:
@@ -118,9 +116,9 @@ def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Lim
     return newest.found
 
 
-def _by_index_of_mcap(file: Source, topic: str, at_ns: int) -> FoundMessage | None:
+def _by_index_of_mcap(file: Source, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
     with opened(file) as stream:
-        reader = make_reader(stream)
+        reader = SeekingReader(stream, record_size_limit=limits.max_chunk_bytes)
         summary = reader.get_summary()
         if summary is None or not summary.chunk_indexes:
             return None

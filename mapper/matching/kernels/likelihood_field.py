@@ -13,7 +13,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, to_lattice
-from mapper.matching.kernels.point_to_line import take_step
+from mapper.matching.kernels.point_to_line import _take_step
 from mapper.matching.kernels.types import NO_POINT, Iterations, ScanArrays
 
 _to_lattice = jit(to_lattice)
@@ -108,7 +108,7 @@ def refine_on_field(
         least, inside, squares = cost, n, e
         hessian[:], before[:] = trial, pose
         done += 1
-        if not take_step(trial, gradient, iterations, iterations.last_gate, pose, step):
+        if not _take_step(trial, gradient, iterations, iterations.last_gate, pose, step):
             break
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))
     return inside, squares, done

@@ -24,7 +24,7 @@ from mapper.matching.kernels.types import (
     PairRule,
     ScanArrays,
 )
-from mapper.matching.kernels.views import nearest_beam
+from mapper.matching.kernels.views import _nearest_beam
 
 
 @jit
@@ -88,7 +88,7 @@ def accumulate_scan(
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
         r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
         x, y = r_x + t_x, r_y + t_y
-        q = nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
+        q = _nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
         if q == -2:
             continue
         tried += 1
@@ -242,7 +242,7 @@ def solve_step(hessian: Float64Array, gradient: Float64Array, step: Float64Array
 
 
 @jit
-def take_step(
+def _take_step(
     hessian: Float64Array,
     gradient: Float64Array,
     iterations: Iterations,
@@ -300,7 +300,7 @@ def refine_pose(
             hessian[u, u] += prior_weight[u]
             gradient[u] -= prior_weight[u] * off
         done += 1
-        if not take_step(hessian, gradient, iterations, gate, pose, step):
+        if not _take_step(hessian, gradient, iterations, gate, pose, step):
             break
         gate = max(gate * iterations.shrink, iterations.last_gate)
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))
@@ -323,7 +323,7 @@ def refine_pair(
 
     As :func:`refine_pose` without a prior, but the points of scan j are paired with scan i too, so that neither scan's
     normals and holes count more. The scale of the weight is at least a quarter of the gate, so that pairs count while
-    the pose is still far off. ``hessian`` (3, 3) and the sums are those of both.
+    the pose is still far off; until the last gate half of the beams do. ``hessian`` (3, 3) and the sums are of both.
     """
     gradient, step, back, right = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3)
     pairs, tried, squares, weighted, done = 0, 0, 0.0, 0.0, 0
@@ -331,7 +331,8 @@ def refine_pair(
     for _ in range(iterations.most):
         hessian[:], gradient[:], back[:], right[:] = 0.0, 0.0, 0.0, 0.0
         scale = max(rule.scale, 0.25 * gate)
-        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, scale, rule.stride, rule.keep, rule.residual)
+        stride = rule.stride if gate <= iterations.last_gate else 2 * rule.stride
+        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, scale, stride, rule.keep, rule.residual)
         pairs, tried, squares, weighted = accumulate_scan(moving, i, pose, fixed, j, at, gate, now, hessian, gradient)
         n, m, e, w = accumulate_scan(fixed, j, at, moving, i, pose, gate, now, back, right)
         pairs += n
@@ -344,7 +345,7 @@ def refine_pair(
             for v in range(3):
                 hessian[u, v] += back[u, v]
         done += 1
-        if not take_step(hessian, gradient, iterations, gate, pose, step):
+        if not _take_step(hessian, gradient, iterations, gate, pose, step):
             break
         gate = max(gate * iterations.shrink, iterations.last_gate)
     pose[2] -= 2.0 * pi * floor((pose[2] + pi) / (2.0 * pi))

@@ -16,7 +16,7 @@ from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 
 
 @jit
-def beam_of(scans: ScanArrays, x: float, y: float) -> int:
+def _beam_of(scans: ScanArrays, x: float, y: float) -> int:
     """Return the beam in whose direction a point (x, y) from the sensor lies, −1 where no beam points there."""
     turned = atan2(y, x) - scans.first
     turned -= 2.0 * pi * floor(turned / (2.0 * pi))
@@ -29,7 +29,7 @@ def beam_of(scans: ScanArrays, x: float, y: float) -> int:
 
 
 @jit
-def nearest_around(
+def _nearest_around(
     scans: ScanArrays, scan: int, x: float, y: float, centre: int, gate: float, max_beams: int, least: int
 ) -> int:
     """Return the beam of a scan whose point is nearest to (x, y), in its base frame, within ``gate``; −1 for none.
@@ -64,20 +64,20 @@ def nearest_around(
 
 
 @jit
-def nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
-    """Return :func:`nearest_around` the beam that points to (x, y), −2 where (x, y) is outside the field of view.
+def _nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
+    """Return :func:`_nearest_around` the beam that points to (x, y), −2 where (x, y) is outside the field of view.
 
     Where ``max_beams`` is all beams, a point outside the field of view has a nearest point too.
     """
     n_beams = scans.points.shape[1]
     to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
-    centre = beam_of(scans, to_x, to_y)
+    centre = _beam_of(scans, to_x, to_y)
     if centre < 0:
         if max_beams < n_beams:
             return -2
         middle = scans.first + 0.5 * (n_beams - 1) * scans.step
         centre = 0 if sin(atan2(to_y, to_x) - middle) < 0.0 else n_beams - 1
-    return nearest_around(scans, scan, x, y, centre, gate, max_beams, least)
+    return _nearest_around(scans, scan, x, y, centre, gate, max_beams, least)
 
 
 @jit
@@ -109,10 +109,10 @@ def compare_views(
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
         x, y = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
         to_x, to_y = x - fixed.sensor_x, y - fixed.sensor_y
-        centre = beam_of(fixed, to_x, to_y)
+        centre = _beam_of(fixed, to_x, to_y)
         if centre < 0:
             continue
-        q = nearest_around(fixed, j, x, y, centre, gate, max_beams, POINT)
+        q = _nearest_around(fixed, j, x, y, centre, gate, max_beams, POINT)
         if q >= 0:
             o_x, o_y = np.float64(fixed.points[j, q, 0]) - x, np.float64(fixed.points[j, q, 1]) - y
             near += 1

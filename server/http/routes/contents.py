@@ -16,6 +16,7 @@ from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of
 from mapper.io.contents.model import Contents, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
@@ -48,7 +49,8 @@ class _Held:
     @property
     def recorded_ahead_ns(self) -> int:
         """How much later the log's first scan was recorded than it states, ns; also where the clocks differ."""
-        name = self.recording.log.topic.partition("#")[0]
+        log = self.recording.log
+        name = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
         firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
         return firsts[0] - self.origin_ns if firsts else 0
 

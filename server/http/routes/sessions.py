@@ -66,14 +66,16 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
     return {"sessions": [public(s) for s in sessions.all() if s.owner == visitor]}
 
 
-@router.get("/sessions/making/{name}")
-async def making(sessions: Sessions, visitor: Visitor, name: str) -> dict[str, Any]:
+@router.get("/sessions/making/{name}", responses={204: {"description": "No session of that name is being created."}})
+async def making(sessions: Sessions, visitor: Visitor, name: str) -> Any:  # noqa: ANN401 - the progress, or no content
     """Return the progress of a session that is being created for this visitor.
 
     It is what is being done (null: what was asked for), the fraction of it that is done (0 to 1; null if not known),
-    and the seconds since the beginning.
+    and the seconds since the beginning; nothing (204) if no session of that name is being created, or not any more.
     """
     under_way = sessions.under_way.get(visitor, name)
+    if under_way is None:
+        return Response(status_code=204)
     what, fraction = under_way.progress()
     return {
         "what": what,

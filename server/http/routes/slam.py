@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -13,10 +13,13 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import PartialPoses
-from server.sessions import SessionHost, SessionRegistry
+from server.library.slam_job import PartialPoses, check_one_sensor
+from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource
 from server.sessions.view import GraphChange
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
 
@@ -42,6 +45,7 @@ class Change(BaseModel):
     remove: int | None = Field(None, ge=0, description="Number of a loop to remove.")
     lock: int | None = Field(None, ge=0, description="Number of a loop that the robust kernel may not weaken.")
     unlock: int | None = Field(None, ge=0, description="Number of a loop that it may.")
+    add: tuple[int, int] | None = Field(None, description="Two scans that are to be joined by a loop.")
     robust: str | None = Field(None, max_length=40, description="Robust kernel of the loops.")
     robust_scale: FiniteFloat | None = Field(None, description="Scale of the kernel, standard deviations.")
     reset: bool = Field(False, description="Whether the graph is to be as SLAM left it.")
@@ -77,6 +81,7 @@ async def heal(library: Logs, sessions: Sessions, visitor: Visitor, session_id: 
     recording = session.model.recording
     if recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    check_one_sensor(recording.log)
     log_id, topic = recording.log_id, recording.view().topic
     state = await library.slam.begin(visitor, log_id, topic)
     session.enqueue({"type": "follow_slam"})
@@ -95,9 +100,15 @@ def _tell_at_end(library: Library, sessions: SessionRegistry, owner: str, log_id
     """When the job has ended, let the owner's sessions on the log have its trajectory, and show it if they follow."""
 
     async def tell() -> None:
-        await update_sessions(library, sessions, owner, log_id)
         found = library.slam.state(owner, log_id)
         trajectory = found["result"]["trajectory"] if found["state"] == "done" else None
+        if trajectory is None:  # first back to the poses from before: those of the job are none of the library's
+            end(None)
+        await update_sessions(library, sessions, owner, log_id)
+        if trajectory is not None:
+            end(trajectory)
+
+    def end(trajectory: str | None) -> None:
         for session in sessions.all():
             recording = session.model.recording
             if recording is not None and recording.log_id == log_id and session.owner == owner:
@@ -155,6 +166,7 @@ async def graph(library: Logs, sessions: Sessions, session_id: str) -> dict[str,
 
 
 @router.post("/sessions/{session_id}/graph")
+@guests_may(GuestRight.LINKED_SESSION)
 async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> dict[str, Any]:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
     _, found, source = _graph(library, sessions, session_id)

@@ -104,7 +104,7 @@ class LogGraph:
         """
         async with self._changing:
             solved = await self._present(source)
-            solved = await self._host.on_thread(partial(solved.changed, change))
+            solved = await self._host.on_thread(partial(solved.changed, self._recording.log, change))
             self._give(solved)
             return solved.public()
 

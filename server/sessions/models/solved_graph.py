@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.matching.match import match_scan
+from mapper.matching.parameters import MatchConfig
+from mapper.matching.prepare import prepare_scans
+from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates, optimise
@@ -21,6 +25,9 @@ KERNELS = ("geman_mcclure", "cauchy", "huber", "none")
 SCALES = (0.5, 50.0)  #: least and greatest scale of the kernel, in standard deviations
 NEAREST = 12  #: candidates that are listed for a place
 RADIUS = 3.0  #: metres around a place in which they are looked for
+WINDOW = 3.0  #: metres to each side in which a loop that is added by hand is matched
+LEAST_SCORE = 0.4  #: of such a match, 0 … 1
+LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
 MAX_POINTS = 720  #: of one scan that is drawn
 
 Float64Array = NDArray[np.float64]
@@ -88,7 +95,7 @@ class SolvedGraph:
         """Return the poses of the nodes (m, 3), as the map has them."""
         return np.asarray(self.poses[self.graph.nodes], dtype=np.float64)
 
-    def changed(self, change: GraphChange) -> SolvedGraph:
+    def changed(self, log: ScanLog, change: GraphChange) -> SolvedGraph:
         """Return the solution after a change by hand (worker thread).
 
         Raises :class:`ConfigError` for an edge or a candidate that there is not, and as
@@ -107,7 +114,40 @@ class SolvedGraph:
             graph = graph.with_lock(change.lock, locked=True)
         if change.unlock is not None:
             graph = graph.with_lock(change.unlock, locked=False)
+        if change.add is not None:
+            graph = self._with_loop(graph, log, *change.add)
         return self.solved(graph, options)
+
+    def _with_loop(self, graph: PoseGraph, log: ScanLog, first: int, second: int) -> PoseGraph:
+        """Return the graph with a locked loop between two scans, from the match of the one with the other."""
+        if not all(0 <= scan < log.n_scans for scan in (first, second)):
+            raise ConfigError("graph.scans", f"The log has {log.n_scans} scans, not both {first} and {second}.")
+        i, j = sorted(self._node_near(scan) for scan in (first, second))
+        if j - i < 2:
+            raise ConfigError(
+                "graph.scans", f"The scans {first} and {second} follow each other: no loop is between them."
+            )
+        poses = self.node_poses
+        scans = prepare_scans(log.take(graph.nodes[[i, j]]))
+        guess = compose(inverse(poses[i]), poses[j])
+        found = match_scan(scans, 1, scan_target(scans, 0), guess, MatchConfig(window_m=WINDOW))
+        if found.score < LEAST_SCORE:
+            raise ConfigError(
+                "graph.no_match",
+                f"The scans {first} and {second} lie on one another nowhere within {WINDOW:g} m: the best agreement is "
+                f"{100 * found.score:.0f} %.",
+            )
+        if found.is_degenerate:
+            raise ConfigError(
+                "graph.no_match",
+                f"The walls of the scans {first} and {second} leave one direction open, as a corridor.",
+            )
+        information = np.linalg.inv(found.covariance + np.diag(np.square(LEAST_DEVIATIONS)))
+        return graph.with_loop(i, j, found.pose, information, locked=True)
+
+    def _node_near(self, scan: int) -> int:
+        """Return the row of the node whose scan number is nearest."""
+        return int(np.abs(self.graph.nodes - scan).argmin())
 
     def draw(self, layer: GraphLayer) -> None:
         """Write nodes and edges; the value of an edge is a loop's residual in standard deviations, NaN of odometry."""
@@ -188,16 +228,30 @@ class SolvedGraph:
         )
 
     def near(self, x: float, y: float) -> dict[str, Any]:
-        """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them."""
+        """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.
+
+        ``visits`` are the runs of scans near it, and ``pair`` the nearest scan of the first and of the last of them.
+        """
         poses, tried = self.node_poses, self.candidates
-        ends = np.stack([poses[tried.i, :2], poses[tried.j, :2]]) if len(tried) else np.zeros((2, 0, 2))
-        away = np.hypot(ends[..., 0] - x, ends[..., 1] - y).min(axis=0)
+        places = np.stack([poses[tried.i, :2], poses[tried.j, :2]])
+        away = np.hypot(places[..., 0] - x, places[..., 1] - y).min(axis=0)
         order = np.argsort(away, kind="stable")[:NEAREST]
-        visits = np.flatnonzero(np.hypot(poses[:, 0] - x, poses[:, 1] - y) < RADIUS)
+        distance = np.hypot(poses[:, 0] - x, poses[:, 1] - y)
+        visits = _visits(self.graph.nodes[distance < RADIUS])
+        pair = None
+        if len(visits) > 1:
+            ends = [self.graph.nodes[self._nearest_of(visit, distance)] for visit in (visits[0], visits[-1])]
+            pair = [int(scan) for scan in ends]
         return {
-            "visits": _visits(self.graph.nodes[visits]),
+            "visits": visits,
+            "pair": pair,
             "candidates": [self._candidate(int(k), float(away[k])) for k in order if away[k] <= RADIUS],
         }
+
+    def _nearest_of(self, visit: list[int], distance: Float64Array) -> int:
+        """Return the node of a visit, its first and its last scan, that is nearest; ``distance`` (m,) of all."""
+        rows = np.flatnonzero((self.graph.nodes >= visit[0]) & (self.graph.nodes <= visit[1]))
+        return int(rows[distance[rows].argmin()])
 
     def _candidate(self, k: int, away: float) -> dict[str, Any]:
         tried = self.candidates

@@ -20,7 +20,7 @@ export function followMaking(name: string, show: (making: Making | null) => void
   const poll = async (): Promise<void> => {
     try {
       const answer = await fetch(`/api/sessions/making/${name}`, { signal: ending.signal });
-      if (answer.ok) show((await answer.json()) as Making);
+      if (answer.status === 200) show((await answer.json()) as Making);
     } catch {
       // The request for the session itself reports that the server does not answer.
     }

@@ -106,7 +106,7 @@ def test_of_two_modes_that_is_best_on_which_both_scans_agree() -> None:
         scans, 1, scan_target(scans, 0), true + np.array([0.2, 0.3, 1.2]), MatchConfig(window_m=1.0, window_rad=np.pi)
     )
     assert len(found.scores) > 1
-    assert found.score == found.scores.max()
+    assert found.score > found.scores.max() - 0.01
     assert errors(found.pose, true)[0] < 0.03
 
 

@@ -91,3 +91,14 @@ def test_a_session_of_another_sensor(service: Service) -> None:
     refused = begun("/left")
     assert (refused.status_code, refused.json()["code"]) == (422, "log.topic")
     assert begun("x" * 8001).status_code == 422
+
+
+def test_what_is_for_one_sensor_is_refused_for_several(service: Service) -> None:
+    log = next(one for one in service.http.get("/api/logs").json()["logs"] if one["name"] == "run.mcap")
+    wanted = {"kind": "log", "log": log["id"], "topic": "/front + /rear", "playing": False}
+    session = service.http.post("/api/sessions", json=wanted).json()
+    assert session["count"] == 8
+    exported = service.http.get(f"/api/sessions/{session['id']}/run.mcap")
+    assert (exported.status_code, exported.json()["code"]) == (409, "export.sensors")
+    healed = service.http.post(f"/api/sessions/{session['id']}/heal")
+    assert (healed.status_code, healed.json()["code"]) == (422, "slam.sensors")

@@ -125,7 +125,7 @@ def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
 async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.sessions.models.simulation_kind.replayed", lambda *_, **__: pytest.fail("it began"))
+    monkeypatch.setattr("server.sessions.models.story.replayed", lambda *_, **__: pytest.fail("it began"))
     with pytest.raises(LimitError, match=r"about 8 s of computing, more than the 2 s .* GRIDBLOOM_MAX_STORY_S"):
         await new_simulation(registry, "me", "room", 1, edits(900), max_story_s=2.0)
     assert len(registry) == 0
@@ -147,6 +147,7 @@ async def test_replaying_a_story_ends_when_its_client_disconnects(registry: Sess
     task = asyncio.ensure_future(new_simulation(registry, "me", "room", 1, edits(900, every=30), name="mine"))
     await eventually(lambda: not registry.under_way.is_empty)
     making = registry.under_way.get("me", "mine")
+    assert making is not None
     await eventually(lambda: making.fraction > 0.0)
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
@@ -170,7 +171,7 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
         raise WorkCancelledError("story.unwanted", "It is not wanted.")
 
     with running(settings_for(tmp_path)) as service:
-        monkeypatch.setattr("server.sessions.models.simulation_kind.replayed", slow)
+        monkeypatch.setattr("server.sessions.models.story.replayed", slow)
         _check_leaving(service, went_on, ended)
 
 
@@ -186,7 +187,6 @@ def _check_leaving(service: Service, went_on: threading.Event, ended: threading.
         told = service.http.get("/api/sessions/making/mine").json()
         assert told["fraction"] == 0.25
         assert told["elapsed_s"] >= 0.0
-        assert httpx.get(f"{base}/api/sessions/making/mine").status_code == 404  # it is nobody else's
+        assert httpx.get(f"{base}/api/sessions/making/mine").status_code == 204  # it is nobody else's
     assert ended.wait(PATIENCE_S)
-    until(lambda: service.http.get("/api/sessions/making/mine").status_code == 404)
-    assert service.http.get("/api/sessions/making/mine").json()["code"] == "session.not_making"
+    until(lambda: service.http.get("/api/sessions/making/mine").status_code == 204)

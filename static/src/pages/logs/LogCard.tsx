@@ -122,12 +122,15 @@ function Inside({ log, onOpen }: LogCardProps) {
             )}
           </li>
         ))}
+        {together.length > 1 && (
+          <li class="log-topic">
+            Lidars of one robot make one map:
+            <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
+              Map {together.length} lidars together
+            </button>
+          </li>
+        )}
       </ul>
-      {together.length > 1 && (
-        <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
-          Map {together.length} lidars together
-        </button>
-      )}
     </details>
   );
 }

@@ -10,6 +10,7 @@ import type { DockGroup } from "../../ui/Dock";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
+import { Pictures } from "./contents/Pictures";
 import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
 import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
@@ -92,6 +93,11 @@ const GROUPS: readonly Group[] = [
     ),
   },
   { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  {
+    id: "pictures",
+    title: "Pictures",
+    content: ({ store, session }) => <Pictures store={store} session={session} />,
+  },
   { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
   {
     id: "frames",

@@ -55,6 +55,8 @@ export interface Candidate {
 export interface Place {
   /** Runs of scans, first and last, that were taken near it. */
   readonly visits: readonly (readonly [number, number])[];
+  /** A scan of the first visit and one of the last, which a loop could join; null where there are no two visits. */
+  readonly pair: readonly [number, number] | null;
   readonly candidates: readonly Candidate[];
 }
 
@@ -88,7 +90,7 @@ export function loopAt(content: LayerContent | null, at: Point, scale: number): 
 }
 
 /** Why no loop closed at a place, in one sentence. */
-export function whyNone({ visits, candidates }: Place): string {
+export function whyNone({ visits, candidates }: Pick<Place, "visits" | "candidates">): string {
   if (visits.length === 0) return "The robot was never within 3 m of this place.";
   const times = ["never", "once", "twice"][visits.length] ?? `${visits.length} times`;
   const accepted = candidates.filter((one) => one.accepted).length;

@@ -22,6 +22,8 @@ export interface Contents {
     readonly plots: readonly string[];
   }[];
   readonly frames: number;
+  /** The topics with images or clouds. */
+  readonly pictures: readonly string[];
   readonly notes: readonly string[];
 }
 

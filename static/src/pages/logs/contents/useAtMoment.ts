@@ -11,11 +11,19 @@ type AtMoment<T> =
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "ready"; readonly value: T };
 
+async function fetchBody<T>(address: string, signal: AbortSignal): Promise<T> {
+  return (await fetchJson<T>(address, signal)).body;
+}
+
 /**
  * What the server says of the moment that the log is at: asked again when the moment or the address changes, at most
  * four times a second and one request at a time.
  */
-export function useAtMoment<T>(store: Store, addressAt: (seconds: number) => string): AtMoment<T> {
+export function useAtMoment<T>(
+  store: Store,
+  addressAt: (seconds: number) => string,
+  fetchAt: (address: string, signal: AbortSignal) => Promise<T> = fetchBody,
+): AtMoment<T> {
   const state = useSignal<AtMoment<T>>({ kind: "none" });
   const address = useSignal("");
   const addressOf = useRef(addressAt);
@@ -37,7 +45,9 @@ export function useAtMoment<T>(store: Store, addressAt: (seconds: number) => str
       timer = undefined;
       asked = address.peek();
       try {
-        state.value = { kind: "ready", value: (await fetchJson<T>(asked, abort.signal)).body };
+        const value = await fetchAt(asked, abort.signal);
+        if (abort.signal.aborted) return;
+        state.value = { kind: "ready", value };
       } catch (error) {
         if (abort.signal.aborted) return;
         const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;

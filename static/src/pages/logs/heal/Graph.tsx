@@ -34,7 +34,7 @@ export function Graph({ store, healing, graph, isGuest }: GraphProps) {
           fit, dashed ones are strained, dotted ones contradict the rest.
         </p>
         <Selected healing={healing} isGuest={isGuest} />
-        <Why store={store} healing={healing} />
+        <Why store={store} healing={healing} isGuest={isGuest} />
         {!isGuest && <Solving healing={healing} graph={graph} />}
         <details>
           <summary>Loops, the worst first</summary>
@@ -123,8 +123,10 @@ function Selected({ healing, isGuest }: { readonly healing: Healing; readonly is
 }
 
 /** Why no loop closed at a place: what was tried there, and what refused it. */
-function Why({ store, healing }: { readonly store: Store; readonly healing: Healing }) {
+function Why({ store, healing, isGuest }: Omit<GraphProps, "graph">) {
   const place = healing.place.value;
+  const refused = healing.candidate.value?.accepted === false ? healing.candidate.value : null;
+  const pair = refused?.scans ?? place?.found.pair ?? null;
   const pose = store.frame.value?.pose;
   return (
     <>
@@ -161,6 +163,13 @@ function Why({ store, healing }: { readonly store: Store; readonly healing: Heal
               </li>
             ))}
           </ul>
+          {pair && !isGuest && (
+            <div class="heal-actions">
+              <Button disabled={healing.isBusy.value} onClick={() => void healing.change({ add: pair })}>
+                Close a loop between scans {pair[0] + 1} and {pair[1] + 1}
+              </Button>
+            </div>
+          )}
         </section>
       )}
     </>

@@ -130,6 +130,9 @@ function Outcome({ job }: { readonly job: SlamState }) {
         <dt>Processor time</dt>
         <dd>{result.cpu_s.toFixed(1)} s</dd>
       </dl>
+      {result.loops === 0 && (
+        <p>No loop was found: the poses are as good as the alignment of each scan with those before it.</p>
+      )}
       {result.notes.map((note) => (
         <p class="quiet" key={note}>
           {note}

@@ -44,6 +44,8 @@ export interface Change {
   readonly remove?: number;
   readonly lock?: number;
   readonly unlock?: number;
+  /** Two scans to be joined by a loop. */
+  readonly add?: readonly [number, number];
   readonly robust?: string;
   readonly robust_scale?: number;
   readonly reset?: boolean;

@@ -1,0 +1,88 @@
+/** Images and clouds of the moment that the log is at. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { signed } from "../../../ui/numbers";
+import { contentsAddress } from "./contents";
+import { useAtMoment } from "./useAtMoment";
+import { WhenKnown } from "./useContents";
+
+interface PicturesProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+export function Pictures({ store, session }: PicturesProps) {
+  return (
+    <WhenKnown session={session}>
+      {({ pictures }) =>
+        pictures.length > 0 ? (
+          <OfTopic store={store} session={session} topics={pictures} />
+        ) : (
+          <p class="quiet">The log has no images and no point clouds.</p>
+        )
+      }
+    </WhenKnown>
+  );
+}
+
+interface Shown {
+  readonly address: string;
+  readonly seconds: number;
+}
+
+/** Fetch a picture. Throws an error with the server's message if it is refused. */
+async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown> {
+  const answer = await fetch(address, { signal });
+  if (!answer.ok) throw new Error(((await answer.json()) as { message?: string }).message ?? "There is no picture.");
+  const seconds = Number(answer.headers.get("X-Picture-Seconds"));
+  return { address: URL.createObjectURL(await answer.blob()), seconds };
+}
+
+function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: readonly string[] }) {
+  const topic = useSignal(topics[0] ?? "");
+  const found = useAtMoment<Shown>(
+    store,
+    (at) => contentsAddress(session, "/picture", { topic: topic.value, at: String(at) }),
+    fetchPicture,
+  );
+  const shown = found.kind === "ready" ? found.value : null;
+  useEffect(() => () => shown && URL.revokeObjectURL(shown.address), [shown]);
+  const at = store.frame.value?.stamp ?? 0;
+  return (
+    <div class="pictures">
+      <label class="field">
+        <span class="field-label">Topic</span>
+        <select
+          class="select"
+          value={topic.value}
+          onChange={(event) => {
+            topic.value = event.currentTarget.value;
+          }}
+        >
+          {topics.map((name) => (
+            <option key={name} value={name} selected={name === topic.value}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {found.kind === "failed" && <p role="alert">{found.why}</p>}
+      {found.kind === "none" && (
+        <div class="progress waiting wide" role="status" aria-label="The picture is being decoded">
+          <span />
+        </div>
+      )}
+      {shown && (
+        <figure>
+          <img src={shown.address} alt={`${topic.value} at ${shown.seconds.toFixed(2)} s`} />
+          <figcaption class="quiet">
+            {topic.value}, {signed(shown.seconds - at)} s from the moment of the map. A cloud is drawn from above, x up
+            and y to the left; lighter is higher.
+          </figcaption>
+        </figure>
+      )}
+    </div>
+  );
+}

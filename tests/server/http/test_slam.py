@@ -1,0 +1,134 @@
+"""Healing over HTTP: the session follows the job, shows the graph of its poses, and follows changes by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.server.library import slam_stand_ins as stand_ins
+from tests.server.library.small_logs import carmen
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with pytest.MonkeyPatch.context() as patch:
+        worker_at = __import__("server.library.workers", fromlist=["worker_at"]).worker_at
+        made: list[Any] = []
+
+        def first_a_real_one(*given: Any) -> Any:
+            made.append(stand_ins.ThreadWorker() if made else worker_at(*given))
+            return made[-1]
+
+        patch.setattr("server.library.library.worker_at", first_a_real_one)
+        patch.setattr("server.library.slam_job.do_slam_job", stand_ins.quick)
+        with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
+            yield service
+
+
+@pytest.fixture(scope="module")
+def log_id(service: Service) -> str:
+    found = str(service.http.put("/api/logs", params={"name": "run.log"}, content=carmen(6)).json()["id"])
+    once_read(service.http, found)
+    return found
+
+
+def ended(http: httpx.Client, log_id: str) -> dict[str, Any]:
+    state = "state"
+    return dict(
+        until(lambda: (one := http.get(f"/api/logs/{log_id}/slam").json())[state] not in ("queued", "running") and one)
+    )
+
+
+def shown(service: Service, session: str) -> tuple[str, int]:
+    """The trajectory of a session's map, and the number of scans in it."""
+    recording = service.state.sessions.get(session).model.recording
+    assert recording is not None
+    return recording.trajectory, recording.view().index
+
+
+def ys(http: httpx.Client, session: str) -> list[float]:
+    lines = http.get(f"/api/sessions/{session}/trajectory.tum").text.splitlines()
+    return [float(line.split()[2]) for line in lines]
+
+
+def test_a_session_follows_and_its_graph_is_changed(service: Service, log_id: str) -> None:
+    http = service.http
+    assert http.get(f"/api/logs/{log_id}/slam").json()["state"] == "none"
+    session = service.begin(kind="log", log=log_id, playing=False)
+    assert http.get(f"/api/sessions/{session}/graph").json() == {"graph": None}
+    answer = http.post(f"/api/sessions/{session}/heal")
+    assert answer.status_code == 202, answer.text
+    assert ended(http, log_id)["result"]["sharpness"] == [0.25, 0.75]
+    until(lambda: shown(service, session) == ("SLAM", 6))
+    until(lambda: ys(http, session) == [stand_ins.Y] * 6)
+
+    graph = http.get(f"/api/sessions/{session}/graph").json()["graph"]
+    (loop,) = graph["loops"]
+    assert (graph["nodes"], graph["odometry"], loop["scans"]) == (6, 5, [0, 5])
+    layers = service.state.sessions.get(session).model.layers
+    assert [one.name for one in layers] == ["map", "graph"]
+    edge = http.get(f"/api/sessions/{session}/graph/edges/{loop['edge']}").json()
+    assert (edge["kind"], len(edge["points"]["i"]), len(edge["points"]["aligned"])) == ("loop", 3, 3)
+    near = http.get(f"/api/sessions/{session}/graph/candidates", params={"x": 1.0, "y": stand_ins.Y}).json()
+    assert near["candidates"][0]["reason"].startswith("only 30 %")
+    assert http.get(f"/api/sessions/{session}/graph/candidates/1").json()["scans"] == [1, 4]
+
+    def xs() -> list[float]:
+        lines = http.get(f"/api/sessions/{session}/trajectory.tum").text.splitlines()
+        return [float(line.split()[1]) for line in lines]
+
+    before = xs()
+    changed = http.post(f"/api/sessions/{session}/graph", json={"remove": loop["edge"]}).json()["graph"]
+    assert (changed["loops"], changed["changed"]) == ([], True)
+    until(lambda: xs() != before)
+    after = xs()
+    assert after[-1] > before[-1] + 0.3, "nothing holds the ends together"
+    assert http.get(f"/api/sessions/{session}/graph/edges/99").json()["code"] == "graph.edge"
+    assert http.post(f"/api/sessions/{session}/graph", json={"remove": 0}).json()["code"] == "graph.edge"
+
+    kept = http.post(f"/api/sessions/{session}/graph/keep")
+    assert kept.json()["description"].endswith("its graph was changed by hand")
+    other = service.begin(kind="log", log=log_id, trajectory="SLAM", playing=False)
+    lines = http.get(f"/api/sessions/{other}/trajectory.tum").text.splitlines()
+    assert [float(line.split()[1]) for line in lines] == pytest.approx(after, abs=1e-5)
+    assert http.get(f"/api/sessions/{other}/graph").json()["graph"]["loops"] == []
+
+    token = http.post("/api/links", json={"session": other}).json()["token"]
+    with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
+        guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
+        assert guest.get(f"/api/sessions/{guests}/graph").json()["graph"]["nodes"] == 6
+        for refused in (
+            guest.post(f"/api/sessions/{guests}/graph/keep"),
+            guest.post(f"/api/sessions/{guests}/heal"),
+        ):
+            assert refused.status_code in (403, 404), refused.text
+
+
+def test_after_a_cancelled_job_the_map_is_the_one_from_before(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    http = service.http
+    monkeypatch.setattr("server.library.slam_job.do_slam_job", stand_ins.endless)
+    log_id = http.put("/api/logs", params={"name": "other.log"}, content=carmen(7)).json()["id"]
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    http.post(f"/api/sessions/{session}/heal")
+    until(lambda: shown(service, session) == ("SLAM", 3))
+    assert ys(http, session)[0] == stand_ins.Y
+    assert http.delete(f"/api/logs/{log_id}/slam").json()["state"] == "cancelled"
+    until(lambda: shown(service, session) == ("scan", 7))
+    recording = service.state.sessions.get(session).model.recording
+    assert recording is not None
+    until(lambda: [*recording.log.trajectories] == ["scan"])
+    assert http.get(f"/api/sessions/{session}/graph").json() == {"graph": None}
+
+
+@pytest.mark.parametrize("ask", ["heal", "graph"])
+def test_a_simulation_has_nothing_to_heal(service: Service, ask: str) -> None:
+    session = service.begin()
+    method: Callable[..., httpx.Response] = service.http.post if ask == "heal" else service.http.get
+    assert method(f"/api/sessions/{session}/{ask}").json()["code"] == "session.not_a_log"
