@@ -17,6 +17,7 @@ from server.library.slam_job import PartialPoses, check_one_sensor
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource
 from server.sessions.view import GraphChange
+from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -117,7 +118,7 @@ def _tell_at_end(library: Library, sessions: SessionRegistry, owner: str, log_id
     async def quietly() -> None:
         try:
             await tell()
-        except MapperError:  # the log was deleted meanwhile, or a session takes no more commands
+        except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
             return
 
     def told(poses: PartialPoses | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
@@ -13,6 +14,7 @@ from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.sessions import SessionRegistry
+from server.stream.protocol import ProtocolError
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 
@@ -62,4 +64,5 @@ async def update_sessions(library: Library, sessions: SessionRegistry, owner: st
         if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
             continue
         log = await library.load(owner, log_id, recording.view().topic)
-        session.enqueue({"type": "update_log", "log": log})
+        with suppress(ProtocolError):  # of too many commands; the next session on the log has them
+            session.enqueue({"type": "update_log", "log": log})

@@ -14,6 +14,7 @@ import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GridSection } from "./lecture/GridSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
+import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
@@ -39,6 +40,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
+  matching: MatchingSection,
   file: FileSection,
   log: LogSection,
 };

@@ -368,7 +368,7 @@ def test_the_vectors_of_the_pages_are_current() -> None:
     kept = json.loads(VECTORS.read_text(encoding="utf-8"))
     fresh = vectors()
     assert [without_compression(f) for f in kept.pop("frames")] == [without_compression(f) for f in fresh.pop("frames")]
-    assert kept == fresh, f"stale: run python {Path(__file__).relative_to(VECTORS.parents[2])} --write"
+    assert kept == fresh, f"stale: run python {Path(__file__).relative_to(VECTORS.parents[3])} --write"
 
 
 def test_the_commands_of_the_vectors_are_commands_to_the_server() -> None:

@@ -65,6 +65,10 @@ function paintGreys(canvas: HTMLCanvasElement, greys: Uint8Array): void {
   context.putImageData(image, 0, 0);
 }
 
+function paintColours(canvas: HTMLCanvasElement, colours: Uint8ClampedArray<ArrayBuffer>): void {
+  canvas.getContext("2d")?.putImageData(new ImageData(colours, canvas.width, canvas.height), 0, 0);
+}
+
 interface StageProps {
   readonly geometry: GridGeometry;
   /** Description for screen readers. */
@@ -73,6 +77,8 @@ interface StageProps {
   readonly grid?: ReadonlySignal<OccupancyGrid>;
   /** An image instead of a map: greys, top row first. */
   readonly greys?: ReadonlySignal<Uint8Array>;
+  /** An image instead of a map: RGBA, top row first. */
+  readonly colours?: ReadonlySignal<Uint8ClampedArray<ArrayBuffer>>;
   /** Draw the borders of the cells. */
   readonly lines?: boolean;
   readonly children?: (transform: StageTransform) => ComponentChildren;
@@ -82,7 +88,7 @@ interface StageProps {
  * A part of the world: its cells as a canvas, and over them an SVG drawing in CSS pixels. Its height is kept while it
  * loads.
  */
-export function Stage({ geometry, label, grid, greys, lines, children }: StageProps) {
+export function Stage({ geometry, label, grid, greys, colours, lines, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useWidth(box, 480);
@@ -93,16 +99,17 @@ export function Stage({ geometry, label, grid, greys, lines, children }: StagePr
         void isDark.value;
         if (canvas.current && grid) paint(canvas.current, grid.value);
         if (canvas.current && greys) paintGreys(canvas.current, greys.value);
+        if (canvas.current && colours) paintColours(canvas.current, colours.value);
       }),
-    [grid, greys],
+    [grid, greys, colours],
   );
   const now = transformOf(geometry, width.value);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
-      {(grid || greys) && (
+      {(grid || greys || colours) && (
         <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />
       )}
-      {!(grid || greys) && <p class="visually-hidden">{label}</p>}
+      {!(grid || greys || colours) && <p class="visually-hidden">{label}</p>}
       <svg width={now.width} height={now.height} viewBox={`0 0 ${now.width} ${now.height}`} role="presentation">
         {lines && <Lines geometry={geometry} transform={now} />}
         {children?.(now)}

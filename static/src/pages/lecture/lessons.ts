@@ -14,6 +14,7 @@ export const LESSONS = [
   { id: "mount", title: "Frames and mounts", reserve: [424, 432, 834] },
   { id: "forgetting", title: "Clamping and forgetting", reserve: [657, 609, 937] },
   { id: "counting", title: "Per beam or per scan", reserve: [592, 565, 904] },
+  { id: "matching", title: "When the poses are not known", reserve: [560, 560, 900] },
   { id: "file", title: "The file that Nav2 reads", reserve: [658, 642, 1470] },
   { id: "log", title: "Your own log", reserve: [217, 217, 240] },
 ] as const satisfies readonly Lesson[];

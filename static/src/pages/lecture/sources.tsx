@@ -17,6 +17,30 @@ export const SOURCES = {
       S. Thrun, W. Burgard and D. Fox, <cite>Probabilistic Robotics</cite>, MIT Press, 2005
     </>
   ),
+  "besl-mckay": (
+    <>
+      P. J. Besl and N. D. McKay, <cite>A method for registration of 3-D shapes</cite>, IEEE Transactions on Pattern
+      Analysis and Machine Intelligence 14 (2), 1992
+    </>
+  ),
+  censi: (
+    <>
+      A. Censi, <cite>An ICP variant using a point-to-line metric</cite>, IEEE International Conference on Robotics and
+      Automation, 2008
+    </>
+  ),
+  olson: (
+    <>
+      E. B. Olson, <cite>Real-time correlative scan matching</cite>, IEEE International Conference on Robotics and
+      Automation, 2009
+    </>
+  ),
+  hess: (
+    <>
+      W. Hess, D. Kohler, H. Rapp and D. Andor, <cite>Real-time loop closure in 2D LIDAR SLAM</cite>, IEEE International
+      Conference on Robotics and Automation, 2016
+    </>
+  ),
   bresenham: (
     <>
       J. E. Bresenham, <cite>Algorithm for computer control of a digital plotter</cite>, IBM Systems Journal 4 (1), 1965

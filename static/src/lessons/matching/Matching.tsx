@@ -1,0 +1,280 @@
+import { computed, useComputed, useSignal } from "@preact/signals";
+import { useMemo, useRef } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { written } from "../../ui/numbers";
+import { Toggle } from "../../ui/Toggle";
+import type { Point, Pose } from "../../wire/protocol";
+import { DragHandle, RobotShape } from "../common/DragHandle";
+import { Walls } from "../common/Scene";
+import { Stage, type StageTransform } from "../common/Stage";
+import { useSeen } from "../common/useSteps";
+import {
+  apart,
+  hill,
+  judged,
+  type Method,
+  oneStep,
+  STARTS,
+  scoreAt,
+  snapped,
+  TRUE_POSE,
+  toTheEnd,
+  WINDOW_CELLS,
+  WINDOW_TURN,
+} from "./matching";
+import "./matching.css";
+import { paintBasin, paintHill } from "./paint";
+import { Scans } from "./Scans";
+import { useBasin } from "./useBasin";
+import { FIELD, GEOMETRY, problemIn, type RoomName } from "./world";
+
+const DEGREE = Math.PI / 180;
+/** Metres from the robot to the handle that turns it. */
+const STICK = 0.75;
+
+const METHODS: readonly { readonly value: Method; readonly label: string }[] = [
+  { value: "point_to_point", label: "point to point" },
+  { value: "point_to_line", label: "point to line" },
+  { value: "correlative", label: "correlative" },
+];
+const ROOMS: readonly { readonly value: RoomName; readonly label: string }[] = [
+  { value: "room", label: "a room" },
+  { value: "corridor", label: "a corridor" },
+  { value: "symmetric", label: "a symmetric room" },
+  { value: "table", label: "a room whose table was moved" },
+  { value: "far", label: "a start that is too far" },
+];
+
+const inside = ([x, y]: Point): Point => [Math.min(6.3, Math.max(0.1, x)), Math.min(4.7, Math.max(0.1, y))];
+const degrees = (angle: number, places = 0): string => `${written(angle / DEGREE, places)}°`;
+const percent = (share: number): string => `${Math.round(100 * share)} %`;
+
+/** Two scans to be laid one over the other, by hand and by three methods, and the starts from which each finds it. */
+export function Matching() {
+  const figure = useRef<HTMLElement>(null);
+  const seen = useSeen(figure);
+  const room = useSignal<RoomName>("room");
+  const method = useSignal<Method>("point_to_line");
+  const snaps = useSignal(true);
+  const problem = useMemo(() => computed(() => problemIn(room.value)), [room]);
+  // Where the hand holds the scan, and where it lies: they differ while it is snapped.
+  const hand = useSignal<Pose>(problem.peek().start);
+  const pose = useSignal<Pose>(problem.peek().start);
+  const iterations = useSignal(0);
+  const startHeading = useSignal(problem.peek().start[2]);
+  const basin = useBasin(problem, method, startHeading, seen);
+
+  const heading = useComputed(() => pose.value[2]);
+  const hillImage = useComputed(() => paintHill(hill(problem.value, heading.value)));
+  const basinImage = useComputed(() => paintBasin(basin.value.ends));
+  const result = useComputed(() => judged(problem.value, pose.value));
+
+  const hold = (next: Pose): void => {
+    hand.value = next;
+    pose.value = (snaps.peek() && snapped(problem.peek(), method.peek(), next)) || next;
+    iterations.value = 0;
+  };
+  const holdAt = (point: Point): void => hold([...inside(point), hand.peek()[2]]);
+  const turnTo = (angle: number): void => {
+    hold([hand.peek()[0], hand.peek()[1], angle]);
+    startHeading.value = angle;
+  };
+  const put = (next: Pose, steps: number): void => {
+    hand.value = next;
+    pose.value = next;
+    iterations.value = steps;
+  };
+  const restart = (): void => {
+    const { start } = problem.peek();
+    put(start, 0);
+    startHeading.value = start[2];
+  };
+
+  const now = problem.value;
+  const { distance, turn } = apart(pose.value, now.truth);
+  const score = scoreAt(now, pose.value);
+  const isSnapped = hand.value !== pose.value;
+  const correlative = method.value === "correlative";
+  const { ends, done } = basin.value;
+  const found = ends.reduce((sum, end) => sum + (end === TRUE_POSE ? 1 : 0), 0);
+  const where = `x ${written(hand.value[0], 2)} m, y ${written(hand.value[1], 2)} m, ${isSnapped ? "snapped, " : ""}${written(100 * distance, 1)} cm from the true position`;
+  return (
+    <figure class="matching" aria-label="Two scans, one to be moved over the other" ref={figure}>
+      <div class="side-by-side">
+        <div>
+          <h3>Score of every position at this heading</h3>
+          <Stage geometry={GEOMETRY} label="The two scans over the score of every position" colours={hillImage}>
+            {(transform) => (
+              <>
+                <Scans
+                  transform={transform}
+                  problem={now}
+                  pose={pose.value}
+                  pairs={result.value.pairs}
+                  unknown={result.value.unknown}
+                />
+                {correlative && <SearchWindow transform={transform} at={hand.value} />}
+                <Hand
+                  transform={transform}
+                  hand={hand.value}
+                  pose={pose.value}
+                  text={where}
+                  onMove={holdAt}
+                  onTurn={turnTo}
+                />
+              </>
+            )}
+          </Stage>
+        </div>
+        <div>
+          <h3>Where the method ends, by its start</h3>
+          <Stage geometry={STARTS} label="Starting points by where the method ends from there" colours={basinImage}>
+            {(transform) => (
+              <>
+                <Walls transform={transform} walls={now.walls} />
+                <g
+                  class="match-truth"
+                  transform={`translate(${transform.x(now.truth[0])} ${transform.y(now.truth[1])})`}
+                >
+                  <circle r={6} />
+                  <circle r={1.5} />
+                </g>
+                <DragHandle
+                  transform={transform}
+                  at={[hand.value[0], hand.value[1]]}
+                  label="Starting point"
+                  sentence="Moves the scan of the other picture to a starting point."
+                  text={where}
+                  tone="robot"
+                  step={GEOMETRY.resolution}
+                  onMove={holdAt}
+                >
+                  <RobotShape yaw={startHeading.value} size={7} />
+                </DragHandle>
+              </>
+            )}
+          </Stage>
+          <p class="match-key quiet number">
+            <span class="match-swatch found" /> the true pose: {percent(done > 0 ? found / done : 0)}{" "}
+            <span class="match-swatch elsewhere" /> another
+            {done < ends.length && ` · ${percent(done / ends.length)} computed`}
+          </p>
+        </div>
+      </div>
+      <div class="figure-controls no-print">
+        <Choice
+          label="Method"
+          options={METHODS}
+          value={method.value}
+          onChange={(value) => {
+            method.value = METHODS.find((option) => option.value === value)?.value ?? "point_to_line";
+            iterations.value = 0;
+          }}
+        />
+        <Choice
+          label="Scans of"
+          options={ROOMS}
+          value={room.value}
+          onChange={(value) => {
+            room.value = ROOMS.find((option) => option.value === value)?.value ?? "room";
+            restart();
+          }}
+        />
+        <Toggle
+          label="Snap"
+          sentence="A scan held near the pose at which the method ends is laid there."
+          checked={snaps.value}
+          onChange={(checked) => {
+            snaps.value = checked;
+            hold(hand.peek());
+          }}
+        />
+        <Button
+          disabled={correlative}
+          onClick={() => put(oneStep(now, method.value, pose.value), iterations.value + 1)}
+        >
+          One iteration
+        </Button>
+        <Button
+          kind="primary"
+          onClick={() => {
+            const end = toTheEnd(now, method.value, pose.value);
+            put(end.pose, iterations.value + end.steps);
+          }}
+        >
+          To the end
+        </Button>
+        <Button onClick={restart}>Back to the start</Button>
+      </div>
+      <figcaption class="quiet number" aria-live="polite">
+        {isSnapped && <b>Snapped. </b>}
+        {iterations.value > 0 && !correlative && `After ${iterations.value} iterations: `}
+        <b class="match-error">
+          error {written(100 * distance, 1)} cm, {degrees(turn, 1)}
+        </b>
+        ; score {percent(score)}; {result.value.pairs.ours.length} pairs.{" "}
+        {correlative &&
+          `Searched: ±${written(WINDOW_CELLS * FIELD.resolution, 1)} m, ±${WINDOW_TURN}°, in steps of ${written(100 * FIELD.resolution, 0)} cm and 2.5°. `}
+        {result.value.unknown && (
+          <b class="noun-hit">Degenerate: the pairs do not determine the motion along the arrow.</b>
+        )}
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The positions that the correlative method searches. */
+function SearchWindow({ transform, at }: { transform: StageTransform; at: Pose }) {
+  const half = WINDOW_CELLS * FIELD.resolution;
+  const side = 2 * half * transform.metre;
+  return (
+    <rect class="match-window" x={transform.x(at[0] - half)} y={transform.y(at[1] + half)} width={side} height={side} />
+  );
+}
+
+interface HandProps {
+  readonly transform: StageTransform;
+  readonly hand: Pose;
+  readonly pose: Pose;
+  readonly text: string;
+  readonly onMove: (point: Point) => void;
+  readonly onTurn: (heading: number) => void;
+}
+
+/** The handles of the moving scan: one moves it, one turns it. */
+function Hand({ transform, hand, pose, text, onMove, onTurn }: HandProps) {
+  const tip: Point = [hand[0] + STICK * Math.cos(hand[2]), hand[1] + STICK * Math.sin(hand[2])];
+  const line = (to: Point): string =>
+    `M${transform.x(hand[0])} ${transform.y(hand[1])}L${transform.x(to[0])} ${transform.y(to[1])}`;
+  return (
+    <>
+      <path class="match-stick" d={line(tip)} />
+      <path class="match-offset" d={line([pose[0], pose[1]])} />
+      <circle class="match-pose" cx={transform.x(pose[0])} cy={transform.y(pose[1])} r={4} />
+      <DragHandle
+        transform={transform}
+        at={[hand[0], hand[1]]}
+        label="Position of the moving scan"
+        sentence="Moves the scan; near the pose at which the method ends it snaps."
+        text={text}
+        step={GEOMETRY.resolution}
+        onMove={onMove}
+      >
+        <RobotShape yaw={hand[2]} size={9} />
+      </DragHandle>
+      <DragHandle
+        transform={transform}
+        at={tip}
+        label="Heading of the moving scan"
+        sentence="Turns the scan about its sensor; arrow keys turn it by 5°, with Shift by 1°."
+        text={`heading ${degrees(hand[2])}`}
+        step={0.05}
+        onMove={([x, y]) => onTurn(Math.atan2(y - hand[1], x - hand[0]))}
+        onTurn={(by) => onTurn(hand[2] + 5 * by * DEGREE)}
+      >
+        <circle class="drag-handle-dot" r={6} />
+      </DragHandle>
+    </>
+  );
+}
