@@ -18,8 +18,8 @@ MIN_COSINE = 0.75
 WIDEST_SEARCH = math.radians(12.0)  #: either way, for a corresponding beam
 FALSE_SHARE = 0.03  #: (10°)²
 FLOOR = np.array([0.01, 0.01, 0.005])  #: metres, metres, radians: no alignment is better than this
-FRONT_ITERATIONS = Iterations(8, 0.35, 0.12, 0.6, 5e-4, 2e-4)
-LOOP_ITERATIONS = Iterations(12, 0.4, 0.12, 0.6, 5e-4, 2e-4)
+FRONT_ITERATIONS = Iterations(6, 0.35, 0.12, 0.5, 1e-3, 5e-4)
+LOOP_ITERATIONS = Iterations(8, 0.4, 0.12, 0.6, 1e-3, 5e-4)
 LEAST_PAIRS = 40  #: of points, for an alignment to count
 
 

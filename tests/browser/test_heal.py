@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.drifting import drifting_ring
-from tests.browser.looking import SECONDS, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, frame, open_group, settled_digest, until
 
 
 def opened(page: Page, server: str, name: str, data: bytes) -> None:
@@ -19,6 +19,9 @@ def opened(page: Page, server: str, name: str, data: bytes) -> None:
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
     page.locator(".log-card", has_text=name).get_by_role("button", name="Open map").click()
     expect(page.get_by_role("tab", name="Heal")).to_be_visible()
+    # While it plays, the doctor waits.
+    count = frame(page)["count"]
+    page.evaluate("count => gridbloom.connection.store.send({ type: 'step', scans: count })", count)
 
 
 def facts(panel: Locator) -> tuple[float, float]:

@@ -37,7 +37,7 @@ def test_drift_is_said_on_one_line_with_its_remedy(run, run_of_a_robot):
     options = ["--trajectory", "wheel"]
     line = (
         "The poses of trajectory 'wheel' drift, so walls may be double: try other poses of this log with "
-        "--trajectory scan."
+        "--trajectory scan, or correct them with gridbloom slam."
     )
     status, out, err = run("map", run_of_a_robot, *options)
     assert (status, err) == (0, "")
