@@ -27,11 +27,12 @@ export function paintHill(scores: Float32Array): Image {
   return painted(GEOMETRY, (index) => [...rgb, strength * ((scores[index] ?? 0) / highest) ** 2]);
 }
 
-/** Starts by how the match ends. */
+/** Starts by how the match ends; those not computed yet in the colour of the page. */
 export function paintBasin(ends: Uint8Array): Image {
   const [found, elsewhere] = [tokenRgb("--miss-fill"), tokenRgb("--hit-wash")];
+  const pending = tokenRgb("--surface");
   return painted(STARTS, (index) => {
     if (ends[index] === TRUE_POSE) return [...found, 255];
-    return ends[index] === ELSEWHERE ? [...elsewhere, 255] : [0, 0, 0, 0];
+    return ends[index] === ELSEWHERE ? [...elsewhere, 255] : [...pending, 255];
   });
 }
