@@ -15,7 +15,7 @@ from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.library.slam_job import PartialPoses, check_one_sensor
 from server.sessions import SessionRegistry
-from server.sessions.parts import Graphed, GraphSource
+from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
 from server.stream.protocol import ProtocolError
 
@@ -73,18 +73,15 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]
 
 
 @router.post("/sessions/{session_id}/heal", status_code=202)
-async def heal(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> dict[str, Any]:
+async def heal(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
-    A job that is under way goes on, and the session follows it.
+    A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
-    session = sessions.get(session_id)
-    recording = session.model.recording
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    session, recording = _healed(sessions, session_id)
     check_one_sensor(recording.log)
-    log_id, topic = recording.log_id, recording.view().topic
-    state = await library.slam.begin(visitor, log_id, topic)
+    owner, log_id = session.owner, recording.log_id
+    state = await library.slam.begin(owner, log_id, recording.view().topic)
     session.enqueue({"type": "follow_slam"})
 
     def told(poses: PartialPoses | None) -> None:
@@ -92,9 +89,31 @@ async def heal(library: Logs, sessions: Sessions, visitor: Visitor, session_id: 
         if poses is not None and not session.closed and not session.has_queued_commands:
             session.enqueue({"type": "slam_poses", "poses": poses.poses})
 
-    session.on_close.append(library.slam.listen(visitor, log_id, told))
-    _tell_at_end(library, sessions, visitor, log_id)
+    session.on_close.append(library.slam.listen(owner, log_id, told))
+    _tell_at_end(library, sessions, owner, log_id)
     return state
+
+
+@router.get("/sessions/{session_id}/heal")
+async def healing(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return how far SLAM of the session's log is, and what came of it."""
+    session, recording = _healed(sessions, session_id)
+    return library.slam.state(session.owner, recording.log_id)
+
+
+@router.delete("/sessions/{session_id}/heal")
+async def stop_healing(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Cancel SLAM of the session's log, if it is queued or running."""
+    session, recording = _healed(sessions, session_id)
+    return await library.slam.cancel(session.owner, recording.log_id)
+
+
+def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
+    session = sessions.get(session_id)
+    recording = session.model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    return session, recording
 
 
 def _tell_at_end(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:

@@ -127,6 +127,21 @@ def test_after_a_cancelled_job_the_map_is_the_one_from_before(
     assert http.get(f"/api/sessions/{session}/graph").json() == {"graph": None}
 
 
+def test_who_has_the_address_of_a_session_can_heal_its_log(service: Service) -> None:
+    """As the person does who opens the address that `gridbloom upload` prints."""
+    log_id = service.http.put("/api/logs", params={"name": "third.log"}, content=carmen(5)).json()["id"]
+    once_read(service.http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    address = f"/api/sessions/{session}/heal"
+    with httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S) as other:
+        assert other.get(f"/api/logs/{log_id}/slam").status_code == 404
+        assert other.get(address).json()["state"] == "none"
+        assert other.post(address).status_code == 202
+        until(lambda: other.get(address).json()["state"] == "done")
+        until(lambda: shown(service, session) == ("SLAM", 5))
+        assert other.delete(address).json()["state"] == "done"
+
+
 @pytest.mark.parametrize("ask", ["heal", "graph"])
 def test_a_simulation_has_nothing_to_heal(service: Service, ask: str) -> None:
     session = service.begin()

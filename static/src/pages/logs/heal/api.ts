@@ -28,13 +28,13 @@ export interface SlamState {
 }
 
 const session = (id: string): string => `/api/sessions/${encodeURIComponent(id)}`;
-const slam = (log: string): string => `/api/logs/${encodeURIComponent(log)}/slam`;
+const healing = (id: string): string => `${session(id)}/heal`;
 
-export const heal = (id: string): Promise<SlamState> => request(`${session(id)}/heal`, "POST");
+export const heal = (id: string): Promise<SlamState> => request(healing(id), "POST");
 
-export const slamState = (log: string): Promise<SlamState> => request(slam(log));
+export const slamState = (id: string): Promise<SlamState> => request(healing(id));
 
-export const cancelSlam = (log: string): Promise<SlamState> => request(slam(log), "DELETE");
+export const cancelSlam = (id: string): Promise<SlamState> => request(healing(id), "DELETE");
 
 /** The graph of the trajectory in use; null where it has none. */
 export const poseGraph = async (id: string): Promise<PoseGraph | null> =>

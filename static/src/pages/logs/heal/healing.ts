@@ -41,11 +41,6 @@ export class Healing {
     readonly session: string,
   ) {}
 
-  /** The id of the session's log. */
-  get #log(): string | null {
-    return this.store.hello.peek()?.log?.id ?? null;
-  }
-
   async #ask(what: () => Promise<void>): Promise<void> {
     this.isBusy.value = true;
     this.failure.value = null;
@@ -71,19 +66,15 @@ export class Healing {
   }
 
   async cancel(): Promise<void> {
-    const log = this.#log;
-    if (log === null) return;
     await this.#ask(async () => {
-      this.job.value = await api.cancelSlam(log);
+      this.job.value = await api.cancelSlam(this.session);
     });
   }
 
   /** Find out whether a job is under way, or what came of the last one. */
   async look(): Promise<void> {
-    const log = this.#log;
-    if (log === null) return;
     try {
-      this.job.value = await api.slamState(log);
+      this.job.value = await api.slamState(this.session);
     } catch {
       // The server does not answer: another time.
     }
