@@ -75,6 +75,12 @@ const STAGES: Readonly<Record<string, string>> = {
   refinement: "Aligning all scans together",
 };
 
+const LONG_S = 3;
+
+/** Without compiled functions, a first report comes late. */
+const beginning = (job: SlamState): string =>
+  (job.elapsed_s ?? 0) < LONG_S ? "Beginning" : "Compiling SLAM, which this server does once";
+
 function Progress({ job, healing }: { readonly job: SlamState; readonly healing: Healing }) {
   const count = healing.store.frame.value?.count ?? 0;
   const percent = Math.floor(100 * job.fraction);
@@ -84,7 +90,7 @@ function Progress({ job, healing }: { readonly job: SlamState; readonly healing:
       <p role="status">
         {job.state === "queued"
           ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""} …`
-          : `${STAGES[job.stage ?? ""] ?? "Beginning"} …`}
+          : `${STAGES[job.stage ?? ""] ?? beginning(job)} …`}
       </p>
       <p class="quiet">
         {percent} % · {job.scans} of {count} scans ·{" "}
