@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -162,10 +163,7 @@ def integrate_scans(
     grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of a log; the grid stays as large as it is and what falls outside is clipped."""
-    if isinstance(log, JointLog):
-        return integrate_order(grid, SensorOrder.of(log), config, trajectory, start, stop)
-    plan = plan_update(config, log.range_min, log.range_max)
-    return _all(_add(grid, batch, plan) for batch in scan_batches_of_log(log, plan, trajectory, start, stop))
+    return _integration(grid, log, config, trajectory)(start, stop)
 
 
 def integrate_order(
@@ -174,6 +172,20 @@ def integrate_order(
     """Add the scans [start, stop) of several sensors, as :func:`integrate_scans`."""
     batches = planned_batches(order, config, trajectory, start, stop)
     return _all(_add(grid, one.batch, one.plan) for one in batches)
+
+
+def _integration(
+    grid: OccupancyGrid, log: ScanLog, config: MappingConfig, trajectory: str | None
+) -> Callable[[int, int], Change]:
+    """Return the function that adds the scans [start, stop) of a log. Of one sensor, the update is planned once."""
+    if isinstance(log, JointLog):
+        return partial(integrate_order, grid, SensorOrder.of(log), config, trajectory)
+    plan = plan_update(config, log.range_min, log.range_max)
+
+    def integrate(start: int, stop: int) -> Change:
+        return _all(_add(grid, batch, plan) for batch in scan_batches_of_log(log, plan, trajectory, start, stop))
+
+    return integrate
 
 
 def _all(changes: Iterable[Change]) -> Change:
@@ -193,11 +205,12 @@ def integrate_parts(
     Yield after each part the number of scans of the log that are in the map, and the change that the part made. The
     map is the same as that of :func:`integrate_scans`, bit for bit.
     """
+    integrate = _integration(grid, log, config, trajectory)
     count = 1  # a scan of sonar cones touches a million cells
     while start < stop:
         last = min(start + count, stop)
         began = time.thread_time()
-        change = integrate_scans(grid, log, config, trajectory, start, last)
+        change = integrate(start, last)
         count = scans_at_once(last - start, time.thread_time() - began)
         start = last
         yield start, change
@@ -226,12 +239,13 @@ def integrate_log(
     stop = log.n_scans if stop is None else stop
     if not 0 <= start <= stop <= log.n_scans:
         raise ConfigError("log.scans", f"The log has no scans {start} to {stop}; it has {log.n_scans}.")
+    integrate = _integration(grid, log, config, trajectory)
     if progress is None:
-        return integrate_scans(grid, log, config, trajectory, start, stop).cells_updated
+        return integrate(start, stop).cells_updated
     count = 0
     step = max(1, CHUNK_READINGS // max(1, log.n_beams))
     for first in range(start, stop, step):
         last = min(first + step, stop)
-        count += integrate_scans(grid, log, config, trajectory, first, last).cells_updated
+        count += integrate(first, last).cells_updated
         progress(last - start, stop - start)
     return count

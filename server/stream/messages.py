@@ -144,7 +144,7 @@ class Contribution(Part):
     hit: Annotated[bool, Meta(description="whether it raised the log-odds")]
     increment: Annotated[float, Meta(description="log-odds added")]
     log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
-    sensor: Annotated[str | None, Meta(description="its topic, where several sensors make the map")] = None
+    sensor: Annotated[str | UnsetType, Meta(description="its topic, where several sensors make the map")] = UNSET
 
 
 class LayerInfo(Part):

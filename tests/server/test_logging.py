@@ -83,7 +83,7 @@ def test_no_log_line_contains_a_secret(
         with monkeypatch.context() as patched:
             patched.setattr("server.scenes.scene.Scene._draw", failing)
             visit(service, f"/scenes/{world_id}/", f"viser-v{viser.__version__}", lambda: failed)
-            patched.setattr("server.http.routes.maps.snapshot", failing)
+            patched.setattr("server.http.routes.maps.compressed_image", failing)
             assert http.get(f"/api/sessions/{session_id}/map.pgm").status_code == 500
         http.delete(f"/api/sessions/{world_id}")
         until(lambda: len(service.state.scenes) == 2)

@@ -201,7 +201,7 @@ export interface Contribution {
   /** log-odds of the cell afterwards, clamped */
   readonly log_odds: number;
   /** its topic, where several sensors make the map */
-  readonly sensor?: string | null;
+  readonly sensor?: string;
 }
 
 /** First message of a connection: description of the session. */
@@ -806,7 +806,7 @@ const isContribution: Check = isObject({
   hit: isFlag,
   increment: isNumber,
   log_odds: isNumber,
-  sensor: optional(oneOf(isText, isNull)),
+  sensor: optional(isText),
 });
 
 /** The check of each field of each message from the server; a message may have more fields. */

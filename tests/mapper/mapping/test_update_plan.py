@@ -27,7 +27,7 @@ def test_a_long_log_builds_its_model_once(office_log: ScanLog, model: str, monke
         return STRATEGIES[config.model].build(config)
 
     monkeypatch.setattr(MappingConfig, "beam_model", counted)
-    monkeypatch.setattr(integrate, "_CHUNK_READINGS", office_log.n_beams)
+    monkeypatch.setattr(integrate, "CHUNK_READINGS", office_log.n_beams)
     done: list[int] = []
     integrate_log(grid, office_log, config, stop=4, progress=lambda n, _: done.append(n))
     assert (built, done) == ([model], [1, 2, 3, 4])
