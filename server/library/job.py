@@ -162,7 +162,10 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = 
     try:
         with _timed(timeout_s, cpu_s, (time_error(timeout_s, doing, code), more)):
             return work()
-    except MemoryError:
+    except (MemoryError, ImportError) as error:
+        # Where memory runs out in an import, the loader of shared libraries says so as an ImportError.
+        if isinstance(error, ModuleNotFoundError):
+            raise
         raise LimitError(f"{code}.memory", f"{doing} needs more memory than the server gives to one log.") from None
 
 

@@ -123,9 +123,10 @@ def test_the_choice_of_trajectory_follows_other_clients(viewer: Page) -> None:
     other.goto(viewer.url)
     for page in (viewer, other):
         open_group(page, "Trajectories")
-    other.get_by_text("wheel odometry", exact=True).tap()
+    poses_from = {page: page.get_by_role("radiogroup", name="Poses from") for page in (viewer, other)}
+    poses_from[other].get_by_text("wheel odometry", exact=True).tap()
     expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked()
-    viewer.get_by_text("ground truth", exact=True).tap()
+    poses_from[viewer].get_by_text("ground truth", exact=True).tap()
     expect(other.get_by_role("radio", name="ground truth")).to_be_checked()
 
 
