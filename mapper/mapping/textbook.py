@@ -357,7 +357,7 @@ def pose_at(time: float, times: Sequence[float], poses: NDArray[np.float64]) -> 
     It is the first or the last pose for a time outside of them.
     """
     if time >= times[-1]:
-        return poses[-1]
+        return np.array(poses[-1])
     low = max([i for i in range(len(times) - 1) if times[i] <= time], default=0)
     span = times[low + 1] - times[low]
     weight = min(max((time - times[low]) / span, 0.0), 1.0) if span > 0.0 else 0.0
