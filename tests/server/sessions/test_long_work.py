@@ -235,21 +235,27 @@ def test_a_long_map_is_computed_in_short_parts(office_log: ScanLog, monkeypatch:
     """With a clock that counts 5 ms for each scan no part is larger than the four scans that fill the time."""
     now, sizes = 0.0, []
 
-    of_part = integrate.integrate_scans
+    made = integrate._integration
 
-    def counted(grid: Any, log: Any, config: Any, trajectory: Any, start: int, stop: int) -> Any:
-        nonlocal now
-        now += 0.005 * (stop - start)
-        sizes.append(stop - start)
-        return of_part(grid, log, config, trajectory, start, stop)
+    def counting(*given: Any) -> Any:
+        add = made(*given)
+
+        def counted(start: int, stop: int) -> Any:
+            nonlocal now
+            now += 0.005 * (stop - start)
+            sizes.append(stop - start)
+            return add(start, stop)
+
+        return counted
 
     monkeypatch.setattr("time.thread_time", lambda: now)
-    monkeypatch.setattr(integrate, "integrate_scans", counted)
+    monkeypatch.setattr(integrate, "_integration", counting)
     config = MappingConfig(resolution=0.1)
     parts, whole = (OccupancyGrid(geometry_for(office_log, config)) for _ in range(2))
     reached = [at for at, _ in integrate.integrate_parts(parts, office_log, config, None, 0, 100)]
     assert max(sizes) == 4
     assert sizes[0] == 1
     assert reached[-1] == sum(sizes) == 100
+    monkeypatch.undo()
     integrate_scans(whole, office_log, config, None, 0, 100)
     np.testing.assert_array_equal(parts.log_odds, whole.log_odds)
