@@ -73,6 +73,7 @@ export function MatchingSection({ id, number, title }: { id: string; number: num
               <mi>t</mi>
             </msub>
           </munder>
+          <mspace width="0.2em" />
           <mi class="noun-beam">p</mi>
           <mo>(</mo>
           <msub>
