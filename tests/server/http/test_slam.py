@@ -69,8 +69,8 @@ def test_a_session_follows_and_its_graph_is_changed(service: Service, log_id: st
     graph = http.get(f"/api/sessions/{session}/graph").json()["graph"]
     (loop,) = graph["loops"]
     assert (graph["nodes"], graph["odometry"], loop["scans"]) == (6, 5, [0, 5])
-    layers = service.state.sessions.get(session).model.layers
-    assert [one.name for one in layers] == ["map", "graph"]
+    model = service.state.sessions.get(session).model
+    until(lambda: [one.name for one in model.layers] == ["map", "graph"])  # the session's next tick shows the graph
     edge = http.get(f"/api/sessions/{session}/graph/edges/{loop['edge']}").json()
     assert (edge["kind"], len(edge["points"]["i"]), len(edge["points"]["aligned"])) == ("loop", 3, 3)
     near = http.get(f"/api/sessions/{session}/graph/candidates", params={"x": 1.0, "y": stand_ins.Y}).json()
