@@ -26,7 +26,7 @@ from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"#ROSBAG V"
@@ -87,7 +87,7 @@ def _records(data: bytes) -> Iterator[tuple[dict[bytes, bytes], bytes]]:
 
 
 class _Bag:
-    def __init__(self, stream: ByteStream, recording: Recording, limits: Limits) -> None:
+    def __init__(self, stream: ByteStream, recording: MessageSink, limits: Limits) -> None:
         self.stream = stream
         self.recording = recording
         self.limits = limits
@@ -312,7 +312,7 @@ def _damaged_chunk(at: int) -> str:
     return f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
 
 
-def take_ros1_bag(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def take_ros1_bag(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what a bag holds over to ``recording``; of one that is cut or damaged, what could be read.
 
     Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.

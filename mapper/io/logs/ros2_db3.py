@@ -28,19 +28,19 @@ from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.names import printable
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import PIECE, Progress, opened
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
 
 
-def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
 
     Raises :class:`ReadError` where there are none, and :class:`LimitError`.
     """
-    before = recording.n_scans
+    before = recording.taken
     connection, notes, is_journaled = _opened(file, limits, progress)
     if notes is not None:  # read as a copy, which was half of the work
         progress = progress and partial(_second_half, progress)
@@ -53,7 +53,7 @@ def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: 
             )
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
-        if recording.n_scans == before:
+        if recording.taken == before:
             raise _unreadable(error) from error
         recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): only what precedes is read.")
     except ReadError as error:
@@ -206,7 +206,9 @@ def _check_tables(connection: sqlite3.Connection) -> None:
             raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
 
 
-def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def _take_all(
+    connection: sqlite3.Connection, recording: MessageSink, limits: Limits, progress: Progress | None
+) -> None:
     _check_tables(connection)
     rows = connection.execute(
         "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)
