@@ -43,6 +43,8 @@ def prepare_scans(
         raise ConfigError("matching.beams", f"Matching needs scans of {FEWEST_BEAMS} beams or more, not {log.n_beams}.")
     if log.bearings is not None:
         raise ConfigError("matching.bearings", "Matching needs beams at even angles, and those of this log are not.")
+    if log.mounts is not None:
+        raise ConfigError("matching.mount", "Matching needs a sensor that does not move on the robot.")
     angle_min, step = log.sweep
     ranges = log.ranges[first:last]
     n_beams = min(log.n_beams, round(2.0 * np.pi / abs(step)))

@@ -28,6 +28,8 @@ class ScanStore:
             raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar's readings are too wide to be matched.")
         if log.n_beams < 2:
             raise ConfigError("slam.beams", f"SLAM needs scans of more than one beam, not of {log.n_beams}.")
+        if log.mounts is not None:
+            raise ConfigError("slam.mount", "SLAM needs a lidar that does not move on the robot.")
         angle_min, increment = log.sweep
         turn = int(np.floor(FULL_TURN / abs(increment) + 1e-6))
         used = min(log.n_beams, max(turn, 2))
