@@ -100,6 +100,8 @@ class SessionHost:
         for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()
+        if model.is_catching_up:
+            self._caught_up.clear()
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
 
     async def close(self) -> None:
@@ -320,9 +322,9 @@ class SessionHost:
         finally:
             showing.cancel()
 
-    def cancellable(self) -> AbstractContextManager[None]:
-        """Return a context in which a newer command cancels the computation (worker thread)."""
-        return self._requests.cancellable()
+    def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
+        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        return self._requests.cancellable(by_newer=by_newer)
 
     def may_continue(self) -> bool:
         """Yield to other sessions (worker thread), and return whether the computation should continue."""

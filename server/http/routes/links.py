@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
@@ -17,6 +17,9 @@ from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
 from server.sessions import LogView, SessionRegistry, log_plan
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(tags=["links"])
 
@@ -102,21 +105,29 @@ async def shared(library: Logs, token: str) -> dict[str, Any]:
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
 @guests_may(GuestRight.ALWAYS)
-async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> Response:
+async def begin(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    token: str,
+    name: Annotated[
+        str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
+    ] = None,
+) -> Response:
     """Begin a session of the view of a link."""
     link = library.links.get(token)
-    title = _record_name(library, link)
-    view = LogView(**link.view["view"])
-    log = await library.load(link.owner, link.log_id, view.topic)
-    session = await while_connected(
-        request,
-        sessions.begin(
-            log_plan(log, log_id=link.log_id, title=title, view=view),
-            visitor,
-            link=token,
-            address=client_address(request),
-        ),
-    )
+
+    async def begun() -> SessionHost:
+        view = LogView(**link.view["view"])
+        title = _record_name(library, link)
+        with sessions.under_way.making(visitor, name) as making:
+            making.watched = lambda: library.opening(link.log_id)
+            log = await library.load(link.owner, link.log_id, view.topic)
+        plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
+        return await sessions.begin(plan, visitor, link=token, address=client_address(request))
+
+    session = await while_connected(request, begun())
     try:
         library.links.get(token)
     except LinkGoneError:  # revoked in the meantime

@@ -67,6 +67,7 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
 
 
 @router.get("/sessions/making/{name}", responses={204: {"description": "No session of that name is being created."}})
+@guests_may(GuestRight.ALWAYS)
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> Any:  # noqa: ANN401 - the progress, or no content
     """Return the progress of a session that is being created for this visitor.
 

@@ -87,8 +87,16 @@ class LogModel(SessionModel):
     graph: LogGraph
 
     def __init__(
-        self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
+        self,
+        host: ModelHost,
+        replay: Replay,
+        *,
+        log_id: str = "",
+        topic: str | None = None,
+        title: str = "",
+        index: int = 0,
     ) -> None:
+        """``index`` is the number of scans that the map is brought to first; then the log is paused there."""
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
         replay.wanted = host.may_continue
@@ -108,9 +116,9 @@ class LogModel(SessionModel):
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
-        if replay.index:
+        if index:
             self.playback.playing = False
-            self.go_to(replay.index)
+            self.go_to(min(index, replay.log.n_scans))
 
     # -- what is shown --------------------------------------------------------------------------------------------
 

@@ -31,9 +31,18 @@ class NewLog(SessionRequest):
 
 
 def log_plan(
-    log: ScanLog, *, log_id: str = "", title: str = "", view: LogView | None = None, playing: bool = True
+    log: ScanLog,
+    *,
+    log_id: str = "",
+    title: str = "",
+    view: LogView | None = None,
+    playing: bool = True,
+    name: str | None = None,
 ) -> Plan:
-    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does."""
+    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does.
+
+    The map of a view of many scans is computed by the session, which shows it on the way.
+    """
     shown = view or LogView()
 
     def make(host: ModelHost, making: Making) -> SessionModel:
@@ -42,9 +51,9 @@ def log_plan(
 
         making.watched = lambda: ("Preparing the map", None)
         replay = first_replay(log, shown, host.limits(), making.may_continue)
-        return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
+        return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title, index=shown.index)
 
-    return Plan(make, logs=(log,), playing=playing)
+    return Plan(make, logs=(log,), name=name, playing=playing)
 
 
 async def _plan(wanted: NewLog, resources: Resources) -> Plan:

@@ -38,7 +38,7 @@ def first_config(log: ScanLog) -> MappingConfig:
 
 
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
-    """Return the initial replay of a session: as in ``view``, with larger cells if the map is too large.
+    """Return the replay of a session before the first scan: as in ``view``, with larger cells if the map is too large.
 
     Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
     """
@@ -47,7 +47,6 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
         try:
             replay = Replay(log, config, view.trajectory, limits)
             replay.wanted = wanted
-            replay.advance_to(min(view.index, log.n_scans))
         except LimitError:
             if resolution is None:
                 raise

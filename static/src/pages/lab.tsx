@@ -154,10 +154,8 @@ function Lab() {
           {trouble.value}
         </p>
       )}
-      {replay.value ? (
+      {replay.value && (
         <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />
-      ) : (
-        <Working what="Computing the map" work={store?.working.value ?? null} />
       )}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}

@@ -21,6 +21,7 @@ ALWAYS = {
     ("HEAD", "/shared/{token}"),
     ("GET", "/api/shared/{token}"),
     ("POST", "/api/shared/{token}/sessions"),
+    ("GET", "/api/sessions/making/{name}"),
 }
 LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}"),
@@ -64,7 +65,6 @@ NEVER = {
     ("POST", "/api/sessions/{session_id}/notes"),
     ("PUT", "/api/sessions/{session_id}/notes/{note_id}"),
     ("DELETE", "/api/sessions/{session_id}/notes/{note_id}"),
-    ("GET", "/api/sessions/making/{name}"),
     ("GET", "/api/sessions/{session_id}/story"),
     ("GET", "/api/sessions/{session_id}/run.mcap"),
     ("GET", "/api/sessions/{session_id}/trajectory.tum"),

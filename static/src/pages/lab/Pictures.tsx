@@ -5,6 +5,7 @@ import type { Connection } from "../../store/connect";
 import { Toolbar, ToolHint } from "../../tools/editing/Toolbar";
 import { readable } from "../../tools/parameters/parameters";
 import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { WorldView } from "../../tools/picture/WorldView";
 import { PlaceRobot, PlacingHint } from "../../tools/placing/Placing";
 import { Readout } from "../../tools/readout/Readout";
@@ -123,6 +124,7 @@ export function Pictures({ session, onPicture }: PicturesProps) {
         caption={store ? <Readout store={store} /> : null}
       >
         {store && <BeliefView store={store} onPicture={(picture) => onPicture(picture)} />}
+        {store && <ComputingMap store={store} />}
       </Plate>
       {compared && session && store && (
         <Plate

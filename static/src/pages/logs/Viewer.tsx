@@ -7,13 +7,13 @@ import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
 import { Button } from "../../ui/Button";
 import { Dock } from "../../ui/Dock";
 import { Icon } from "../../ui/Icon";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
-import { Working } from "../../ui/Working";
 import { exposeHook } from "../debugHook";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
@@ -134,12 +134,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
               <Icon name="warning" /> {trouble.value}
             </p>
           )}
-          <Working
-            what="Computing the map"
-            work={store.working.value}
-            onCancel={() => store.send({ type: "cancel" })}
-            isInside
-          />
+          <ComputingMap store={store} />
         </div>
         <Transport store={store} notes={notes} onNote={openNotes} />
         <div class="viewer-readout">

@@ -1,7 +1,9 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { SharedView } from "../../render/view";
+import { followMaking, newName } from "../making";
 import { trajectoryLabel } from "./describeLog";
+import { opening } from "./library";
 import { request } from "./request";
 
 /** A link as its owner sees it. */
@@ -45,9 +47,18 @@ export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/
 
 export const shared = (token: string): Promise<Shared> => request(`/api/shared/${token}`);
 
-/** Open a separate session on the view of a link; resolves to its id. */
-export const beginShared = async (token: string): Promise<string> =>
-  (await request<{ id: string }>(`/api/shared/${token}/sessions`, "POST")).id;
+/** Open a separate session on the view of a link; resolves to its id. `ending` ends the request. */
+export async function beginShared(token: string, ending: AbortSignal): Promise<string> {
+  const name = newName();
+  const stop = followMaking(name, (making) => {
+    opening.value = making;
+  });
+  try {
+    return (await request<{ id: string }>(`/api/shared/${token}/sessions?name=${name}`, "POST", undefined, ending)).id;
+  } finally {
+    stop();
+  }
+}
 
 const counted = (n: number, one: string, more: string): string => (n === 1 ? `1 ${one}` : `${n} ${more}`);
 
