@@ -187,6 +187,10 @@ class SessionHost:
         """Return the prefetcher of checkpoints; None if no checkpoint is missing."""
         return self.model.prefetcher()
 
+    def announce(self, message: dict[str, Any]) -> None:
+        """Send ``message`` to all clients, unless a newer one of its type replaces it first (event loop)."""
+        self.hub.set_slot(message)
+
     def post(self, command: dict[str, Any]) -> None:
         """Queue a command from any thread; a refused command is only logged."""
         self._loop.call_soon_threadsafe(self._post, command)

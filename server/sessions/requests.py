@@ -60,4 +60,5 @@ class ReplacingRequests:
 
     def _is_outdated(self) -> bool:
         since = self._since
-        return self._is_outdatable and self._queued > self._begun and since is not None and self._clock() - since < MAX_CANCELLING_S
+        is_new = self._is_outdatable and self._queued > self._begun
+        return is_new and since is not None and self._clock() - since < MAX_CANCELLING_S

@@ -278,6 +278,12 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
 
 
+class NotesMessage(Struct, tag_field="type", tag="notes"):
+    """Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again."""
+
+    changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
+
+
 class WorldMessage(Struct, tag_field="type", tag="world"):
     """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
@@ -383,6 +389,7 @@ ServerMessage = (
     | FrameMessage
     | Trajectory
     | Trajectories
+    | NotesMessage
     | ParametersMessage
     | ComparisonMessage
     | WorldMessage

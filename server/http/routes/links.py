@@ -9,12 +9,12 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import writable_session
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
 from server.sessions import LogView, SessionRegistry, log_plan
 
@@ -63,21 +63,20 @@ def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
 
 
 @router.post("/api/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewLink) -> dict[str, Any]:
+async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, Any]:
     """Make a read-only link to what a session of a log shows now.
 
-    It is valid until it is revoked. Only visitors who may open the log may make one.
+    It is valid until it is revoked, and belongs to the visitor who began the session.
     """
-    recording = sessions.get(wanted.session).model.recording
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the view of a log can be shared by a link, not a simulation.")
-    record = library.get(visitor, recording.log_id)
+    of_log = writable_session(sessions, wanted.session)
+    recording = of_log.recording
+    record = library.get(of_log.owner, of_log.log_id)
     seen = recording.view()
     look = None if wanted.look is None else wanted.look.model_dump()
     first = asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     view = {"view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed}
-    return _public(sessions, await library.links.make(visitor, record, view))
+    return _public(sessions, await library.links.make(of_log.owner, record, view))
 
 
 @router.get("/api/links")
@@ -86,6 +85,23 @@ async def mine(
 ) -> dict[str, Any]:
     """List the links of this visitor to a log, newest first."""
     return {"links": [_public(sessions, link) for link in library.links.of(visitor, log)]}
+
+
+@router.get("/api/sessions/{session_id}/links")
+async def of_session(sessions: Sessions, library: Logs, session_id: str) -> dict[str, Any]:
+    """List the links to a session's log of the visitor who began the session, newest first."""
+    of_log = writable_session(sessions, session_id)
+    return {"links": [_public(sessions, link) for link in library.links.of(of_log.owner, of_log.log_id)]}
+
+
+@router.delete("/api/sessions/{session_id}/links/{token}", status_code=204)
+async def revoke_of_session(sessions: Sessions, library: Logs, session_id: str, token: str) -> None:
+    """Revoke a link to a session's log, of the visitor who began the session; the sessions begun with it end."""
+    of_log = writable_session(sessions, session_id)
+    if library.links.get(token).log_id != of_log.log_id:
+        raise LinkGoneError("link.gone", "There is no such link to this log.")
+    await library.links.revoke(of_log.owner, token)
+    await sessions.end_linked(token)
 
 
 @router.delete("/api/links/{token}", status_code=204)

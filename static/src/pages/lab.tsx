@@ -154,9 +154,7 @@ function Lab() {
           {trouble.value}
         </p>
       )}
-      {replay.value && (
-        <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />
-      )}
+      {replay.value && <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />}
       <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
       {store && <StepNote store={store} />}
       {store?.explainedPoint.value && <Why store={store} />}

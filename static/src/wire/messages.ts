@@ -331,6 +331,13 @@ export interface Trajectories {
   readonly trajectories: readonly TrajectoryInfo[];
 }
 
+/** Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again. */
+export interface NotesMessage {
+  readonly type: "notes";
+  /** when, seconds since 1970 */
+  readonly changed_s: number;
+}
+
 /** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -685,6 +692,7 @@ export type ServerMessage =
   | FrameMessage
   | Trajectory
   | Trajectories
+  | NotesMessage
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
@@ -867,6 +875,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   trajectories: {
     trajectories: isListOf(isTrajectoryInfo),
+  },
+  notes: {
+    changed_s: isNumber,
   },
   parameters: {
     values: isValues,

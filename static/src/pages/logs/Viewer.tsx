@@ -51,7 +51,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
-  const notes = useNotes(session);
+  const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store);
   const openNotes = (): void => {

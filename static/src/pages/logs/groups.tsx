@@ -121,7 +121,7 @@ const GROUPS: readonly Group[] = [
     id: "share",
     title: "Share",
     isThere: ({ isGuest, log }) => !isGuest && log !== null,
-    content: ({ session, log, sharedView }) => log && <Share session={session} log={log.id} sharedView={sharedView} />,
+    content: ({ session, sharedView }) => <Share session={session} sharedView={sharedView} />,
   },
   {
     id: "download",

@@ -35,12 +35,14 @@ export interface Shared {
 export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
   request("/api/links", "POST", { session, look });
 
-/** One's own links to a log, the newest first. */
-export const linksTo = async (log: string): Promise<readonly Link[]> =>
-  (await request<{ links: readonly Link[] }>(`/api/links?log=${encodeURIComponent(log)}`)).links;
+const linksAddress = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/links`;
 
-export const revokeLink = (token: string): Promise<void> =>
-  request(`/api/links/${encodeURIComponent(token)}`, "DELETE");
+/** The links to the log of a session that its visitor has made, the newest first. */
+export const linksOf = async (session: string): Promise<readonly Link[]> =>
+  (await request<{ links: readonly Link[] }>(linksAddress(session))).links;
+
+export const revokeLink = (session: string, token: string): Promise<void> =>
+  request(`${linksAddress(session)}/${encodeURIComponent(token)}`, "DELETE");
 
 /** The token in the path of a shared link; null for another path. */
 export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/.exec(path)?.[1] ?? null;
