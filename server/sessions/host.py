@@ -362,6 +362,8 @@ class SessionHost:
         if self.closed:
             return
         self.hub.set_layers(self.model.layers)
+        if result.is_new_hello:
+            self.hub.set_slot(hello_message(self.model, self.id, self.epoch_id))
         for message in result.slots.values():
             self.hub.set_slot(message)
         if result.remade_ms is not None:

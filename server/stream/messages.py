@@ -82,6 +82,11 @@ class LogInfo(Part):
     """The log of a log session."""
 
     id: Annotated[str, Meta(description="id in the library")]
+    topic: Annotated[str, Meta(description='sensor of the map; " + " between several')]
+    cut: Annotated[
+        Table | None,
+        Meta(description="how the scans are cut out of point clouds or depth images; null for those of a lidar"),
+    ]
     trajectory: Annotated[str, Meta(description="trajectory of the map")]
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
     n_beams: Annotated[int, Meta(description="beams of each scan")]

@@ -139,7 +139,7 @@ async def begin(
         title = _record_name(library, link)
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(link.log_id)
-            log = await library.load(link.owner, link.log_id, view.topic)
+            log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
         plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
         return await sessions.begin(plan, visitor, link=token, address=client_address(request))
 

@@ -74,6 +74,10 @@ export interface TrajectoryInfo {
 export interface LogInfo {
   /** id in the library */
   readonly id: string;
+  /** sensor of the map; " + " between several */
+  readonly topic: string;
+  /** how the scans are cut out of point clouds or depth images; null for those of a lidar */
+  readonly cut: Table | null;
   /** trajectory of the map */
   readonly trajectory: string;
   /** all trajectories of the log */
@@ -755,6 +759,8 @@ const isTrajectoryInfo: Check = isObject({
 });
 const isLogInfo: Check = isObject({
   id: isText,
+  topic: isText,
+  cut: oneOf(isTable, isNull),
   trajectory: isText,
   trajectories: isListOf(isTrajectoryInfo),
   n_beams: isInteger,

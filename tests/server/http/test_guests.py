@@ -70,6 +70,7 @@ NEVER = {
     ("GET", "/api/sessions/{session_id}/trajectory.tum"),
     ("GET", "/api/sessions/{session_id}/links"),
     ("DELETE", "/api/sessions/{session_id}/links/{token}"),
+    ("PUT", "/api/sessions/{session_id}/sensor"),
     ("PUT", "/api/sessions/{session_id}/trajectories/{name}"),
     ("GET", "/api/sessions/{session_id}/trajectories/{name}"),
     ("DELETE", "/api/sessions/{session_id}/trajectories/{name}"),

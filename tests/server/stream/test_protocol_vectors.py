@@ -116,7 +116,16 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         parameters=messages.Table([], {}),
         sensor=None,
         log=messages.LogInfo(
-            "i", "true", [messages.TrajectoryInfo("true", "ground truth")], 360, 12, 0.0, "CARMEN", ["No times."]
+            "i",
+            "/points",
+            messages.Table([], {"min_height": 0.2}),
+            "true",
+            [messages.TrajectoryInfo("true", "ground truth")],
+            360,
+            12,
+            0.0,
+            "CARMEN",
+            ["No times."],
         ),
     ),
     messages.LayersMessage(

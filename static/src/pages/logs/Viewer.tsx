@@ -23,6 +23,7 @@ import { Head } from "./Head";
 import { useHealing } from "./heal/healing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
+import { useSensor } from "./sensor/useSensor";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";
@@ -35,12 +36,14 @@ interface ViewerProps {
   readonly onGone: () => void;
   /** Whether to do so at once. */
   readonly reopens?: boolean;
+  /** Called with the topic of another sensor that the session maps now. */
+  readonly onSensor?: (topic: string) => void;
   /** For a visitor with a shared link: the initial view, and a callback for the end of the session. */
   readonly guest?: { readonly view: SharedView | null; readonly onEnded: () => void };
 }
 
 /** The view of one log: its map, playback, parameters, downloads. */
-export function Viewer({ session, onClose, onGone, reopens = false, guest }: ViewerProps) {
+export function Viewer({ session, onClose, onGone, reopens = false, onSensor = () => undefined, guest }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
   useEffect(() => {
@@ -52,6 +55,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
+  const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, "settings");
@@ -156,6 +160,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           comparison,
           doctor,
           healing,
+          sensor,
           notes,
           trajectoryErrors,
           openGroup,
