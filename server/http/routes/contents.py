@@ -155,10 +155,12 @@ async def series(
     one = next((one for one in held.contents.series if one.topic == topic), None)
     if one is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
-    stamps, values = min_max(*_between(one, held.origin_ns, start, end), buckets)
+    all_stamps, all_values = _between(one, held.origin_ns, start, end)
+    stamps, values = min_max(all_stamps, all_values, buckets)
     return {
         "topic": one.topic,
         "type": one.type,
+        "samples": len(all_stamps),
         "times": ((stamps - held.origin_ns) * 1e-9).round(6).tolist(),
         "columns": [
             {

@@ -89,11 +89,12 @@ async def test_the_clouds_beside_a_lidar_are_mapped_and_cut_again(
 
     # A link to the view has the cut as well, and its guests cannot change it.
     link = service.http.post("/api/links", json={"session": session}).json()
-    with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
-        shared = guest.post(f"/api/shared/{link['token']}/sessions").json()["id"]
-        view = service.state.sessions.get(shared).model.recording.view()
-        assert (view.topic, view.cut) == ("/points", WALLS)
-        refused = sensor(guest, shared, topic=None)
+    async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
+        shared = (await guest.post(f"/api/shared/{link['token']}/sessions")).json()["id"]
+        found = service.state.sessions.get(shared).model.recording
+        assert found is not None
+        assert (found.view().topic, found.view().cut) == ("/points", WALLS)
+        refused = await guest.put(f"/api/sessions/{shared}/sensor", json={"topic": None})
         assert (refused.status_code, refused.json()["code"]) == (403, "link.read_only")
 
 

@@ -59,6 +59,7 @@ export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative
   return {
     topic: `${which} error`,
     type: "",
+    samples: times.length,
     times,
     columns: [
       { label: "translation", unit: "m", plot: `${which} error of the place`, values: translation_m },
