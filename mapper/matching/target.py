@@ -66,8 +66,7 @@ def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
     if not 0 <= index < len(scans.kind):
         raise ConfigError("matching.scan", f"There is no scan {index} among {len(scans.kind)}.")
-    part = slice(index, index + 1)
-    one = scans._replace(points=scans.points[part], normals=scans.normals[part], kind=scans.kind[part])
+    one = ScanArrays(*(part[index : index + 1] for part in scans))
     return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 
 
@@ -83,7 +82,9 @@ def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
     if len(cells):
         points[0] = grid.geometry.cell_to_world(cells)
     kind: UInt8Array = np.full((1, points.shape[1]), POINT if len(cells) else NO_POINT, dtype=np.uint8)
-    return ScanArrays(points, np.zeros_like(points), kind, 0.0, 1.0, wraps=False, sensor_x=0.0, sensor_y=0.0)
+    n = np.array([points.shape[1]])
+    one = np.ones(1)
+    return ScanArrays(points, np.zeros_like(points), kind, n, 0.0 * one, one, one < 0.0, np.zeros((1, 2)))
 
 
 def map_target(points: ScanArrays) -> Target:

@@ -126,7 +126,17 @@ class LoopCloser:
         others = members[np.argsort(-common, kind="stable")[:SCANS]]
         pose, hessian = found.copy(), np.empty((3, 3))
         pairs = refine_pose(
-            scans, j, scans, others, local, found, PRIOR, pair_rule(scans), LOOP_ITERATIONS, pose, hessian
+            scans,
+            j,
+            scans,
+            others,
+            local,
+            found,
+            PRIOR,
+            pair_rule(self._store.least_step),
+            LOOP_ITERATIONS,
+            pose,
+            hessian,
         )[0]
         counts = np.empty(3, dtype=np.int64)
         count_agreement(scans, j, pose, members, local, GATE, 1, counts)
