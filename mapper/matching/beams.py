@@ -71,7 +71,7 @@ class Beams:
             spacing,
             bool(len(indices) * spacing > 2.0 * np.pi - 0.5 * spacing),
             np.array([x, y], dtype=np.float64),
-            indices * log.time_increment,
+            np.asarray(indices * log.time_increment, dtype=np.float64),
             max(float(log.range_min), LEAST_RANGE),
             float(min(log.range_max, range_max)),
         )
@@ -119,3 +119,18 @@ class Beams:
             scans.kind,
         )
         write_normals(scans, half_width, reach, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
+
+
+def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
+    """Return the scans from ``begin`` to before ``end``, sharing memory."""
+    rows = slice(begin, end)
+    return ScanArrays(
+        scans.points[rows],
+        scans.normals[rows],
+        scans.kind[rows],
+        scans.n_beams[rows],
+        scans.first[rows],
+        scans.step[rows],
+        scans.wraps[rows],
+        scans.sensor[rows],
+    )

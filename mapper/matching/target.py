@@ -9,6 +9,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from mapper.matching.beams import scan_rows
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 from mapper.sensors.timed_poses import check_poses
 
@@ -66,7 +67,7 @@ def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
     if not 0 <= index < len(scans.kind):
         raise ConfigError("matching.scan", f"There is no scan {index} among {len(scans.kind)}.")
-    one = ScanArrays(*(part[index : index + 1] for part in scans))
+    one = scan_rows(scans, index, index + 1)
     return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 
 

@@ -64,6 +64,7 @@ class LoopCloser:
 
     def __init__(self, store: ScanStore, front_end: FrontEnd, config: SlamConfig) -> None:
         self._store, self._front_end, self._config = store, front_end, config
+        self._rule = pair_rule(store.least_step)
         self._pyramids: OrderedDict[int, tuple[ScoreField, NDArray[np.uint8]]] = OrderedDict()
         self._way_of_last_attempt = -np.inf
 
@@ -133,7 +134,7 @@ class LoopCloser:
             local,
             found,
             PRIOR,
-            pair_rule(self._store.least_step),
+            self._rule,
             LOOP_ITERATIONS,
             pose,
             hessian,

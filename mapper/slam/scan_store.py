@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.matching.beams import Beams
+from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
@@ -17,6 +17,7 @@ from mapper.sensors.scan import ScanLog
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
 
 Float64Array = NDArray[np.float64]
+Kind = TypeVar("Kind", bound=np.generic)
 
 
 def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
@@ -102,12 +103,22 @@ class ScanStore:
                 self._write(n, self._ranges[n, : self._rows.n_beams[n]], velocities[n])
 
     def _write(self, n: int, ranges: NDArray[np.float32], velocity: Float64Array | None) -> None:
-        one = ScanArrays(*(part[n : n + 1] for part in self._rows))
+        one = scan_rows(self._rows, n, n + 1)
         velocities = None if velocity is None else velocity[np.newaxis]
         self._beams[self._sensor[n]].write(ranges[np.newaxis], one, velocities)
 
     def _grow(self) -> None:
-        self._rows = ScanArrays(*(_doubled(part) for part in self._rows))
+        rows = self._rows
+        self._rows = ScanArrays(
+            _doubled(rows.points),
+            _doubled(rows.normals),
+            _doubled(rows.kind),
+            _doubled(rows.n_beams),
+            _doubled(rows.first),
+            _doubled(rows.step),
+            _doubled(rows.wraps),
+            _doubled(rows.sensor),
+        )
         self._sensor, self._ranges = _doubled(self._sensor), _doubled(self._ranges)
 
     def count(self, scan: int) -> int:
@@ -120,6 +131,6 @@ class ScanStore:
         return float(np.sqrt((points.astype(np.float64) ** 2).sum(axis=-1).max())) if len(points) else 0.0
 
 
-def _doubled(old: Any) -> Any:
+def _doubled(old: NDArray[Kind]) -> NDArray[Kind]:
     """Return an array with as many more rows of zeros."""
     return np.concatenate([old, np.zeros_like(old)])
