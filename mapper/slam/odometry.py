@@ -14,7 +14,7 @@ from mapper.slam.config import SlamConfig
 Float64Array = NDArray[np.float64]
 
 SHORT_S = 0.1  #: seconds: within them scans that are not matched are interpolated without harm
-LONG_S = 0.5  #: seconds: without odometry a scan is matched at least so often
+LONG_S = 0.5  #: seconds: poses that are farther apart do not tell the velocity
 FAR, FAR_TURN = 0.2, 0.2  #: metres, radians: that the robot may be expected to move from a matched scan to the next
 
 
@@ -63,18 +63,17 @@ def matched_scans(sensor: NDArray[np.int64], poses: Float64Array | None, config:
         distance, turn = max(2.0 * distance, 0.01), max(2.0 * turn, 0.01)
 
 
-def next_scan(k: int, times: Float64Array, velocity: Float64Array, config: SlamConfig) -> int:
+def next_scan(k: int, times: Float64Array, velocity: Float64Array) -> int:
     """Return which of the scans at ``times`` (n,), seconds, to match after scan k without odometry.
 
-    It is the last one until which a robot that moves on with ``velocity`` (3,), metres and radians a second, does not
-    come farther than the distances of nodes; or, if that is later, the last one within :data:`SHORT_S`, until which it
-    does not come farther than :data:`FAR`. It is scan k + 1 where the times do not tell.
+    It is the last one within :data:`SHORT_S`, until which a robot that moves on with ``velocity`` (3,), metres and
+    radians a second, does not come farther than :data:`FAR` and :data:`FAR_TURN`; scan k + 1 where the times do not
+    tell. A longer time would not do, even where the robot seems to stand: along a corridor its motion is not seen.
     """
     speed, turning = float(np.hypot(velocity[0], velocity[1])), abs(float(velocity[2]))
-    still = min(LONG_S, config.node_distance / max(speed, 1e-9), config.node_turn / max(turning, 1e-9))
-    near = min(SHORT_S, FAR / max(speed, 1e-9), FAR_TURN / max(turning, 1e-9))
-    end, last = times[k] + max(still, near) + 1e-6, k + 1
-    while last + 1 < len(times) and times[last] < times[last + 1] <= end and times[last] > times[k]:
+    end = times[k] + min(SHORT_S, FAR / max(speed, 1e-9), FAR_TURN / max(turning, 1e-9)) + 1e-6
+    last = k + 1
+    while last + 1 < len(times) and times[k] < times[last] < times[last + 1] <= end:
         last += 1
     return last
 

@@ -17,7 +17,8 @@ from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.loop_closure import Loop, LoopCloser
+from mapper.slam.loop_closure import LoopCloser
+from mapper.slam.loop_test import Loop
 from mapper.slam.odometry import (
     carry,
     matched_scans,
@@ -117,7 +118,7 @@ class Slam:
     def following(self, k: int, times: Float64Array) -> int:
         """Return which of the scans at ``times`` (n,), seconds, to add after scan k, the last one, without odometry."""
         velocity = self.front_end.velocity
-        return k + 1 if velocity is None else next_scan(k, times, velocity, self.config)
+        return k + 1 if velocity is None else next_scan(k, times, velocity)
 
     def _settle(self, loop: Loop) -> bool:
         """Optimise the graph if the new loop does not fit it, or if many that fit wait."""
@@ -155,6 +156,19 @@ class Slam:
             robust_scale=self.config.robust_scale,
             max_iterations=max_iterations,
         )
+
+
+def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_sensor: int = 0) -> None:
+    """Append the matched scans of a log to a store, deskewed along the result's poses.
+
+    ``first_sensor`` is the number of the log's first sensor in the store.
+    """
+    nodes, sensor = result.graph.nodes, sensor_of_scan(log)
+    velocities = velocities_along(seconds(log)[nodes], result.graph.poses)
+    if result.odometry is not None and store.can_deskew:
+        velocities = sweep_velocities(log, result.odometry)[nodes]
+    for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
+        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity)
 
 
 def slam_log(
