@@ -14,7 +14,10 @@ export const LESSONS = [
   { id: "mount", title: "Frames and mounts", reserve: [424, 432, 834] },
   { id: "forgetting", title: "Clamping and forgetting", reserve: [657, 609, 937] },
   { id: "counting", title: "Per beam or per scan", reserve: [592, 565, 904] },
-  { id: "matching", title: "When the poses are not known", reserve: [512, 480, 912] },
+  { id: "odometry", title: "When the poses are not known", reserve: [512, 480, 912] },
+  { id: "probable", title: "The most probable pose", reserve: [512, 480, 912] },
+  { id: "matching", title: "Matching two scans", reserve: [512, 480, 912] },
+  { id: "graph", title: "From matching to a graph", reserve: [512, 480, 912] },
   { id: "file", title: "The file that Nav2 reads", reserve: [658, 642, 1470] },
   { id: "log", title: "Your own log", reserve: [217, 217, 240] },
 ] as const satisfies readonly Lesson[];
