@@ -1,4 +1,5 @@
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { compose } from "../../grid/lattice";
 import { Button } from "../../ui/Button";
@@ -141,8 +142,10 @@ export function Springs() {
         )}
       </Stage>
       <p class="springs-key quiet">
-        <SpringKey tone="fits" /> fits <SpringKey tone="strained" /> off by {STRAINED} σ and more{" "}
-        <SpringKey tone="torn" /> by {TORN} σ and more <SpringKey tone="fits loop" /> thick: a loop
+        <SpringKey tone="fits">fits</SpringKey>
+        <SpringKey tone="strained">off by {STRAINED} σ and more</SpringKey>
+        <SpringKey tone="torn">by {TORN} σ and more</SpringKey>
+        <SpringKey tone="fits loop">thick: a loop</SpringKey>
       </p>
       <div class="figure-controls no-print">
         <Toggle
@@ -249,10 +252,13 @@ function Spring({ transform, poses, edge, residual, weight }: SpringProps) {
   );
 }
 
-function SpringKey({ tone }: { tone: string }) {
+function SpringKey({ tone, children }: { tone: string; children: ComponentChildren }) {
   return (
-    <svg class="springs-swatch" viewBox="0 0 40 14" aria-hidden="true">
-      <path class={`spring ${tone}`} d={zigzag([1, 7], [39, 7], 4)} />
-    </svg>
+    <span>
+      <svg class="springs-swatch" viewBox="0 0 40 14" aria-hidden="true">
+        <path class={`spring ${tone}`} d={zigzag([1, 7], [39, 7], 4)} />
+      </svg>{" "}
+      {children}
+    </span>
   );
 }

@@ -101,8 +101,16 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
         }}
       </Plot>
       <p class="probable-key quiet">
-        <span class="probable-swatch fits" /> the scan fits the map <span class="probable-swatch moved" /> the odometry{" "}
-        <span class="probable-swatch product" /> their product; each relative to its greatest value
+        <span>
+          <span class="probable-swatch fits" /> the scan fits the map
+        </span>
+        <span>
+          <span class="probable-swatch moved" /> the odometry
+        </span>
+        <span>
+          <span class="probable-swatch product" /> their product
+        </span>
+        <span>(each relative to its greatest value)</span>
       </p>
       <div class="figure-controls no-print">
         <Choice
