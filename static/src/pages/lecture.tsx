@@ -11,6 +11,7 @@ import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
+import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
@@ -18,6 +19,8 @@ import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
+import { OdometrySection } from "./lecture/OdometrySection";
+import { ProbableSection } from "./lecture/ProbableSection";
 import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
 import { SectionList } from "./lecture/SectionList";
@@ -40,7 +43,10 @@ const BODIES: Record<LessonId, Part["body"]> = {
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
+  odometry: OdometrySection,
+  probable: ProbableSection,
   matching: MatchingSection,
+  graph: GraphSection,
   file: FileSection,
   log: LogSection,
 };

@@ -14,7 +14,10 @@ export const LESSONS = [
   { id: "mount", title: "Frames and mounts", reserve: [450, 416, 823] },
   { id: "forgetting", title: "Clamping and forgetting", reserve: [686, 618, 951] },
   { id: "counting", title: "Per beam or per scan", reserve: [618, 549, 889] },
-  { id: "matching", title: "When the poses are not known", reserve: [543, 467, 907] },
+  { id: "odometry", title: "When the poses are not known", reserve: [446, 396, 847] },
+  { id: "probable", title: "The most probable pose", reserve: [511, 594, 630] },
+  { id: "matching", title: "Matching two scans", reserve: [543, 467, 907] },
+  { id: "graph", title: "From matching to a graph", reserve: [901, 806, 677] },
   { id: "file", title: "The file that Nav2 reads", reserve: [673, 1083, 1595] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230] },
 ] as const satisfies readonly Lesson[];
