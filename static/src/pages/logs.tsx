@@ -124,7 +124,7 @@ resume();
 render(
   <>
     <SiteHeader current="logs" />
-    <main>
+    <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />
