@@ -75,4 +75,4 @@ def test_a_sonar_ring_selects_the_cone_model_with_its_handles(lab: Page) -> None
     lab.keyboard.press("ArrowLeft")
     until("the reading", lambda: float(reading.get_attribute("aria-valuenow") or "nan") < z)
     choose(lab, "moravec_elfes")
-    expect(profile.locator("figcaption")).to_contain_text("no log-odds are added")
+    expect(open_group(lab, "Model").locator(".profile-caption")).to_contain_text("no log-odds are added")
