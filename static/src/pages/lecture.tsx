@@ -134,7 +134,7 @@ function Page() {
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
       {!presenting.value && <SectionList />}
-      <main class="lecture">
+      <main class="lecture" id="main" tabIndex={-1}>
         {!presenting.value && (
           <div class="lecture-head">
             <h1>Occupancy grid mapping</h1>
