@@ -12,6 +12,7 @@ import { DigitsSection } from "./lecture/DigitsSection";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GridSection } from "./lecture/GridSection";
+import { LectureStage } from "./lecture/LectureStage";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
@@ -128,28 +129,31 @@ function Page() {
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
       {!presenting.value && <SectionList />}
-      <main class="lecture">
-        {!presenting.value && (
-          <div class="lecture-head">
-            <h1>Occupancy grid mapping</h1>
-            <p class="prose">
-              How a robot makes a map from measured distances: from a single cell to the map file that it navigates
-              with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
-              <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper of
-              this site; where a figure shows something else, the text says so.
-            </p>
-            <div class="actions no-print">
-              <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
-                Presentation mode
-              </Button>
-              <Button href="/lab.html">Open the lab</Button>
+      <div class={presenting.value ? "" : "lecture-with-stage"}>
+        {!presenting.value && <LectureStage />}
+        <main class="lecture">
+          {!presenting.value && (
+            <div class="lecture-head">
+              <h1>Occupancy grid mapping</h1>
+              <p class="prose">
+                How a robot makes a map from measured distances: from a single cell to the map file that it navigates
+                with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
+                <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper
+                of this site; where a figure shows something else, the text says so.
+              </p>
+              <div class="actions no-print">
+                <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
+                  Presentation mode
+                </Button>
+                <Button href="/lab.html">Open the lab</Button>
+              </div>
             </div>
-          </div>
-        )}
-        {PARTS.map(({ id, title, body: Body }, i) => (
-          <Body key={id} id={id} number={i + 1} title={title} />
-        ))}
-      </main>
+          )}
+          {PARTS.map(({ id, title, body: Body }, i) => (
+            <Body key={id} id={id} number={i + 1} title={title} />
+          ))}
+        </main>
+      </div>
     </>
   );
 }

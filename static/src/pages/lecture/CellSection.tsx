@@ -3,9 +3,9 @@ import type { ComponentChildren } from "preact";
 import { type CellEvent, logOddsHistory } from "../../grid/cellUpdate";
 import { probability } from "../../grid/logOdds";
 import { Cell, START } from "../../lessons/cell/Cell";
+import { cellParameters, numbersOf, setParameter } from "../../lessons/common/parameters";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
-import { cellParameters, numbersOf, setParameter } from "./parameters";
 import { Section } from "./Section";
 
 const events = signal<readonly CellEvent[]>(START);

@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals";
+import { cellParameters, parameters, setParameter } from "../../lessons/common/parameters";
 import { Profile } from "../../tools/profile/Profile";
 import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
-import { cellParameters, parameters, setParameter } from "./parameters";
 import { Section } from "./Section";
 
 const noBeam = signal(undefined);
