@@ -9,20 +9,28 @@ import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
+import { EndpointSection } from "./lecture/EndpointSection";
+import { DoubledSection, LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GridSection } from "./lecture/GridSection";
+import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LectureStage } from "./lecture/LectureStage";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
+import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
+import { PipelineSection } from "./lecture/PipelineSection";
 import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
+import { ResolutionSection } from "./lecture/ResolutionSection";
 import { SectionList } from "./lecture/SectionList";
 import { SonarSection } from "./lecture/SonarSection";
+import { TableSection } from "./lecture/TableSection";
+import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
   readonly body: ComponentType<{ id: string; number: number; title: string }>;
@@ -30,19 +38,30 @@ interface Part extends Lesson {
 
 /** The body of each lesson, by its id. */
 const BODIES: Record<LessonId, Part["body"]> = {
+  landmarks: LandmarksSection,
   grid: GridSection,
   cell: CellSection,
   "log-odds": DigitsSection,
   model: ModelSection,
+  window: WindowSection,
+  endpoint: EndpointSection,
   rays: RaysSection,
+  table: TableSection,
   algorithm: AlgorithmSection,
+  pipeline: PipelineSection,
   sonar: SonarSection,
   "no-return": NoReturnSection,
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
+  resolution: ResolutionSection,
+  polished: PolishedSection,
+  people: PeopleSection,
+  "low-table": LowTableSection,
+  doubled: DoubledSection,
   matching: MatchingSection,
   file: FileSection,
+  next: NextSection,
   log: LogSection,
 };
 const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));

@@ -11,7 +11,9 @@ import { scanAt } from "./sensing";
 /** Cells smaller than this have no borders; smaller than that no number in them, CSS pixels. */
 const LEAST_LINES = 5;
 const LEAST_NUMBER = 20;
-const LEAST_VALUES = 64;
+const LEAST_VALUES = 46;
+/** Log-odds above which a cell is painted so strongly that its text has the colour of the page. */
+const DARK = 2;
 
 /** First and last row and column of the cells in view. */
 function inView(transform: StageTransform, { map }: MarkProps["shown"]) {
@@ -72,7 +74,7 @@ export function CellValues(props: MarkProps) {
         const l = map.logOdds[index] ?? 0;
         const seen = map.observed[index] === 1;
         return (
-          <text key={index} x={x} y={y} text-anchor="middle">
+          <text key={index} class={seen && l > DARK ? "on-occupied" : ""} x={x} y={y} text-anchor="middle">
             <tspan x={x}>{seen ? `p ${written(probability(l), 2)}` : "prior"}</tspan>
             <tspan x={x} dy="1.25em">
               {seen ? `ℓ ${signed(l)}` : "p 0.50"}
@@ -104,7 +106,13 @@ export function CellCounts(props: MarkProps) {
     <g class="world-stage-values" style={{ "font-size": `${size}px` }}>
       {entries(props).map(({ index, x, y }) =>
         counts.has(index) ? (
-          <text key={index} x={x} y={y + size / 3} text-anchor="middle">
+          <text
+            key={index}
+            class={(shown.map.logOdds[index] ?? 0) > DARK ? "on-occupied" : ""}
+            x={x}
+            y={y + size / 3}
+            text-anchor="middle"
+          >
             {counts.get(index)}
           </text>
         ) : null,

@@ -45,7 +45,7 @@ export function Frame({ transform, scene, shown }: MarkProps) {
             d={`M${transform.x(reading.pose[0])} ${transform.y(reading.pose[1])}L${far[0]} ${far[1]}`}
           />
           <circle class="world-stage-end" cx={far[0]} cy={far[1]} r={6} />
-          <text class="world-stage-label beam" x={(far[0] ?? 0) + 10} y={(far[1] ?? 0) - 12}>
+          <text class="world-stage-label beam" x={transform.width - 10} y={24} text-anchor="end">
             ({written(reading.end[0], 2)}, {written(reading.end[1], 2)}) m → column {cell.col}, row {cell.row}
           </text>
         </>

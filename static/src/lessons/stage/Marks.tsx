@@ -94,11 +94,11 @@ function Corners({ transform, scene, shown }: MarkProps) {
       {CORNERS.map(([x, y], i) => {
         const n = counts[i] ?? 0;
         if (n === 0) return null;
-        const r = Math.max(5, (0.35 / Math.sqrt(n)) * transform.metre);
+        const r = Math.max(9, (0.35 / Math.sqrt(n)) * transform.metre);
         return (
           <g key={`${x} ${y}`} class="world-stage-corner" transform={`translate(${transform.x(x)} ${transform.y(y)})`}>
             <circle r={r} />
-            <path d="M-5 0H5M0 -5V5" />
+            <path d="M-9 0H9M0 -9V9" />
           </g>
         );
       })}
@@ -134,7 +134,7 @@ function Noise({ transform, scene, shown }: MarkProps) {
       <text class="world-stage-label" x={x0 + 6} y={transform.y(wall + 4 * sigma) - 8}>
         p(z), σ = {sigma.toFixed(2)} m
       </text>
-      <text class="world-stage-label" x={transform.x(STRETCH.from)} y={high - 6}>
+      <text class="world-stage-label" x={transform.x(STRETCH.from)} y={transform.y(wall + 0.42)}>
         window {r.toFixed(2)} m
       </text>
     </>

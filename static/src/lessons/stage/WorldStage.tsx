@@ -27,6 +27,8 @@ const RANGE = { low: -2.5, high: 3.5 };
 /** A box lower than this has the ladder beside the map, CSS pixels. */
 const LOW = 380;
 const GAP = 10;
+/** Height of the line of text above the ladder. */
+const NAME = 22;
 
 interface WorldStageProps {
   readonly scene: ReadonlySignal<Scene>;
@@ -45,7 +47,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   const now = scene.value;
   const view = useCamera(now.view, still);
   const { width, height } = size.value;
-  const { map, ladder } = layout(width, height);
+  const { map, ladder } = layout(width, height, now.history);
   const at = projection(view.value, map);
   useLayoutEffect(
     () =>
@@ -73,13 +75,13 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
           <clipPath id={clip}>
             <rect x={map.left} y={map.top} width={map.width} height={map.height} />
           </clipPath>
-          <Lead at={at} scene={now} shown={shown.value} ladder={ladder} />
+          {ladder && <Lead at={at} scene={now} shown={shown.value} ladder={ladder} />}
           <g clip-path={`url(#${clip})`}>
             <World transform={transform} scene={now} shown={shown.value} />
             <Marks transform={transform} scene={now} shown={shown.value} />
             <Handles transform={transform} scene={now} shown={shown.value} still={still} />
           </g>
-          <Ladder rect={ladder} scene={now} shown={shown.value} />
+          {ladder && <Ladder rect={ladder} scene={now} shown={shown.value} />}
         </svg>
       </div>
       <figcaption>
@@ -90,18 +92,19 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   );
 }
 
-/** The map with the ladder below it, or beside it in a low box. */
-function layout(width: number, height: number): { map: Rect; ladder: Rect } {
+/** The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. */
+function layout(width: number, height: number, history: boolean): { map: Rect; ladder: Rect | null } {
+  if (height < LOW && !history) return { map: { left: 0, top: 0, width, height }, ladder: null };
   if (height < LOW) {
     const left = Math.round(width * 0.6);
     return {
       map: { left: 0, top: 0, width: left - GAP, height },
-      ladder: { left, top: 0, width: width - left, height },
+      ladder: { left, top: NAME, width: width - left, height: height - NAME },
     };
   }
   const tall = Math.round(Math.min(200, 0.26 * height));
   return {
-    map: { left: 0, top: 0, width, height: height - tall - GAP },
+    map: { left: 0, top: 0, width, height: height - tall - GAP - NAME },
     ladder: { left: 0, top: height - tall, width, height: tall },
   };
 }
@@ -135,6 +138,7 @@ function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projec
   context.scale(ratio, ratio);
   context.fillStyle = `rgb(${colours[0]} ${colours[1]} ${colours[2]})`;
   context.fillRect(0, 0, rect.width, rect.height);
+  if (scene.bare) return;
   context.drawImage(
     whole,
     at.x(0) - rect.left,
@@ -151,7 +155,7 @@ interface PartProps {
 
 /** Lines from the selected cell to its history: while the view comes nearer they widen. */
 function Lead({ at, scene, shown, ladder }: PartProps & { at: Projection; ladder: Rect }) {
-  if (shown.index < 0 || scene.grid) return null;
+  if (shown.index < 0 || scene.grid || scene.bare) return null;
   const { resolution } = shown.map.geometry;
   const [x, y] = cornerOf(scene.cell, resolution);
   const side = resolution * at.metre;
@@ -159,7 +163,7 @@ function Lead({ at, scene, shown, ladder }: PartProps & { at: Projection; ladder
   const { rect } = at;
   if (left > rect.left + rect.width || left + side < rect.left) return null;
   const d =
-    ladder.top > 0
+    ladder.left === 0
       ? `M${left} ${top + side}L${ladder.left} ${ladder.top}H${ladder.left + ladder.width}L${left + side} ${top + side}Z`
       : `M${left + side} ${top}L${ladder.left} ${ladder.top}V${ladder.top + ladder.height}L${left + side} ${top + side}Z`;
   return <path class="world-stage-lead" d={d} />;
@@ -190,7 +194,7 @@ function Handles({ transform, scene, shown, still }: PartProps & { transform: St
   if (still)
     return (
       <>
-        {!scene.grid && selected}
+        {!scene.grid && !scene.bare && selected}
         {pose && (
           <g transform={`translate(${transform.x(pose[0])} ${transform.y(pose[1])})`}>
             <RobotShape yaw={pose[2]} size={robot} />
@@ -200,7 +204,7 @@ function Handles({ transform, scene, shown, still }: PartProps & { transform: St
     );
   return (
     <>
-      {!scene.grid && (
+      {!scene.grid && !scene.bare && (
         <>
           {selected}
           <DragHandle

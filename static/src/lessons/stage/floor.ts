@@ -6,14 +6,14 @@ import { box, type Wall } from "../common/world";
 /** Width and height of the floor, metres. */
 export const FLOOR = { width: 12, height: 8 } as const;
 
-/** The part of the east wall that can be polished. */
-export const POLISHED: Wall = [11.535, 3.635, 11.535, 6.835];
+/** The part of the south wall that can be polished. */
+export const POLISHED: Wall = [3.035, 0.435, 9.035, 0.435];
 
 /** Walls that a laser always sees: a corridor below, two rooms above it, a pillar. */
 export const WALLS: readonly Wall[] = [
-  [0.435, 0.435, 11.535, 0.435],
-  [11.535, 0.435, 11.535, 3.635],
-  [11.535, 6.835, 11.535, 7.535],
+  [0.435, 0.435, 3.035, 0.435],
+  [9.035, 0.435, 11.535, 0.435],
+  [11.535, 0.435, 11.535, 7.535],
   [11.535, 7.535, 0.435, 7.535],
   [0.435, 7.535, 0.435, 0.435],
   [0.435, 3.235, 1.835, 3.235],
@@ -32,9 +32,13 @@ export const LOW_TABLE: readonly Wall[] = box(1.335, 5.335, 2.335, 6.135);
 export const LOW_TABLE_HEIGHT = 0.35;
 export const LASER_HEIGHT = 0.45;
 
-/** Someone who walks along the corridor, at scan `i`: a circle with a radius of 0.25 m as eight straight sides. */
+/**
+ * Someone who follows the robot along the corridor, at scan `i`: a circle with a radius of 0.25 m as eight straight
+ * sides, or nobody after the last step.
+ */
 export function walker(i: number): readonly Wall[] {
-  const [x, y] = [3.4 + ((i * 0.31) % 5.4), 2.45];
+  const [x, y] = [3.9 + 0.28 * i, 2.45];
+  if (x > 7.2) return [];
   const corner = (k: number): Point => [x + 0.25 * Math.cos((k * Math.PI) / 4), y + 0.25 * Math.sin((k * Math.PI) / 4)];
   return Array.from({ length: 8 }, (_, k) => [...corner(k), ...corner(k + 1)] as const);
 }

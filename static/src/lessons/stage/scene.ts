@@ -37,8 +37,14 @@ export interface Scene {
   readonly marks: readonly Mark[];
   /** Three states in place of log-odds. */
   readonly trinary: boolean;
+  /** Without the map. */
+  readonly bare: boolean;
   /** Another grid in place of the map. */
   readonly grid: OccupancyGrid | null;
+  /** The history of the selected cell is a part of the point: it is drawn also where there is little room. */
+  readonly history: boolean;
+  /** Other values in place of the history of the selected cell. */
+  readonly ladder: readonly number[] | null;
   /** The point that the scene makes, in one or two sentences. */
   readonly caption: (now: Shown) => string;
 }
@@ -66,7 +72,10 @@ interface SceneParts {
   readonly cell?: Point;
   readonly marks?: readonly Mark[];
   readonly trinary?: boolean;
+  readonly bare?: boolean;
   readonly grid?: OccupancyGrid;
+  readonly history?: boolean;
+  readonly ladder?: readonly number[];
   readonly caption: string | ((now: Shown) => string);
 }
 
@@ -86,7 +95,10 @@ export function scene(parts: SceneParts): Scene {
     cell: ownCell.value ?? parts.cell ?? WALL_CELL,
     marks: parts.marks ?? [],
     trinary: parts.trinary ?? false,
+    bare: parts.bare ?? false,
     grid: parts.grid ?? null,
+    history: parts.history ?? false,
+    ladder: parts.ladder ?? null,
     caption: typeof caption === "string" ? () => caption : caption,
   };
 }

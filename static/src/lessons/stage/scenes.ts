@@ -9,9 +9,13 @@ import {
   countingUpdate,
   driftError,
   laserHeight,
+  mapKind,
   mountError,
   noReturn,
   noReturnRange,
+  peopleOn,
+  peopleScans,
+  polishedOn,
   scansAfter,
   visited,
   wallNoise,
@@ -38,7 +42,7 @@ function cellInWords({ map, index }: Shown): string {
 
 const WALL_WORDS = {
   thin: "The wall is thin and whole",
-  torn: "The wall is torn: beams of later scans erase hits of earlier ones",
+  torn: "The wall is torn: beams that measured too much erase the hits of others",
   fat: "The wall is fat: the window marks cells that are free",
 } as const;
 
@@ -67,24 +71,29 @@ export const SCENES = {
   landmarks: () =>
     scene({
       scans: 18,
-      marks: ["corners"],
-      caption: () => {
+      marks: mapKind.value === "corners" ? ["corners"] : [],
+      bare: mapKind.value === "corners",
+      caption: (now) => {
+        if (mapKind.value === "grid")
+          return `As a grid: ${now.map.logOdds.length.toLocaleString("en")} cells, one number for each. Walls, free space, and what is not yet known.`;
         const seen = sightings(DRIVE.slice(0, 18)).filter((count) => count > 0).length;
-        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${2 * seen} numbers in all. Each further sighting shrinks the circle. Walls and free space are not in this map.`;
+        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${2 * seen} numbers in all. Each further sighting shrinks its circle. Walls and free space are not in this map.`;
       },
     }),
   cell: () =>
     scene({
+      history: true,
       scans: 27,
       marks: ["lines", "beams", "values"],
-      view: { x: WALL_CELL[0], y: 3.25, width: 0.34, height: 0.34 },
+      view: { x: WALL_CELL[0], y: 3.25, width: 0.32, height: 0.32 },
       caption: (now) => `One cell of the wall. Each beam that ends in it or passes it moves ℓ. ${cellInWords(now)}`,
     }),
   "log-odds": () =>
     scene({
+      history: true,
       scans: 27,
       marks: ["lines", "values"],
-      view: { x: WALL_CELL[0], y: 3.25, width: 0.62, height: 0.62 },
+      view: { x: WALL_CELL[0], y: 3.25, width: 0.44, height: 0.44 },
       caption: "In every cell: p, and below it ℓ. Each scan only adds to ℓ; p is computed to be shown.",
     }),
   model: () =>
@@ -98,17 +107,18 @@ export const SCENES = {
         return `One beam and what it says: free up to the window, occupied in the window of ${written(Number(r), 2)} m around the reading, nothing about the cells behind it.`;
       },
     }),
-  noise: () =>
+  window: () =>
     scene({
-      poses: DRIVE.slice(24, 34),
+      history: true,
+      poses: DRIVE.slice(22, 34),
       resolution: 0.05,
       marks: ["noise"],
-      view: { x: (STRETCH.from + STRETCH.to) / 2, y: 3.1, width: 2, height: 1.5 },
-      conditions: { noise: wallNoise.value },
+      view: { x: (STRETCH.from + STRETCH.to) / 2 + 0.3, y: 3.2, width: 2.7, height: 1.7 },
+      conditions: { noise: wallNoise.value, beams: 120 },
       config: { window: wallWindow.value },
       caption: (now) => {
-        const { look, thickness, gaps } = lookOfWall(now.map);
-        return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * gaps)} % of it missing. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
+        const { look, thickness, torn } = lookOfWall(now.map);
+        return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * torn)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
       },
     }),
   endpoint: () =>
@@ -128,9 +138,11 @@ export const SCENES = {
       view: { x: 6.5, y: 2.5, width: 2.6, height: 2.3 },
       caption: "Bresenham’s line from the robot’s cell to the cell of the end point: every cell but the last is free.",
     }),
-  algorithm: () => {
+  table: () => {
     const at = visitOf(Math.max(0, visited.value - 1));
     return scene({
+      history: true,
+      ladder: [at.before, at.after],
       scans: 30,
       marks: ["lines", "field"],
       resolution: LOOP_GEOMETRY.resolution,
@@ -139,9 +151,16 @@ export const SCENES = {
       caption: `Table 9.1 visits all cells. ${FIELD.length} of ${LOOP_GEOMETRY.rows * LOOP_GEOMETRY.cols} lie in the perceptual field of this scan, the outlined part. The current cell is ${at.inField ? `in the field: ℓ ${signed(at.before)} becomes ${signed(at.after)}.` : "outside it: ℓ stays."}`,
     });
   },
-  pipeline: () =>
+  algorithm: () =>
     scene({
       scans: 30,
+      marks: ["beams"],
+      caption:
+        "The loops turned around: beam by beam, along its cells. The map after the 30 scans of the drive so far.",
+    }),
+  pipeline: () =>
+    scene({
+      poses: DRIVE.slice(25, 30),
       resolution: 0.2,
       marks: ["lines", "reading"],
       view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
@@ -174,8 +193,9 @@ export const SCENES = {
     }),
   forgetting: () =>
     scene({
+      history: true,
       scans: REMOVED + scansAfter.value,
-      view: { x: 8.6, y: 4.9, width: 6, height: 4.4 },
+      view: { x: 8.9, y: 4.6, width: 5.6, height: 4 },
       cell: [9.2, 4.935],
       conditions: { tableUntil: REMOVED },
       marks: ["beams"],
@@ -186,7 +206,7 @@ export const SCENES = {
     scene({
       scans: 64,
       resolution: 0.1,
-      view: { x: 7.76, y: 3.05, width: 1.7, height: 1.3 },
+      view: { x: 7.76, y: 3.4, width: 1.7, height: 1.3 },
       config: { update: countingUpdate.value },
       marks: ["lines", "counts"],
       caption:
@@ -208,24 +228,27 @@ export const SCENES = {
     }),
   polished: () =>
     scene({
-      scans: 62,
-      conditions: { polished: true },
-      view: { x: 9.4, y: 5.2, width: 6.4, height: 5 },
-      cell: [11.55, 5.05],
+      scans: 27,
+      conditions: { polished: polishedOn.value },
+      view: { x: 5.6, y: 1.9, width: 8.6, height: 3.8 },
+      cell: [7.05, 0.435],
       marks: ["beams"],
-      caption:
-        "The double line is polished. Beams that meet it at more than 30° from its normal are reflected away: where the robot never stood in front of it, there is no wall in the map.",
+      caption: (now) =>
+        polishedOn.value
+          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away: the robot looks along metres of wall, and the map shows only the part in front of which it has been."
+          : `Not polished, the wall scatters the light, and all of it is mapped. ${cellInWords(now)}`,
     }),
   people: () =>
     scene({
-      scans: 36,
-      conditions: { people: true },
-      view: { x: 5.6, y: 2.1, width: 8.4, height: 4.2 },
-      cell: [6.25, 2.35],
+      poses: DRIVE.slice(26, 26 + peopleScans.value),
+      conditions: { people: peopleOn.value },
+      view: { x: 5.4, y: 2.4, width: 6.4, height: 4 },
+      cell: [6.35, 2.45],
       marks: ["beams"],
       caption: (now) => {
         const trail = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
-        return `Someone walks along the corridor in front of the robot. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} still in the map, until later beams pass them.`;
+        if (!peopleOn.value) return "Nobody walks: the corridor is free.";
+        return `Someone walked along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map: places that no later beam has passed.`;
       },
     }),
   "low-table": () => {

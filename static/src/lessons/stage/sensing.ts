@@ -17,7 +17,7 @@ export interface Conditions {
   readonly reach: number;
   /** Standard deviation of a range, metres. */
   readonly noise: number;
-  /** The east window is polished: a beam that meets it more than 30° off its normal does not come back. */
+  /** The south wall is polished: a beam that meets it more than 30° off its normal does not come back. */
   readonly polished: boolean;
   readonly people: boolean;
   /** Scan from which the cupboard is gone. */
@@ -68,12 +68,16 @@ export function scanAt(pose: Pose, index: number, conditions: Conditions): Laser
   };
   const scan = scanFrom(walls, pose, lidar);
   if (!conditions.polished) return scan;
+  const [ax, ay, bx, by] = POLISHED;
+  const length = Math.hypot(bx - ax, by - ay);
+  const [nx, ny] = [(ay - by) / length, (bx - ax) / length];
   const others = walls.filter((wall) => wall !== POLISHED);
   const ranges = scan.ranges.map((range, beam) => {
     const angle = pose[2] + scan.angle_increment * beam;
     const pane = castRay([POLISHED], pose[0], pose[1], angle);
     const meets = pane < Math.min(castRay(others, pose[0], pose[1], angle), conditions.reach);
-    return meets && Math.acos(Math.abs(Math.cos(angle))) > SPECULAR ? Number.POSITIVE_INFINITY : range;
+    const cosine = Math.abs(nx * Math.cos(angle) + ny * Math.sin(angle));
+    return meets && cosine < Math.cos(SPECULAR) ? Number.POSITIVE_INFINITY : range;
   });
   return { ...scan, ranges };
 }
