@@ -1,7 +1,7 @@
 """The newest message of a topic at a moment, without reading what does not lead there.
 
-Of an MCAP file with a summary one chunk is read, found by its index; of an SQLite bag one row. Any other recording is
-read from its beginning, in which other topics are jumped over.
+Of an MCAP file with a summary and of a ROS 1 bag with an index one chunk is read; of an SQLite bag one row. Any other
+recording is read from its beginning, in which other topics are jumped over.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from mcap.reader import SeekingReader
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import mcap_file, ros2_db3
+from mapper.io.contents.bag_index import indexed_message
+from mapper.io.logs import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.archive import Source
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
@@ -114,6 +115,10 @@ def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Lim
     if kind is ros2_db3.ROS2_DB3:
         row = ros2_db3.newest_row(file, topic, at_ns, limits)
         return None if row is None else FoundMessage(row[0], plain_type(row[1]), True, row[2])
+    if kind is ros1_bag.ROS1_BAG:
+        message = indexed_message(file, topic, at_ns, limits)
+        if message is not None:
+            return FoundMessage(message.stamp_ns, plain_type(message.type), False, message.data)
     newest = _Newest(topic, at_ns)
     with contextlib.suppress(_PastError):
         kind.take(file, newest, limits, None)

@@ -178,20 +178,24 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
     """
     connection, _, _ = _opened(file, limits, None)
+    # First which row it is, then its data: a file without an index of times has all of its rows looked at.
     query = (
-        "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id "
+        "SELECT messages.rowid FROM messages JOIN topics ON topic_id = topics.id "
         "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
     )
+    whole = "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id WHERE messages.rowid = ?"
     try:
         _check_tables(connection)
-        row = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
-        row = row or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+        found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+        found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+        row = None if found is None else connection.execute(whole, found).fetchone()
     except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
         raise _unreadable(error) from error
     finally:
         connection.close()
-    is_message = row is not None and isinstance(row[0], int) and isinstance(row[2], bytes)
-    return (row[0], str(row[1]), row[2]) if is_message else None
+    if row is None or not isinstance(row[0], int) or not isinstance(row[2], bytes):
+        return None
+    return row[0], str(row[1]), row[2]
 
 
 def _check_tables(connection: sqlite3.Connection) -> None:
