@@ -29,6 +29,7 @@ from tests.bench.inspecting import inspecting
 from tests.bench.matching import matching
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
+from tests.bench.sensors import sensors
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
@@ -210,6 +211,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "match": matching,
     "slam": slam,
     "size": size,
+    "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
 }
 

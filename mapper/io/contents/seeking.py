@@ -119,6 +119,11 @@ def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Lim
         message = indexed_message(file, topic, at_ns, limits)
         if message is not None:
             return FoundMessage(message.stamp_ns, plain_type(message.type), False, message.data)
+    return read_up_to(file, kind, topic, at_ns, limits)
+
+
+def read_up_to(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+    """Return the newest message of ``topic`` at or before ``at_ns`` of a file that is read from its beginning."""
     newest = _Newest(topic, at_ns)
     with contextlib.suppress(_PastError):
         kind.take(file, newest, limits, None)
