@@ -275,7 +275,10 @@ class ScanLog:
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
         if self.mounts is not None:
             object.__setattr__(self, "mounts", np.ascontiguousarray(self.mounts, dtype=np.float64))
-            check_poses(self.mounts, (len(self.ranges), 3), self.limits)
+            if self.mounts.shape != (len(self.ranges), 3) or not np.isfinite(self.mounts).all():
+                raise ConfigError(
+                    "log.mount", f"The mounts of {len(self.ranges)} scans must be as many rows of three finite numbers."
+                )
 
     @property
     def n_scans(self) -> int:
