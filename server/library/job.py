@@ -51,7 +51,10 @@ class WorkerJob(Protocol[R_co]):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors."""
+    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors.
+
+    A picture of its map is drawn into ``picture`` if there is one.
+    """
 
     source: str
     pack: str | None
@@ -60,6 +63,7 @@ class Job:
     cpu_s: float
     memory_bytes: int  #: of address space
     cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
+    picture: str | None = None
 
     @property
     def work(self) -> Callable[[Job], LogSummary]:
@@ -184,6 +188,11 @@ def _read(job: Job) -> LogSummary:
         except OSError as error:
             message = "What was read of the log could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
+    if job.picture is not None:
+        from server.library.log_picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
+            write_picture(log.first, Path(job.picture))
     return summarise(log.first)
 
 

@@ -55,9 +55,17 @@ class Reader:
         return self._turns.of(owner)
 
     async def read(
-        self, source: Path, pack: Path | None, topic: str | None = None, cut: PlanarCut | None = None
+        self,
+        source: Path,
+        pack: Path | None,
+        topic: str | None = None,
+        cut: PlanarCut | None = None,
+        *,
+        picture: Path | None = None,
     ) -> LogSummary:
-        """Have ``source`` read, and packed into ``pack`` if there is one; the caller holds :meth:`turn`.
+        """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
+
+        The caller holds :meth:`turn`.
 
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
@@ -65,7 +73,8 @@ class Reader:
         size = await asyncio.to_thread(_size_of, source)
         timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
-        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut)
+        drawn = None if picture is None else str(picture)
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn)
         self._began = time.monotonic()
         return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
 

@@ -125,7 +125,7 @@ resume();
 render(
   <>
     <SiteHeader current="logs" />
-    <main>
+    <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />

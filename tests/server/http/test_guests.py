@@ -86,6 +86,8 @@ NEVER = {
     ("GET", "/api/logs/{log_id}/trajectories/{name}"),
     ("PUT", "/api/logs/{log_id}/trajectories/{name}"),
     ("DELETE", "/api/logs/{log_id}/trajectories/{name}"),
+    ("GET", "/api/logs/{log_id}/map.png"),
+    ("PUT", "/api/logs/{log_id}/tags"),
     ("POST", "/api/logs/{log_id}/cancel"),
     ("POST", "/api/logs/{log_id}/read"),
     ("GET", "/api/logs/{log_id}/slam"),
