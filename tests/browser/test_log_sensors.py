@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from mapper.io.export import write_mcap
 from mapper.sensors.joint_log import SEPARATOR
-from tests.browser.looking import frame, open_group, until
+from tests.browser.looking import frame, open_group, settled_digest, until
 from tests.mapper.io.contents.recorded_robot import T0, imu
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.test_clouds import recording_of_room
@@ -32,7 +32,7 @@ def opened(page: Page, server: str, path: Path, button: str = "Open map") -> Non
 
 
 def two_lidars() -> list[recorded.Said]:
-    """A robot that stands at (1.02, 2.02), in the middle of a cell, with a lidar ahead, which sees a wall at 2 m, and one astern, with one at 1 m."""
+    """A robot in the middle of a cell, with a lidar that sees a wall 2 m ahead, and one that sees one 1 m astern."""
     said = [
         recorded.transform(T0, "base_link", "ahead", 0.3, topic="/tf_static"),
         recorded.transform(T0, "base_link", "astern", -0.3, yaw=np.pi, topic="/tf_static"),
@@ -46,8 +46,16 @@ def two_lidars() -> list[recorded.Said]:
 
 
 def state_at(page: Page, x: float, y: float) -> str:
-    """Return what the map of the page says of the cell at a point."""
-    page.evaluate("(point) => { gridbloom.connection.store.pinned.value = point; }", [x, y])
+    """Return what the settled map of the page says of the cell at a point."""
+    settled_digest(page)
+    page.evaluate(
+        """(point) => {
+          gridbloom.connection.store.inspected.value = null;
+          gridbloom.connection.store.pinned.value = null;
+          gridbloom.connection.store.pinned.value = point;
+        }""",
+        [x, y],
+    )
     found = until(
         "the cell",
         lambda: page.evaluate(
@@ -94,13 +102,18 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     until("the whole log", lambda: frame(page)["index"] == 6)
     assert page.evaluate(LOG)["n_beams"] == 360
     ahead, behind = (1.52, 0.02), (-1.48, 0.02)
-    assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "free")
     settings = open_group(page, "Settings")
     cut = settings.get_by_role("button", name="Cut the scans so")
     expect(cut).to_be_disabled()
+    # Points of the floor and of the ceiling end beams near the robot.
+    assert state_at(page, *behind) == "unknown"
+    settings.get_by_label("Lowest height").fill("0.3")
+    settings.get_by_label("Greatest height").fill("2")
+    cut.click()
+    until("the walls", lambda: page.evaluate(LOG)["cut"]["values"]["min_height"] == 0.3 and frame(page)["index"] == 6)
+    assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "free")
     settings.get_by_label("First bearing").fill("-45")
     settings.get_by_label("Last bearing").fill("45")
-    settings.get_by_label("Lowest height").fill("0.3")
     cut.click()
     until("the other cut", lambda: page.evaluate(LOG)["n_beams"] == 90 and frame(page)["index"] == 6)
     expect(settings.get_by_label("Last bearing")).to_have_value("45")
