@@ -36,6 +36,8 @@ BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that 
 WIDER = 3.0  #: the second window beside the first
 WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
 MARGIN = 5.0  #: metres around what the first scan of a submap saw
+POINTS = 720  #: of a scan and those before it that are paired
+SEARCHED = 90  #: points of a scan that are looked up in a search
 LONGEST = 3.0  #: of the last step's time: the motion goes on as before for so long at most
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
@@ -83,7 +85,9 @@ class FrontEnd:
         self._n = 0
         self._half = int(config.submap_scans) * store.n_sensors
         self._seen: list[int] = []  # scans with points
-        self._rule = pair_rule(store.least_step)
+        # So many points show how a scan lies; the refinement of the whole takes them all.
+        stride = max(1, store.n_beams * int(config.neighbours) // POINTS)
+        self._rule = pair_rule(store.least_step)._replace(stride=stride)
         self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
         self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
         self._motion = np.zeros(3)
@@ -176,8 +180,9 @@ class FrontEnd:
         self, i: int, predicted: Float64Array, spread: Float64Array, window: float, turn_window: float
     ) -> _Attempt:
         """Align scan i from the best pose of a window around the predicted one."""
+        stride = max(2, self._store.count(i) // SEARCHED)
         start, score, _ = self._field().search(
-            self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, 2
+            self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, stride
         )
         return self._refined(i, start, predicted, spread, score)
 
