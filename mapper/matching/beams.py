@@ -55,6 +55,8 @@ class Beams:
             raise ConfigError(
                 "matching.bearings", "Matching needs beams at even angles, and those of this log are not."
             )
+        if log.mounts is not None:
+            raise ConfigError("matching.mount", "Matching needs a sensor that does not move on the robot.")
         angle_min, step = log.sweep
         in_turn = min(log.n_beams, max(round(2.0 * np.pi / abs(step)), FEWEST_BEAMS))
         stride = 1 if most is None else -(-in_turn // max(FEWEST_BEAMS, most))
