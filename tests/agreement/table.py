@@ -81,11 +81,17 @@ from tests.agreement.matching import (
     views_by_textbook,
 )
 from tests.agreement.slam import (
+    agreement_by_kernel,
+    agreement_by_textbook,
     edges_by_kernel,
     edges_by_textbook,
     graph_cases,
     information_by_kernel,
     information_by_textbook,
+    nearest_by_kernel,
+    nearest_by_textbook,
+    shrunk_by_kernel,
+    shrunk_by_textbook,
     solved_by_kernel,
     solved_by_textbook,
     ways_by_kernel,
@@ -415,5 +421,8 @@ TABLE = (
     Row("edges of a pose graph", edges_by_kernel, edges_by_textbook, graph_cases(), 1e-9),
     Row("block Cholesky", solved_by_kernel, solved_by_textbook, graph_cases(), 1e-6),
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
+    Row("nearest node of each submap", nearest_by_kernel, nearest_by_textbook, graph_cases()),
+    Row("information of a pair of scans", shrunk_by_kernel, shrunk_by_textbook, graph_cases(), 1e-9),
+    Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
 )
