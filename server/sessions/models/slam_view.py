@@ -21,8 +21,8 @@ class SlamView:
 
     @property
     def layers(self) -> tuple[GraphLayer | TableLayer, ...]:
-        """The graph and the path, or nothing."""
-        return () if self._graph is None or self._path is None else (self._graph, self._path)
+        """The path, and the graph over it, or nothing."""
+        return () if self._graph is None or self._path is None else (self._path, self._graph)
 
     def draw(self, mapper: LiveMap) -> None:
         """Write the layers (worker thread)."""

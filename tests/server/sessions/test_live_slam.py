@@ -51,7 +51,7 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     np.testing.assert_array_equal(mapper.grid.log_odds, made.log_odds)
     view = SlamView()
     view.draw(mapper)
-    graph, path = view.layers
+    path, graph = view.layers
     assert (graph.name, path.name) == ("slam", "true_path")
     mapper.set_up(mapper.config, Faults(drift=True))
     view.draw(mapper)
@@ -96,7 +96,7 @@ async def test_a_session_and_its_copy_have_the_same_healed_map(
     await obey(session, type="pause")
     await obey(session, type="step", scans=60)
     await obey(session, type="faults", values={"drift": True, "slam": True})
-    assert [layer.name for layer in session.model.layers] == ["map", "slam", "true_path"]
+    assert [layer.name for layer in session.model.layers] == ["map", "true_path", "slam"]
     assert all(layer.number > 0 for layer in session.model.layers[1:])
     story = await session.model.story.current()
     assert story["faults"] == {"drift": True, "slam": True}

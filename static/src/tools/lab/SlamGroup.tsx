@@ -80,7 +80,10 @@ function Readout({ store, heals }: { readonly store: Store; readonly heals: bool
       {heals && (
         <p class="quiet slam-key">
           <span>
-            <span class="slam-line believed" /> believed path and loops
+            <span class="slam-line believed" /> believed path
+          </span>
+          <span>
+            <span class="slam-line loop" /> loops
           </span>
           <span>
             <span class="slam-line true" /> true path
