@@ -93,6 +93,12 @@ export const SOURCES = {
       Autonomous Robots 34, 2013
     </>
   ),
+  "curless-levoy": (
+    <>
+      B. Curless and M. Levoy, <cite>A volumetric method for building complex models from range images</cite>, SIGGRAPH
+      1996, for signed distance fields
+    </>
+  ),
   ieee754: (
     <>
       <cite>IEEE Standard for Floating-Point Arithmetic</cite>, IEEE 754
