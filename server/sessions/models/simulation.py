@@ -27,13 +27,14 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
-from server.stream.layers import GridLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text, values
 
 MAX_STEP_SCANS = 100
@@ -61,14 +62,16 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
+        self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second map if there is one."""
-        return (self._map,) if self._second is None else (self._map, self._second)
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map if there is one, and what SLAM shows while the robot drives."""
+        second = () if self._second is None else (self._second,)
+        return (self._map, *second, *self._slam.layers)
 
     @property
     def title(self) -> str:
@@ -249,6 +252,7 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if forgetting != self._forgetting:
