@@ -169,6 +169,12 @@ export const SCENES = {
       view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
       caption: "One reading on its way into the map; it ends as a change of the numbers of a few cells.",
     }),
+  characters: () =>
+    scene({
+      scans: 31,
+      resolution: 0.2,
+      caption: "The map in cells of 0.2 m. Printed as characters it has one character for each cell.",
+    }),
   sonar: () =>
     scene({
       scans: 32,
