@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
@@ -111,7 +112,7 @@ def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, ser
     sides = page.evaluate("sides")
     assert sides[0] < 30
     assert sides[-1] > 100
-    assert all(later >= earlier - 1 for earlier, later in zip(sides, sides[1:], strict=False))
+    assert all(later >= earlier - 1 for earlier, later in pairwise(sides))
     assert len({round(side) for side in sides}) > 4
 
 

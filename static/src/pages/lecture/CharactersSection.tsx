@@ -17,8 +17,8 @@ export function CharactersSection({ id, number, title }: { id: string; number: n
     >
       <p>
         A map needs no graphics to be looked at: in a terminal each cell is one character. Either there are three{" "}
-        <b>states</b>, decided by the log-odds, or six steps of <b>density</b>, in which more ink stands for a higher
-        probability.
+        <b>states</b>: more likely occupied than the prior, less likely, or undecided, with a margin of 0.5 in the
+        log-odds; or six steps of <b>density</b>, in which more ink stands for a higher probability.
       </p>
     </Section>
   );
