@@ -7,6 +7,7 @@ import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
+import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
@@ -52,6 +53,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   table: TableSection,
   algorithm: AlgorithmSection,
   pipeline: PipelineSection,
+  characters: CharactersSection,
   sonar: SonarSection,
   "no-return": NoReturnSection,
   mount: MountSection,
@@ -154,7 +156,7 @@ function Page() {
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
       {!presenting.value && <SectionList />}
-      <div class={presenting.value ? "" : "lecture-with-stage"}>
+      <div class="lecture-with-stage">
         {!presenting.value && <LectureStage />}
         <main class="lecture" id="main" tabIndex={-1}>
           {!presenting.value && (

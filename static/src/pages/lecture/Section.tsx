@@ -76,7 +76,7 @@ export function Section({ id, number, title, figure, children, after, sources }:
       <div class="prose">{children}</div>
       <div class="lesson-room">
         <div class="lesson-figure" ref={frame}>
-          <LazyFigure now={onSlide} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0]}>
+          <LazyFigure now={onSlide} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0, 0]}>
             {figure}
           </LazyFigure>
         </div>
