@@ -7,8 +7,12 @@ const PAGES = [
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
-/** The header of every page. */
+/** Whether this page stands within another one: a slide, or the speaker's window. */
+const isFramed = parent !== window;
+
+/** The header of every page. A page within a slide has none. */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
+  if (isFramed) return null;
   return (
     <header class="site-header">
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>

@@ -93,12 +93,14 @@ function Derivation() {
           </>
         }
       >
-        <mi>p</mi>
-        <mo>(</mo>
-        <Readings z="t" />
-        <mo>∣</mo>
-        <mi>m</mi>
-        <mo>)</mo>
+        <mrow>
+          <mi>p</mi>
+          <mo>(</mo>
+          <Readings z="t" />
+          <mo>∣</mo>
+          <mi>m</mi>
+          <mo>)</mo>
+        </mrow>
         <mo>=</mo>
         <mfrac>
           <mrow>

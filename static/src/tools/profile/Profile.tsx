@@ -6,6 +6,7 @@ import { Button } from "../../ui/Button";
 import { lazy } from "../../ui/lazy";
 import type { Range } from "../../ui/numbers";
 import { useWidth } from "../../ui/useWidth";
+import { zoomOf } from "../../ui/zoom";
 import { Beam } from "./Beam";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
@@ -68,8 +69,9 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
     // The frame's position is not read while a handle is dragged: that would force a layout in every frame of the drag.
     const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
     if (!box) return;
-    const px = event.clientX - box.left;
-    const py = event.clientY - box.top;
+    const zoom = zoomOf(event.currentTarget as Element);
+    const px = (event.clientX - box.left) / zoom;
+    const py = (event.clientY - box.top) / zoom;
     const inside = px >= curve.left && px <= curve.right && py >= curve.top && py <= strip.bottom + 10;
     view.hovered.value = inside ? cellIndexAt(toValue(px, view.xScale.peek()), view.values.peek().resolution) : null;
   };
