@@ -30,7 +30,7 @@ SIGNS = frozenset(map(ord, "ℓ←↑→↓↔∂∏∑√∞∩∫≈≠≤≥�
 MATH = frozenset(
     [
         *map(ord, " ()[]{}|+−=<>·,:;/¬"),
-        *map(ord, "ℓ←→∇∂∈∏∑√∝∞∣∥∧∨∩∪∫≈≠≤≥⊕⋅∘±×⟨⟩⏞⏟⎴⎵"),
+        *map(ord, "ℓ←→∇∂∈∏∑√∝∞∣∥∧∨∩∪∫≈≠≤≥⊕⋅∗∘±×⟨⟩⏞⏟⎴⎵"),
     ]
 )
 _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"

@@ -10,11 +10,16 @@ const PAGES = [
 /** Whether this page stands within another one: a slide, or the speaker's window. */
 const isFramed = parent !== window;
 
-/** The header of every page. A page within a slide has none. */
+/**
+ * The header of every page, with a link to its content, which has the id `main`. A page within a slide has none.
+ */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
   if (isFramed) return null;
   return (
     <header class="site-header">
+      <a class="skip-link" href="#main">
+        Skip to the content
+      </a>
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>
         <Icon name="logo" />
         Gridbloom

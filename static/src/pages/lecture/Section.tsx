@@ -26,6 +26,7 @@ export function Section({ id, number, title, figure, children, after, sources }:
       class={`lesson${shown ? ` on-slide shows-${shown}` : ""}`}
       {...(shown ? { "data-stage": stage.value, "data-step": place.value.step } : {})}
       id={id}
+      data-scene={id}
       aria-labelledby={`${id}-title`}
       hidden={presenting.value && !shown}
     >

@@ -1,4 +1,5 @@
 import { afterEach, describe, expect, it } from "vitest";
+import { LESSONS } from "../lessons";
 import { type Slide, WHOLE_LECTURE } from "./deck";
 import { type Act, actOf, type Focused } from "./keys";
 import { QUESTIONS } from "./questions";
@@ -103,6 +104,10 @@ describe("the address", () => {
     await expect(readAddress()).rejects.toThrow("damaged");
     expect(deck.peek()).toEqual(own);
   });
+});
+
+it("every section has a question", () => {
+  expect(LESSONS.map(({ id }) => id).filter((id) => !QUESTIONS[id])).toEqual([]);
 });
 
 it("every question has an answer, and every right option is one of the options", () => {

@@ -109,6 +109,100 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that nobody has seen.",
     notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
   },
+  landmarks: {
+    question: "A robot must not hit the walls of a new building. What should its map store?",
+    options: ["Corners and poles that it recognises", "For each patch of floor: is something there?"],
+    right: 1,
+    answer: "Landmarks say where the robot is; only a grid says where it can drive, and what it has not seen yet.",
+    notes:
+      "Switch between the two maps of the same drive. Ask where the robot could drive by the map of landmarks alone.",
+  },
+  window: {
+    question: "A range has a noise of a few centimetres. How wide should a hit be?",
+    options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
+    right: 1,
+    answer: "Too narrow: the hits fall into different cells and the wall is torn. Too wide: the wall is fat.",
+    notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall tears.",
+  },
+  endpoint: {
+    question: "A scan holds distances only. How does one of them become a row and a column?",
+    answer: "Angle and range give a point, the pose moves it into the map, origin and resolution make it a cell.",
+    notes:
+      "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",
+  },
+  table: {
+    question: "Table 9.1 visits every cell of the map for each scan. Which of them does it change?",
+    options: ["All of them", "Those in the perceptual field", "Those that were hit"],
+    right: 1,
+    answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
+    notes: "Step through the lines. For each cell ask first: is it in the field, and which beam decides about it?",
+  },
+  pipeline: {
+    question: "What happens to one reading between the sensor and the printed map?",
+    answer: "Angle, point, cell, line of cells, evidence, sum: the same for every beam of every scan.",
+    notes: "Follow one reading step by step, then select another beam. The characters at the end are the map.",
+  },
+  resolution: {
+    question: "Cells of 1 cm instead of 10 cm: how much more memory does the same floor need?",
+    options: ["10 times as much", "100 times as much", "1000 times as much"],
+    right: 1,
+    answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
+    notes:
+      "Compare the door and the pillar in the three maps, then memory and time, which is measured on this computer.",
+  },
+  polished: {
+    question: "A wall is polished like a mirror. What does a laser see of it?",
+    options: ["The wall", "Nothing, unless it looks at it straight", "A wall twice as far away, always"],
+    right: 1,
+    answer: "It reflects the beam away: no return, so the wall is missing where the robot never faced it.",
+    notes: "Switch the polish on and off. Name glass, metal and stone; more readings do not help.",
+  },
+  people: {
+    question: "Somebody walks through the robot’s view. What remains of it in the map?",
+    options: ["Nothing", "A trail that stays where no later beam passes", "A trail that always stays"],
+    right: 1,
+    answer: "Beams that pass later clear the trail; where none do, people who were never there again stay in the map.",
+    notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
+  },
+  "low-table": {
+    question: "The map is right about everything that the laser saw. Can the robot still hit a table?",
+    options: ["No", "Yes, if the table is lower than the laser’s plane"],
+    right: 1,
+    answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
+    notes: "Drag the laser up and down past the height of the table, and watch the map.",
+  },
+  doubled: {
+    question: "A map shows the same wall twice, a few centimetres apart. What has happened?",
+    options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
+    right: 1,
+    answer: "The poses are taken as known. Where they drift, a place seen again is drawn in another position.",
+    notes: "Drag the error of the heading away from zero. Small errors add up: the first scans look right.",
+  },
+  odometry: {
+    question: "The wheels slip by a few percent. How good is the map after one round?",
+    answer: "Errors of raw odometry add up, that of the heading most of all; matching keeps them small.",
+    notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
+  },
+  probable: {
+    question: "Scan and odometry disagree about the pose. Which of them is right?",
+    options: ["The scan", "The odometry", "The pose that makes both probable"],
+    right: 2,
+    answer:
+      "The most probable pose has the greatest product of both; with doors at equal distances the odometry decides.",
+    notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
+  },
+  graph: {
+    question: "The robot is back where it began, and its map is not. Which pose is to be corrected?",
+    options: ["The last one", "The first one", "All of them, a little"],
+    right: 2,
+    answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
+    notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
+  },
+  next: {
+    question: "What does a robot do with the finished map?",
+    answer: "It is served, localized in, inflated into costs, and planned on; what moves is in a layer of its own.",
+    notes: "Go through the parts from left to right. The later sections and rooms of this site show each of them.",
+  },
   log: {
     question: "What does your own robot’s log look like as a map?",
     answer: "Drop a bag, an MCAP or a CARMEN log: its map fills in, and the doctor looks for faults.",
