@@ -59,10 +59,13 @@ async def messages_of_a_log(service: Service) -> set[str]:
         added = await asyncio.to_thread(service.http.put, "/api/logs/sample-office/trajectories/mine", content=poses)
         assert added.status_code < 300, added.text
         await watcher.answer("trajectories")
+        note = {"text": "the door", "x": 1.0, "y": 2.0}
+        await asyncio.to_thread(service.http.post, f"/api/sessions/{session_id}/notes", json=note)
+        await watcher.answer("notes")
         return set(watcher.newest)
 
 
 async def test_every_message_is_as_it_is_stated(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.sessions.host.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
+    monkeypatch.setattr("server.sessions.long_work.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
     seen = await messages_of_a_world(service) | await messages_of_a_log(service)
     assert seen == {cls.__struct_config__.tag for cls in get_args(ServerMessage)}

@@ -19,14 +19,9 @@ interface WhyProps {
 const useIsOpen = (store: Store): ReadonlySignal<boolean> =>
   useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
 
-/** Opens when the explanation of a cell is requested, at the edge of the window, so that nothing on the page moves. */
-export function Why({ store }: WhyProps) {
-  return useIsOpen(store).value ? <Panel store={store} place="window" /> : null;
-}
-
 /** The explanation as a group of a dock, and how to ask for it. */
 export function WhyGroup({ store }: WhyProps) {
-  if (useIsOpen(store).value) return <Panel store={store} place="dock" />;
+  if (useIsOpen(store).value) return <Panel store={store} />;
   return (
     <p class="why-hint">
       Shift+click a cell of the map, or press and hold it, to see why it has its value: each beam that passed through it
@@ -35,13 +30,16 @@ export function WhyGroup({ store }: WhyProps) {
   );
 }
 
-function Panel({ store, place }: WhyProps & { readonly place: "window" | "dock" }) {
+function Panel({ store }: WhyProps) {
+  const panel = useRef<HTMLElement>(null);
   const slider = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const before = document.activeElement;
     // If it was opened by keyboard, the focus moves to the slider; with a mouse it stays on the picture.
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
     if (byKeys) slider.current?.focus({ preventScroll: true });
+    // On a phone the group may be below the screen.
+    panel.current?.scrollIntoView({ block: "start" });
     const closeOn = (event: KeyboardEvent): void => {
       if (event.key === "Escape" && !event.defaultPrevented) store.explain(null);
     };
@@ -57,7 +55,7 @@ function Panel({ store, place }: WhyProps & { readonly place: "window" | "dock" 
   const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
-    <section class={`why why-${place}`} aria-label="Why this cell is what it is">
+    <section ref={panel} class="why" aria-label="Why this cell is what it is">
       <header class="why-head">
         <h2>Why?</h2>
         {cell && (
