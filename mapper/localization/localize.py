@@ -100,7 +100,8 @@ def localize_log(
     for i in range(n):
         if wanted is not None and not wanted():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
-        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), log.mount, config))
+        x, y, yaw = log.mounts_at(i).tolist()
+        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config))
         poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
         numbers[i], counts[i] = (found.share, found.fit), found.n_particles
         if progress is not None:
