@@ -43,6 +43,9 @@ from server.cli import match as matching  # noqa: F401
 from server.cli import slam as correcting  # noqa: F401
 
 # isort: split
+from server.cli import localize as localizing  # noqa: F401
+
+# isort: split
 from server.cli import bench as measuring  # noqa: F401
 
 # isort: split

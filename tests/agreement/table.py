@@ -57,6 +57,21 @@ from tests.agreement.inputs import (
     sweeping_cases,
     two_maps,
 )
+from tests.agreement.localization import (
+    beams_by_kernel,
+    beams_by_textbook,
+    clusters_by_kernel,
+    clusters_by_textbook,
+    drawn_by_kernel,
+    drawn_by_textbook,
+    localization_cases,
+    moved_by_kernel,
+    moved_by_textbook,
+    resampled_by_kernel,
+    resampled_by_textbook,
+    scored_by_kernel,
+    scored_by_textbook,
+)
 from tests.agreement.matching import (
     equations_of_pairs_by_kernel,
     equations_of_pairs_by_textbook,
@@ -425,4 +440,10 @@ TABLE = (
     Row("information of a pair of scans", shrunk_by_kernel, shrunk_by_textbook, graph_cases(), 1e-9),
     Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
+    Row("odometry motion model", moved_by_kernel, moved_by_textbook, localization_cases(), 1e-5),
+    Row("particles anywhere and around a pose", drawn_by_kernel, drawn_by_textbook, localization_cases(), 1e-5),
+    Row("likelihood field of a map", scored_by_kernel, scored_by_textbook, localization_cases(), 2e-3),
+    Row("beam range finder model", beams_by_kernel, beams_by_textbook, localization_cases(), 1e-6),
+    Row("low-variance resampling", resampled_by_kernel, resampled_by_textbook, localization_cases()),
+    Row("clusters of particles", clusters_by_kernel, clusters_by_textbook, localization_cases(), 1e-6),
 )
