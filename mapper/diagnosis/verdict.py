@@ -11,10 +11,12 @@ from mapper.core.se2 import compose
 from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import POSSIBLE, Finding
+from mapper.diagnosis.several import of_sensors, share_of
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
 FINDINGS = tuple(name for check in CHECKS for name in check.names)  #: the names of all findings
@@ -42,20 +44,23 @@ class Reason:
     """One limit that is not kept.
 
     ``check`` is ``drift``, ``sharpness`` or the name of a finding. ``measured`` is in the unit of the limit: metres,
-    0 … 1, or how sure the finding is, 0 … 1; None where it could not be measured. ``sentence`` says both.
+    0 … 1, or how sure the finding is, 0 … 1; None where it could not be measured. ``sentence`` says both. ``sensor`` is
+    the topic of the sensor that does not keep it, where several were judged, else empty.
     """
 
     check: str
     measured: float | None
     limit: float
     sentence: str
+    sensor: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """What came of judging a log: ``reasons`` why it fails, none where it passes.
 
-    ``drift`` (metres) and ``sharpness`` (0 … 1) are None where they were not asked for or could not be measured.
+    ``drift`` (metres, of several sensors the largest) and ``sharpness`` (0 … 1) are None where they were not asked for
+    or could not be measured.
     ``findings`` are all that the doctor has, None where neither drift nor findings were asked for.
     """
 
@@ -110,10 +115,14 @@ def judge(
     """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
 
     ``config`` gives a correction of the mount and of the clock; all else of it is left aside, for sharpness is judged
-    in the map of the sensor's default parameters. What cannot be judged does not pass. ``progress`` is called with the
-    share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks and, where drift or findings
-    are asked for, for a log too short to judge; :class:`LimitError` for a map that is too large.
+    in the map of the sensor's default parameters. Of a :class:`JointLog` each sensor is judged by itself, and the
+    sharpness is that of their common map. What cannot be judged does not pass. ``progress`` is called with the
+    share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks, for a correction of the mount
+    of several sensors and, where drift or findings are asked for, for a log too short to judge; :class:`LimitError`
+    for a map that is too large.
     """
+    if isinstance(log, JointLog):
+        return _judge_sensors(log, limits, trajectory, config, progress)
     time_offset = 0.0 if config is None else config.time_offset
     if config is not None:
         over = log.upside_down != config.mount_upside_down
@@ -124,16 +133,57 @@ def judge(
     if limits.max_drift is not None or limits.no_findings:
         findings = tuple(examine(log, trajectory, progress, time_offset=time_offset, compared=compared.append))
     drift = compared[0].offset() if compared and limits.max_drift is not None else None
-    sharpness = None if limits.min_sharpness is None else sharpness_of(log, trajectory, time_offset)
     reasons = []
     if limits.max_drift is not None:
         why = _why_unmeasured(log, trajectory, findings or ()) if drift is None else ""
         reasons += _drift_reasons(drift, limits.max_drift, why)
-    if limits.min_sharpness is not None and sharpness is not None and sharpness < limits.min_sharpness:
-        said = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
-        reasons.append(Reason("sharpness", sharpness, limits.min_sharpness, said))
+    sharpness, more = _sharpness(log, limits, trajectory, time_offset)
+    reasons += more
     reasons += _finding_reasons(findings or (), limits)
     return Verdict(tuple(reasons), drift, sharpness, findings)
+
+
+def _judge_sensors(
+    log: JointLog,
+    limits: Limits,
+    trajectory: str | None,
+    config: MappingConfig | None,
+    progress: Callable[[float], None] | None,
+) -> Verdict:
+    config = config or MappingConfig()
+    if config.mount_upside_down or any(config.mount):
+        raise ConfigError("check.mount", "A correction of the mount is for one sensor; judge it by itself.")
+    alone = replace(limits, min_sharpness=None)
+    verdicts = []
+    for number, part in enumerate(log.parts):
+        share = share_of(progress, number, len(log.parts))
+        try:
+            verdicts.append(judge(part, alone, trajectory, config, share))
+        except ConfigError as error:
+            raise ConfigError(error.code, f"{part.topic}: {error.message}") from error
+    reasons = [
+        replace(reason, sensor=part.topic)
+        for part, verdict in zip(log.parts, verdicts, strict=True)
+        for reason in verdict.reasons
+    ]
+    sharpness, more = _sharpness(log, limits, trajectory, config.time_offset)
+    known = [verdict.findings for verdict in verdicts if verdict.findings is not None]
+    findings = tuple(of_sensors(log, known)) if known else None
+    drifts = [verdict.drift for verdict in verdicts if verdict.drift is not None]
+    return Verdict((*reasons, *more), max(drifts, default=None), sharpness, findings)
+
+
+def _sharpness(
+    log: ScanLog, limits: Limits, trajectory: str | None, time_offset: float
+) -> tuple[float | None, list[Reason]]:
+    """Return the sharpness of a log's map, None where it is not asked for, and why it fails."""
+    if limits.min_sharpness is None:
+        return None, []
+    sharpness = sharpness_of(log, trajectory, time_offset)
+    if sharpness >= limits.min_sharpness:
+        return sharpness, []
+    said = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
+    return sharpness, [Reason("sharpness", sharpness, limits.min_sharpness, said)]
 
 
 def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:

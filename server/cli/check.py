@@ -13,13 +13,13 @@ from server.cli.common import (
     AsJson,
     LogPath,
     Mount,
-    TopicName,
+    TopicNames,
     configured,
     fail,
     given_parameters,
     print_json,
     progress_bar,
-    read_log,
+    read_joint,
     refusing,
     with_parameter_options,
 )
@@ -49,7 +49,7 @@ def check(
     possible: Annotated[
         bool, typer.Option("--possible", help="Let findings count, too, that the doctor states as possible.")
     ] = False,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
     mount: Mount = None,
     as_json: AsJson = False,
@@ -67,7 +67,7 @@ def check(
     except MapperError as error:
         fail(f"--no-findings: {error.message}")
     config = configured(given_parameters(parameters, mount))
-    scans = read_log(log, topic)
+    scans = read_joint(log, topic or ())
     with refusing(log), progress_bar("Checking") as bar:
         verdict = judge(scans, Limits(max_drift, min_sharpness, names, possible), trajectory, config, bar)
     if as_json:
@@ -80,7 +80,8 @@ def check(
         said = ["passed" if verdict.passed else "failed", *(one for one in measured if one)]
         typer.echo(f"{scans.name}: {', '.join(said)}")
         for reason in verdict.reasons:
-            typer.echo(f"  {reason.check}: {reason.sentence}")
+            of = f" of {reason.sensor}" if reason.sensor else ""
+            typer.echo(f"  {reason.check}{of}: {reason.sentence}")
     if not verdict.passed:
         raise typer.Exit(FAILED)
 

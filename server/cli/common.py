@@ -209,6 +209,15 @@ def read_sensors(path: Path, topics: Sequence[str], tum: Path | None, cut: Plana
     return tuple(_with_tum(log, tum) for log in robot.sensors.values())
 
 
+def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None) -> ScanLog:
+    """Return the sensors that :func:`read_sensors` returns as one log."""
+    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415 - start-up
+
+    logs = read_sensors(path, list(dict.fromkeys(topics)), tum, PlanarCut())
+    with refusing(path):
+        return logs[0] if len(logs) == 1 else JointLog.of(logs)
+
+
 def _with_tum(log: ScanLog, tum: Path | None) -> ScanLog:
     if tum is None:
         return log

@@ -14,11 +14,13 @@ from server.cli.common import (
     AsJson,
     LogPath,
     TopicName,
+    TopicNames,
     TumTrajectory,
     configured,
     given_parameters,
     print_json,
     progress_bar,
+    read_joint,
     read_log,
     refusing,
     with_parameter_options,
@@ -122,7 +124,7 @@ FEW = 5  #: scan numbers printed per finding
 @with_parameter_options("time_offset")
 def doctor(
     log: LogPath,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     tum_trajectory: TumTrajectory = None,
     as_json: AsJson = False,
@@ -132,7 +134,7 @@ def doctor(
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
-    scans = read_log(log, topic, tum_trajectory)
+    scans = read_joint(log, topic or (), tum_trajectory)
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:
@@ -141,7 +143,8 @@ def doctor(
     typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
     for finding in found:
         possible = "possible, " if finding.possible else ""
-        typer.echo(f"  {finding.check} ({possible}{100 * finding.sure:.0f} % sure): {finding.sentence}")
+        of = f" of {finding.sensor}" if finding.sensor else ""
+        typer.echo(f"  {finding.check}{of} ({possible}{100 * finding.sure:.0f} % sure): {finding.sentence}")
         typer.echo(f"    {finding.advice}")
         if finding.scans:
             more = ", …" if len(finding.scans) > FEW else ""

@@ -75,7 +75,7 @@ def map_log(
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
     logs = read_sensors(log, topics, tum_trajectory, cut)
-    _check_one_sensor(logs, given, mcap)
+    _check_mount(logs, given)
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
@@ -110,7 +110,10 @@ def map_log(
     notes += notes_on_times
     drift = None if quiet else drift_note(scans, trajectory, config)
     written = save(grid, out, mode, frame) if out is not None else []
-    written += _export(scans, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
+    if mcap is not None or tum is not None:
+        with refusing(log):
+            whole = _joined(logs)
+        written += _export(whole, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
     geometry = grid.geometry
     facts: dict[str, Any] = {
         "log": scans.name,
@@ -158,15 +161,20 @@ def map_log(
         typer.echo(f"  note: {note}")
 
 
-def _check_one_sensor(logs: Sequence[ScanLog], given: dict[str, Any], mcap: Path | None) -> None:
-    """End the command where what was asked for concerns one sensor, and several are mapped."""
+def _check_mount(logs: Sequence[ScanLog], given: dict[str, Any]) -> None:
+    """End the command where a correction of the mount was given, and several sensors are mapped."""
     if len(logs) < 2:
         return
     moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
     if moved:
         fail("A correction of the mount is for one sensor; give one --topic with it.")
-    if mcap is not None:
-        fail("--mcap writes the scans of one sensor; give one --topic with it.")
+
+
+def _joined(logs: Sequence[ScanLog]) -> ScanLog:
+    """Return the sensors as one log."""
+    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415 - start-up
+
+    return logs[0] if len(logs) == 1 else JointLog.of(logs)
 
 
 def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:

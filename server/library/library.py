@@ -7,41 +7,36 @@ read-only) and one built-in sample. All methods run on the event loop; files and
 from __future__ import annotations
 
 import asyncio
-import secrets
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from mapper.core.errors import MapperError
 from mapper.io.contents.model import Contents
-from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.inspections import Inspections
-from server.library.jobs import Jobs, full, unstored
-from server.library.limits import DAY_S, LibraryLimits
-from server.library.log_pack import StalePackError
+from server.library.jobs import Jobs
+from server.library.limits import LibraryLimits
+from server.library.loading import Loading
 from server.library.log_reader import Reader
 from server.library.moment_pictures import MomentPicture, MomentPictures
-from server.library.names import display_name
 from server.library.records import Failure, Record
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.storage import private_folder
-from server.library.upload_receiver import Part, Received, UploadReceiver, too_large
+from server.library.upload_receiver import Part, UploadReceiver
 from server.library.upload_slots import UploadSlots
+from server.library.uploads import Declared, Places, Sender, Uploads
 from server.library.workers import worker_at
 from server.settings import Settings
 
 if TYPE_CHECKING:
     from server.library.added import Added
-
-MAX_TOGETHER = 32  #: sensors of one log that are mapped together
-SONAR = "sensor_msgs/Range"
 
 
 class LogNotFoundError(MapperError):
@@ -86,7 +81,6 @@ class Library:
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
-        self._max_upload_bytes = settings.max_upload_bytes
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
         )
@@ -109,9 +103,12 @@ class Library:
         self.links = Links(self._database)
         self.notes = Notes(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
-        self._intake = UploadReceiver(blobs, max_bytes=self._max_upload_bytes)
+        max_bytes = settings.max_upload_bytes
+        self._intake = UploadReceiver(blobs, max_bytes=max_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
+        places = Places(self._limits, max_bytes, self._slots, self._room)
+        self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
@@ -121,7 +118,8 @@ class Library:
             memory_bytes=memory,
         )
         self._pictures = MomentPictures(self._catalogue)
-        self._scans = Scans(self._catalogue, self._reader, self._cache, scratch)
+        scans = Scans(self._catalogue, self._reader, self._cache, scratch)
+        self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
     async def start(self) -> None:
         """Load the records of an earlier run, and handle its unfinished jobs and uploads.
@@ -196,7 +194,7 @@ class Library:
         :class:`ReadError` for an empty one, and for one whose digest is not the ``sha256`` that was stated, and
         :class:`StorageError`; nothing is left of it.
         """
-        record = await self._put(owner, name, chunks, size, None, sha256, address)
+        record = await self._received(Sender(owner, address), Declared(name, size, sha256), chunks)
         assert record is not None  # noqa: S101 - for the type checker: without parts an upload is whole
         return record
 
@@ -214,59 +212,11 @@ class Library:
 
         What came before a cut stays for a while. Raises :class:`UploadOffsetError` for a part from another place.
         """
-        return await self._put(owner, name, chunks, part.total, part, sha256, address)
+        return await self._received(Sender(owner, address), Declared(name, part.total, sha256, part), chunks)
 
-    async def _put(
-        self,
-        owner: str,
-        name: str,
-        chunks: AsyncIterator[bytes],
-        size: int | None,
-        part: Part | None,
-        sha256: str | None,
-        address: str,
-    ) -> Record | None:
-        limits = self._limits
+    async def _received(self, sender: Sender, declared: Declared, chunks: AsyncIterator[bytes]) -> Record | None:
         await self._expire()
-        if size is not None and size > self._max_upload_bytes:
-            raise too_large(self._max_upload_bytes)
-        own = [record for record in self._catalogue.uploaded() if record.owner == owner]
-        if len(own) >= limits.max_logs_per_owner:
-            raise LimitError(
-                "library.too_many",
-                f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
-            )
-        if self._room() - self._intake.reserved < (size or 0) - (part.start if part else 0):
-            raise full()
-        if sum(record.bytes + record.packed_bytes for record in own) + (size or 0) > limits.max_owner_bytes:
-            raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
-        async with (
-            self._slots.take(owner, address) as slot,
-            self._intake.receive(owner, slot.read(chunks), part) as received,
-        ):
-            if received is None:
-                return None
-            if sha256 is not None and received.incoming.sha256 != sha256.lower():
-                raise ReadError("upload.digest", "The received bytes differ from those that were sent; try again.")
-            return await self._take(owner, display_name(name), received)
-
-    async def _take(self, owner: str, name: str, received: Received) -> Record:
-        """Store the received bytes and queue them for reading, unless the owner has them already."""
-        record = await self._catalogue.add(
-            Record(
-                id=secrets.token_hex(10),
-                owner=owner,
-                name=name,
-                source="upload",
-                state="queued",
-                bytes=received.size,
-                sha256=received.incoming.sha256,
-                created_s=time.time(),
-                used_s=time.time(),
-            ),
-            received.incoming,
-        )
-        return self._jobs.queue(replace(record, attempts=0)) if record.state in ("queued", "failed") else record
+        return await self._uploads.receive(sender, declared, chunks)
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.
@@ -345,62 +295,12 @@ class Library:
         scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
         :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        log = await self._load_joint(owner, log_id, topic)
+        log = await self._loading.load(owner, log_id, topic)
         return await self.trajectories.joined(owner, log_id, log)
-
-    async def _load_joint(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
-        """Return one sensor of a log, or several as one log."""
-        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
-        names = [] if topic is None else topic.split(SEPARATOR)
-        if log is not None and topic is None and log.beam_width > 0.0:
-            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
-        if len(names) < 2 and log is not None:
-            return log
-        if len(names) > MAX_TOGETHER:
-            raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
-        key = f"{log_id}#{SEPARATOR.join(names)}"
-        kept = self._cache.get(key)
-        if kept is not None:
-            return kept
-        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
-        try:
-            joint = await asyncio.to_thread(JointLog.of, parts)
-        except ConfigError:
-            if log is None:
-                raise
-            return log  # the sonars' poses are in different frames: one of them by itself
-        self._cache.put(key, joint)
-        return joint
-
-    async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
-        record = self.get(owner, log_id)
-        if record.source == "upload" and time.time() - record.used_s > DAY_S:
-            record = self._catalogue.mark_used(record)
-        if record.source == "sample":
-            return await self._sample.load()
-        if topic is not None:
-            record = await self._settled(owner, log_id)
-            if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
-                return await self._scans.of_sensor(record, topic)
-        kept = self._cache.get(log_id)
-        if kept is not None:
-            return kept
-        for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
-            record = await self._settled(owner, log_id)
-            try:
-                return await self._scans.packed(record)
-            except StalePackError:
-                self._jobs.queue(self.get(owner, log_id))
-        raise unstored()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
-        record = self._catalogue.get(log_id)
-        if record is not None and record.state == "reading":
-            return "Reading the log", self._reader.progress
-        if record is not None and record.state == "queued":
-            return "Waiting until other logs are read", None
-        return "Loading the log", None
+        return self._loading.opening(log_id)
 
     async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
         """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
@@ -428,11 +328,3 @@ class Library:
     async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
         return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns)
-
-    async def _settled(self, owner: str, log_id: str) -> Record:
-        """Return the record of a log after the job that is under way; raise what the reader raised."""
-        await self._jobs.settled(log_id)
-        record = self.get(owner, log_id)
-        if record.error is not None:
-            raise ReadError(record.error.code, record.error.message)
-        return record

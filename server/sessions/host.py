@@ -10,11 +10,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
-import threading
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable
 from concurrent.futures import Executor
-from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from contextlib import AbstractAsyncContextManager, AbstractContextManager, asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -22,13 +21,15 @@ import structlog
 
 from mapper.core.limits import Limits
 from server.sessions.computation import compute_tick
-from server.sessions.messages import working_message
+from server.sessions.long_work import LongWork
 from server.sessions.model import SessionModel
+from server.sessions.model_messages import frame_fields_of, hello_message
+from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
-from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text
+from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
-from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint, wait_without_turn
+from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -38,14 +39,6 @@ MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine p
 MAX_QUEUED = 256  #: most commands in the queue of a session
 PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
 MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands
-SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
-SHOWN_EVERY_S = 0.25  #: at this interval
-MAX_CANCELLING_S = (
-    1.5  #: after this time without a finished map, commands no longer cancel the computation: a map must be shown
-)
-MAX_BACKGROUND_WAIT_S = (
-    60.0  #: what a background computation waits for long ones of its session, in all: it holds a thread
-)
 
 T = TypeVar("T")
 
@@ -91,17 +84,11 @@ class SessionHost:
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
         self._deferred_due = 0.0
-        self._is_cancellable = False  #: whether the current computation may be cancelled by a newer command
-        self._is_cancelled = False  #: whether a client asked to end it
+        self._requests = ReplacingRequests(clock)
         self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
         self._caught_up = asyncio.Event()  #: whether there is no such map
         self._caught_up.set()
         self._showing: asyncio.Task[None] | None = None  #: of the progress of such a map
-        self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
-        self._nothing_long.set()
-        #: Commands that replace the map: how many were queued, and how many of them were started.
-        self._requests = self._requests_begun = 0
-        self._requested_since: float | None = None  #: arrival of the first of those without a finished map
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
@@ -109,6 +96,7 @@ class SessionHost:
         """Start running ``model``."""
         self.model = model
         self.hub = Hub(model.layers, self._clock, self._traffic)
+        self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock)
         for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()
@@ -121,8 +109,8 @@ class SessionHost:
         self.closed = True
         self._wake.set()
         self._caught_up.set()
-        self._nothing_long.set()
         if self._task is not None:
+            self._long_work.close()
             await asyncio.gather(self._task, return_exceptions=True)
         for client in self.hub.clients:
             client.wake.set()
@@ -146,7 +134,7 @@ class SessionHost:
 
     def join(self) -> Client:
         """Return a new client, to which the complete state will be sent."""
-        self.hub.slots["hello"] = encode_text(self._hello())
+        self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
         client = self.hub.join()
         self._wake.set()
         return client
@@ -178,10 +166,9 @@ class SessionHost:
         self._queue.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
         if command["type"] == "cancel":
-            self._is_cancelled = True
+            self._requests.cancel()
         if command["type"] in self.model.replacing:
-            self._requests += 1
-            self._requested_since = self.commanded_at if self._requested_since is None else self._requested_since
+            self._requests.add()
         self._wake.set()
 
     @property
@@ -226,32 +213,8 @@ class SessionHost:
         """Return the present limits of the session's grids."""
         return self._limits(self)
 
-    # -- messages -------------------------------------------------------------------------------------------------
-
-    def _hello(self) -> dict[str, Any]:
-        model = self.model
-        return {
-            "type": "hello",
-            "protocol": SUBPROTOCOL,
-            "session": self.id,
-            "kind": model.kind,
-            "title": model.title,
-            "epoch_id": self.epoch_id,
-            "speeds": list(model.playback.speeds),
-            "parameters": {"table": [], "values": {}},
-            "sensor": None,
-            "log": None,
-        } | model.particulars()
-
-    def _frame(self) -> dict[str, Any]:
-        """Return the ``frame`` message, without its type, its time and its scan."""
-        playback, (index, count) = self.model.playback, self.model.progress
-        at_origin = {"stamp": 0.0, "pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}
-        frame = {"playing": playback.playing, "speed": playback.speed, "index": index, "count": count, "auto": False}
-        return frame | at_origin | self.model.frame()
-
     def _publish_frame(self) -> None:
-        frame, scan = self._frame(), self.model.scan()
+        frame, scan = frame_fields_of(self.model), self.model.scan()
         running = self.model.playback.playing and self.watched
         self.hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
 
@@ -282,16 +245,13 @@ class SessionHost:
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
         """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
         rest: list[QueuedCommand] = []
-        self._is_cancelled = False
+        self._requests.accept_cancel()
         try:
             async with self._lock:
-                self._requests_begun = self._requests
+                self._requests.begin_tick()
                 job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
                 result = await self._computed_tick(job)
-            if self._requests == self._requests_begun:
-                self._requested_since = None
-            elif not result.cancelled:
-                self._requested_since = self._clock()
+            self._requests.end_tick(was_cancelled=result.cancelled)
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
@@ -305,7 +265,7 @@ class SessionHost:
     async def _computed_tick(self, job: Callable[[], TickResult]) -> TickResult:
         """Compute a tick; progress is shown of all ticks together that make one map."""
         began = self._clock() if self._catching_up_since is None else self._catching_up_since
-        self._showing = self._showing or asyncio.ensure_future(self._show_work())
+        self._showing = self._showing or self._long_work.show()
         is_catching_up = False
         try:
             is_urgent = self._clock() - began < URGENT_S
@@ -354,61 +314,24 @@ class SessionHost:
 
     async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
-        showing = asyncio.ensure_future(self._show_work())
+        showing = self._long_work.show()
         try:
             return await self.scheduler.run(self._pool, self.job_owner, job, interactive=interactive)
         finally:
             showing.cancel()
 
-    async def _show_work(self) -> None:
-        """Send the progress of a computation, from :data:`SHOWN_AFTER_S` on until cancelled."""
-        began = self._clock()
-        await asyncio.sleep(SHOWN_AFTER_S)
-        try:
-            self._nothing_long.clear()
-            while True:
-                self.hub.set_slot(working_message(self._clock() - began, self.model.fraction))
-                await asyncio.sleep(SHOWN_EVERY_S)
-        finally:
-            self._nothing_long.set()
-            self.hub.set_slot(working_message())
-
-    @contextmanager
-    def cancellable(self) -> Iterator[None]:
+    def cancellable(self) -> AbstractContextManager[None]:
         """Return a context in which a newer command cancels the computation (worker thread)."""
-        self._is_cancellable = True
-        try:
-            yield
-        finally:
-            self._is_cancellable = False
+        return self._requests.cancellable()
 
     def may_continue(self) -> bool:
         """Yield to other sessions (worker thread), and return whether the computation should continue."""
         checkpoint()
-        return not (self.closed or (self._is_cancellable and (self._is_cancelled or self._is_outdated())))
+        return not (self.closed or self._requests.is_useless)
 
     def in_background(self) -> Callable[[], bool]:
-        """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
-
-        It yields to other sessions, waits while this session computes something long, in all up to
-        :data:`MAX_BACKGROUND_WAIT_S`, and returns whether the session is open.
-        """
-        left = MAX_BACKGROUND_WAIT_S
-
-        def is_open() -> bool:
-            nonlocal left
-            checkpoint()
-            if left > 0.0 and not self._nothing_long.is_set():
-                began = time.monotonic()
-                wait_without_turn(self._nothing_long, left)
-                left -= time.monotonic() - began
-            return not self.closed
-
-        return is_open
-
-    def _is_outdated(self) -> bool:
-        since = self._requested_since
-        return self._requests > self._requests_begun and since is not None and self._clock() - since < MAX_CANCELLING_S
+        """Return a function for a computation that nobody waits for, see :meth:`LongWork.in_background`."""
+        return self._long_work.in_background(lambda: not self.closed)
 
     def _stop(self) -> None:
         """Pause after a defect, and send an error message."""

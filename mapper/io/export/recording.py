@@ -10,6 +10,8 @@
 | ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
 | ``/sonar_0`` … | sensor_msgs/Range | the sonars of a log that has them, each in a frame of its own |
 
+The scans of several sensors are on the topics that they had in the recording, and their points on ``<topic>/points``.
+
 Frames have the names that the log and its trajectory state: poses of odometry are odom → base_link, and the map that
 was made with them is in odom. A log without poses gets neither ``/tf`` nor ``/pose``, and its map is in the base's
 frame. ``/map`` and ``/tf_static`` are latched (transient local): a late subscriber receives the last one.
@@ -27,16 +29,17 @@ from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from mapper.io.export import ros2
+from mapper.io.export.exported_sensor import ExportedSensor, exported_sensors
 from mapper.io.export.growing_map import GrowingMap
-from mapper.mapping.placed_scan import deskewed_beams, without_mount_correction
-from mapper.mapping.prepare_scans import base_poses, is_deskewed
-from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.io.export.ros2 import Pose
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, ScanLog
 
 SECOND = ros2.SECOND
 LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
 BETWEEN_NS = SECOND // 10  #: two scans of a log without times
 LATCHED = frozenset({"/map", "/tf_static"})
+_OWN = (*LATCHED, "/tf", "/pose")  #: topics that no sensor's scans go to
 
 
 def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -93,7 +96,7 @@ def write_mcap(
     trajectory: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Write ``log`` with one of its trajectories, and the map as it grows, to ``file``.
+    """Write ``log``, of one sensor or of several, with one of its trajectories, and the map as it grows, to ``file``.
 
     ``progress`` is called with the share that is done, 0 … 1; what it raises ends the writing. Raises
     :class:`ConfigError` for a trajectory that the log lacks.
@@ -104,32 +107,30 @@ def write_mcap(
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start("ros2", "gridbloom")
     topics = _Topics(writer)
+    config = None if growing_map is None else growing_map.config
+    sensors = exported_sensors(log, trajectory, config, _OWN)
     first = int(stamps[0]) if len(stamps) else 0
-    edges = [] if base == log.frame_id else [(base, log.frame_id, log.mount, log.upside_down)]
-    if log.bearings is not None and log.n_beams > 1:
-        edges += [(log.frame_id, f"sonar_{i}", (0.0, 0.0, float(a)), False) for i, a in enumerate(log.bearings)]
+    edges = [edge for sensor in sensors for edge in _mounts(sensor, base)]
     if edges:
         topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
     maps = iter(()) if growing_map is None else growing_map.maps(log, trajectory)
     coming = next(maps, None)
-    angles = log.angle_min + log.angle_increment * np.arange(log.n_beams)
-    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    poses, plan = way.poses, None
-    if growing_map is not None:  # scans lie where they lie in that map
-        plan = without_mount_correction(plan_update(growing_map.config, log.range_min, log.range_max))
-        poses = base_poses(log, plan, trajectory)
-        plan = plan if is_deskewed(log, plan, trajectory) else None
+    is_joint = isinstance(log, JointLog)
+    told: tuple[int, Pose] | None = None
     for index, stamp in enumerate(stamps.tolist()):
-        if not way.is_placeholder:
-            x, y, yaw = (float(value) for value in poses[index])
-            edge = (frame, base, (x, y, yaw), False)
+        sensor = sensors[int(log.part_of_scan[index])] if isinstance(log, JointLog) else sensors[0]
+        own = int(log.scan_of_part[index]) if isinstance(log, JointLog) else index
+        x, y, yaw = (float(value) for value in sensor.poses[own])
+        pose = (x, y, yaw)
+        if not way.is_placeholder and not (is_joint and told == (stamp, pose)):
+            told = (stamp, pose)
+            edge = (frame, base, pose, False)
             topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
-            topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, (x, y, yaw)))
-        if log.bearings is None:
-            ends = _ends(log.ranges[index], rays) if plan is None else _deskewed_ends(log, plan, trajectory, index)
-            _send_scan(topics, log, index, stamp, ends)
+            topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, pose))
+        if sensor.log.bearings is None:
+            _send_scan(topics, sensor, own, stamp)
         else:
-            _send_sonars(topics, log, index, stamp)
+            _send_sonars(topics, sensor, own, stamp)
         if coming is not None and growing_map is not None and coming[0] == index:
             geometry = growing_map.grid.geometry
             message = ros2.occupancy_grid(stamp, frame, geometry.resolution, geometry.origin, coming[1])
@@ -140,11 +141,19 @@ def write_mcap(
     writer.finish()  # type: ignore[no-untyped-call] # mcap's writer has no types there
 
 
-def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, ends: NDArray[np.float64]) -> None:
-    """Write one scan as the sensor took it: an upside-down one's beams are turned by its frame.
+def _mounts(sensor: ExportedSensor, base: str) -> list[tuple[str, str, Pose, bool]]:
+    """Return the edges (parent, child, ``T_parent_child``, upside-down) from the base to a sensor and to its sonars."""
+    log, frame = sensor.log, sensor.frame
+    edges = [] if base == frame else [(base, frame, log.mount, log.upside_down)]
+    if log.bearings is not None and log.n_beams > 1:
+        named = zip(sensor.sonar_frames, log.bearings, strict=True)
+        edges += [(frame, name, (0.0, 0.0, float(bearing)), False) for name, bearing in named]
+    return edges
 
-    ``ends`` (n_beams, 2) are where its beams end, metres in its frame at the scan's stamp.
-    """
+
+def _send_scan(topics: _Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
+    """Write one scan as the sensor took it, an upside-down one's beams are turned by its frame; and its end points."""
+    log = sensor.log
     ranges = log.ranges[index]
     scan = LaserScan(
         ranges,
@@ -155,27 +164,15 @@ def _send_scan(topics: _Topics, log: ScanLog, index: int, stamp: int, ends: NDAr
         time_increment=log.time_increment,
         scan_time=log.scan_time,
     )
-    topics.send("/scan", "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, log.frame_id, scan))
+    topics.send(sensor.scan, "sensor_msgs/msg/LaserScan", stamp, ros2.laser_scan(stamp, sensor.frame, scan))
     measured = (ranges > 0.0) & (ranges >= log.range_min) & (ranges <= log.range_max)
     points = np.zeros((int(np.count_nonzero(measured)), 3), dtype=np.float32)
-    points[:, :2] = ends[measured]
-    topics.send("/points", "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, log.frame_id, points))
+    points[:, :2] = sensor.ends(index)[measured]
+    topics.send(sensor.points, "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, sensor.frame, points))
 
 
-def _deskewed_ends(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int) -> NDArray[np.float64]:
-    """Return where the beams of a scan end (n_beams, 2), metres in the sensor's frame at the scan's stamp."""
-    ranges, bearings = deskewed_beams(log, plan, trajectory, index)
-    sign = -1.0 if log.upside_down else 1.0
-    return _ends(ranges, np.stack([np.cos(bearings), sign * np.sin(bearings)], axis=1))
-
-
-def _ends(ranges: NDArray[np.float32], rays: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return where beams (n,) along ``rays`` (n, 2) end, the sensor's place for readings that are no distance."""
-    return np.asarray(np.where(np.isfinite(ranges), ranges, 0.0)[:, None] * rays)
-
-
-def _send_sonars(topics: _Topics, log: ScanLog, index: int, stamp: int) -> None:
-    for i, reading in enumerate(log.ranges[index].tolist()):
-        frame = f"sonar_{i}" if log.n_beams > 1 else log.frame_id
+def _send_sonars(topics: _Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
+    log = sensor.log
+    for topic, frame, reading in zip(sensor.sonars, sensor.sonar_frames, log.ranges[index].tolist(), strict=True):
         message = ros2.range_reading(stamp, frame, log.beam_width, log.range_min, log.range_max, reading)
-        topics.send(f"/sonar_{i}", "sensor_msgs/msg/Range", stamp, message)
+        topics.send(topic, "sensor_msgs/msg/Range", stamp, message)

@@ -1,32 +1,28 @@
 import "../style/index.css";
 import "./lab/lab.css";
-import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
+import "./lab/bar.css";
+import "./lab/groups.css";
+import { computed, type Signal, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../render/picture/Picture";
 import { connect } from "../store/connect";
-import type { Store } from "../store/store";
-import { ParameterPanel } from "../tools/parameters/ParameterPanel";
-import { Profile } from "../tools/profile/Profile";
-import { StepNote } from "../tools/steps/Steps";
-import { Button } from "../ui/Button";
-import { lazy } from "../ui/lazy";
-import { Disclosure } from "../ui/Panel";
+import type { Comparison } from "../tools/compare/comparison";
+import { useComparison } from "../tools/compare/SecondMap";
+import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
+import { useOpenGroup } from "../tools/why/useOpenGroup";
+import { Dock } from "../ui/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
-import { Downloads, share } from "./lab/Downloads";
+import { groupsOf } from "./lab/groups";
 import { visibleState } from "./lab/link";
-import { type Live, Pictures } from "./lab/Pictures";
 import { useReading } from "./lab/reading";
-import { keepAddress, openSession, restore } from "./lab/session";
+import { Stage } from "./lab/Stage";
+import { keepAddress, type Live, openSession, restore } from "./lab/session";
 import { replay } from "./worldSession";
-
-const Faults = lazy(async () => (await import("../tools/faults/Faults")).Faults);
-const MovingTable = lazy(async () => (await import("../tools/table/MovingTable")).MovingTable);
-const Why = lazy(async () => (await import("../tools/why/Why")).Why);
 
 /** The current session; null until the server has opened one. */
 const live = signal<Live | null>(null);
@@ -67,54 +63,46 @@ async function connectLab(): Promise<void> {
 let stopAddress: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
 
-function ProfileBox({ store }: { readonly store: Store }) {
+/** The curve, and the groups of controls; both use the state of the profile. */
+function Instruments({ session, comparison, openGroup }: InstrumentsProps) {
+  const { store, id } = session;
   const place = useRef<HTMLDivElement>(null);
   const reading = useReading(store, place);
   const isPointed = useMemo(() => computed(() => store.probe.value !== null), [store]);
   const set = useMemo(() => (name: string, value: number) => store.setParameter(name, value), [store]);
+  const profile = useProfileView(store.mapping.values, reading);
   return (
-    <div ref={place}>
-      <Profile
-        parameters={store.mapping.values}
-        setParameter={set}
-        reading={reading}
-        beamName={isPointed.value ? "the beam towards the pointer" : "the beam straight ahead"}
-      />
-    </div>
-  );
-}
-
-function Model({ store }: { readonly store: Store }) {
-  const hello = store.hello.value;
-  return (
-    hello && (
-      <>
-        <ParameterPanel
-          table={hello.parameters.table}
-          values={store.mapping.values}
-          set={(name, value) => store.setParameter(name, value)}
+    <>
+      <section class="lab-curve" aria-label="Inverse sensor model" ref={place}>
+        <ProfileFigure
+          view={profile}
+          setParameter={set}
+          beamName={isPointed.value ? "the beam towards the pointer" : "the beam straight ahead"}
+          fits
         />
-        <Button kind="quiet" icon="restart" onClick={() => store.reset()}>
-          Reset to defaults
-        </Button>
-      </>
-    )
+      </section>
+      <Dock
+        label="Controls of the lab"
+        groups={groupsOf({ store, session: id, comparison, profile })}
+        open={openGroup}
+      />
+    </>
   );
 }
 
-function Sensor({ store }: { readonly store: Store }) {
-  const table = store.hello.value?.sensor?.table;
-  return (
-    table && (
-      <ParameterPanel table={table} values={store.sensor.values} set={(name, value) => store.setSensor(name, value)} />
-    )
-  );
+interface InstrumentsProps {
+  readonly session: Live;
+  readonly comparison: Comparison;
+  /** The id of the open group. */
+  readonly openGroup: Signal<string>;
 }
 
 function Lab() {
   const session = live.value;
   const store = session?.store ?? null;
-  // The parts below the pictures take longer to render, and wait until the pictures show a map.
+  const comparison = useComparison(store);
+  const openGroup = useOpenGroup(store, "model");
+  // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
     if (isSeen.peek() || (live.value?.store.mapVersion.value ?? 0) <= EMPTY_MAP) return;
@@ -124,7 +112,6 @@ function Lab() {
       }),
     );
   });
-  const below = isSeen.value ? store : null;
   useSignalEffect(() => {
     if (live.value?.status.value !== "gone") return;
     live.value.stop();
@@ -138,16 +125,11 @@ function Lab() {
     }
   });
   return (
-    <main class="lab">
+    <main class="lab" id="main" tabIndex={-1}>
       <h1 class="visually-hidden">The lab</h1>
       <div class="lab-bar">
         <Controls store={store} />
-        <div class="lab-side">
-          <Connected connection={session} />
-          <Button icon="link" disabled={!session} onClick={() => session && void share(session.id, session.store)}>
-            Share
-          </Button>
-        </div>
+        <Connected connection={session} />
       </div>
       {trouble.value && (
         <p class="lab-trouble" role="alert">
@@ -159,33 +141,15 @@ function Lab() {
       ) : (
         <Working what="Computing the map" work={store?.working.value ?? null} />
       )}
-      <Pictures session={session} onPicture={(picture) => onPicture(picture)} />
-      {store && <StepNote store={store} />}
-      {store?.explainedPoint.value && <Why store={store} />}
-      {store && (
-        <div class="lab-experiments">
-          <Disclosure title="What goes wrong" note="seven faults to switch on">
-            <Faults store={store} />
-          </Disclosure>
-          <Disclosure title="The moving table" note="how long does it stay in the map?">
-            <MovingTable store={store} />
-          </Disclosure>
-        </div>
+      <Stage session={session} comparison={comparison} onPicture={(picture) => onPicture(picture)} />
+      {isSeen.value && session && comparison ? (
+        <Instruments session={session} comparison={comparison} openGroup={openGroup} />
+      ) : (
+        <>
+          <div class="lab-curve" />
+          <div class="dock" />
+        </>
       )}
-      <div class="lab-below">
-        <div class="lab-column">
-          <section class="lab-profile" aria-label="Inverse sensor model">
-            {below && <ProfileBox store={below} />}
-          </section>
-          <div class="lab-sensor">{below && <Sensor store={below} />}</div>
-        </div>
-        <div class="lab-column">
-          <aside class="lab-settings" aria-label="Parameters">
-            {below && <Model store={below} />}
-          </aside>
-          <div class="lab-takeaway">{session && <Downloads id={session.id} />}</div>
-        </div>
-      </div>
     </main>
   );
 }

@@ -135,3 +135,19 @@ test("every custom property that styles and drawings use is defined", () => {
   expect(used.length).toBeGreaterThan(500);
   expect([...new Set(used)].filter((name) => !defined.has(name))).toEqual([]);
 });
+
+test("every size of text is one of the type scale, or relative to another one", () => {
+  const files: Record<string, string> = import.meta.glob("../**/*.css", {
+    eager: true,
+    import: "default",
+    query: "?raw",
+  });
+  const own: string[] = [];
+  for (const [name, text] of Object.entries(files)) {
+    const [screen = ""] = text.split("@media print"); // points on paper
+    for (const [rule, size = ""] of screen.matchAll(/font(?:-size)?: ([^;]*);/g))
+      if (/\d(px|rem|pt)\b/.test(size)) own.push(`${name}: ${rule}`);
+  }
+  expect(Object.keys(files).length).toBeGreaterThan(20);
+  expect(own).toEqual([]);
+});

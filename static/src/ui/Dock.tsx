@@ -9,6 +9,8 @@ export interface DockGroup {
   readonly id: string;
   /** The text of its tab. */
   readonly title: string;
+  /** What the group is for: shown at its top and with its tab. */
+  readonly purpose?: string;
   /** A short text beside the title, e.g. a number of findings. */
   readonly badge?: string | null;
   /** Whether the group, once opened, stays in the page while another one is open, with its folds and its scroll. */
@@ -76,6 +78,7 @@ export function Dock({ label, groups, open }: DockProps) {
             aria-controls={`${id}-${group.id}`}
             aria-selected={n === at}
             tabIndex={n === at ? 0 : -1}
+            {...(group.purpose ? { title: group.purpose } : {})}
             data-group={group.id}
             onClick={() => {
               open.value = group.id;
@@ -98,6 +101,7 @@ export function Dock({ label, groups, open }: DockProps) {
           data-group={group.id}
           hidden={n !== at}
         >
+          {group.purpose && n === at && <p class="dock-purpose">{group.purpose}</p>}
           {(n === at || kept.current.has(group.id)) && group.content()}
         </div>
       ))}

@@ -261,7 +261,6 @@ def test_the_two_scanners_of_a_real_recording_make_one_map(run, data_file):
     [
         (["--mount", "0.1,0,0"], "the mount is for one sensor"),
         (["--mount-upside-down"], "the mount is for one sensor"),
-        (["--mcap", "out.mcap"], "--mcap writes the scans of one sensor"),
         (["--topic", "/left"], "'/left'; it has"),
     ],
 )

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
+import pytest
+from rosbags.highlevel import AnyReader
+
+from mapper.io.export import write_mcap
+from mapper.sensors.joint_log import JointLog
+from mapper.simulation import sample_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import transform
 from tests.mapper.io.logs.test_clouds import recording_of_room
@@ -41,3 +50,42 @@ def test_a_cloud_is_mapped_and_the_height_band_chooses_its_points(run: Run, tmp_
         status, _, err = run("map", path, *options)
         assert (status, err.count("\n")) == (2, 1)
         assert said in err
+
+
+@pytest.fixture(scope="module")
+def two_lidars(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of two lidars, of which the second is mounted a quarter of a turn off what tf says."""
+    log = sample_log(120)
+    thinned = replace(log, ranges=log.ranges[:, ::4].copy(), angle_increment=4.0 * log.angle_increment)
+    front = replace(thinned, trajectories={"true": log.trajectory("true")}, topic="/front", frame_id="front")
+    turned = replace(
+        front, topic="/rear", frame_id="rear", mount=(0.0, 0.0, math.pi / 2), stamps_ns=front.stamps_ns + 1_000
+    )
+    path = tmp_path_factory.mktemp("two") / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, JointLog.of([front, turned]))
+    return path
+
+
+def test_doctor_and_check_examine_every_sensor_that_is_named(run: Run, two_lidars: Path) -> None:
+    both = ("--topic", "/front", "--topic", "/rear")
+    out = run("doctor", two_lidars, *both).out
+    assert "mount.turned of /rear (" in out
+    assert "/front" not in out
+    status, out, _ = run("check", two_lidars, *both, "--no-findings", "mount")
+    assert (status, "  mount.turned of /rear: The laser fits much better" in out) == (1, True)
+    status, out, _ = run("check", two_lidars, "--topic", "/front", "--no-findings", "mount", "--json")
+    assert (status, json.loads(out)["findings"]) == (0, [])
+    status, _, err = run("check", two_lidars, *both, "--no-findings", "mount", "--mount", "0,0,1")
+    assert (status, "A correction of the mount is for one sensor" in err) == (2, True)
+
+
+def test_map_exports_the_scans_of_all_sensors(run: Run, two_lidars: Path, tmp_path: Path) -> None:
+    both = ("--topic", "/front", "--topic", "/rear", "--quiet")
+    facts = state_counts(run, two_lidars, *both, "--mcap", tmp_path / "out.mcap", "--tum", tmp_path / "out.tum")
+    with AnyReader([tmp_path / "out.mcap"]) as reader:
+        counts = {one.topic: one.msgcount for one in reader.connections}
+    assert (counts["/front"], counts["/rear"], counts["/pose"]) == (120, 120, 240)
+    assert len((tmp_path / "out.tum").read_text().splitlines()) == facts["scans"] == 240
+    again = state_counts(run, tmp_path / "out.mcap", *both)
+    assert (again["cells_updated"], again["occupied"]) == (facts["cells_updated"], facts["occupied"])

@@ -260,7 +260,7 @@ async def test_a_newer_command_does_not_end_an_examination(
 ) -> None:
     session = await new_log(registry, "me", office_log)
     # As while a map is computed that a newer slider move replaces.
-    monkeypatch.setattr(session, "_is_outdated", lambda: True)
+    monkeypatch.setattr(session._requests, "_is_outdated", lambda: True)
     with session.cancellable():
         assert not session.may_continue()
         assert await session.model.recording.examined() == []

@@ -16,8 +16,7 @@ from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions import SessionRegistry
-from server.sessions import host as host_module
+from server.sessions import SessionRegistry, long_work, requests
 from server.sessions.models.simulation import SimulationModel
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
@@ -27,8 +26,8 @@ from tests.server.view import view_of
 async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(host_module, "SHOWN_AFTER_S", 0.01)
-    monkeypatch.setattr(host_module, "SHOWN_EVERY_S", 0.01)
+    monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.01)
+    monkeypatch.setattr(long_work, "SHOWN_EVERY_S", 0.01)
     released, remake = threading.Event(), SimulationModel._remake
 
     def slow(self: SimulationModel, *arguments: Any) -> None:
@@ -94,7 +93,7 @@ async def test_newer_parameters_cancel_a_map(
 async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # they have come for long
+    monkeypatch.setattr(requests, "MAX_CANCELLING_S", 0.0)  # they have come for long
     session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
@@ -128,7 +127,7 @@ class Slices:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.allowed = threading.Semaphore(0)
-        monkeypatch.setattr(host_module, "SHOWN_AFTER_S", 0.0)
+        monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.0)
         monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
         monkeypatch.setattr("server.sessions.models.log.slice_is_over", lambda: self._over)
 
@@ -192,7 +191,7 @@ async def test_a_long_seek_can_be_cancelled_where_it_is(
 async def test_new_parameters_can_be_cancelled(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(host_module, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
+    monkeypatch.setattr(requests, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)

@@ -2,22 +2,16 @@ import { useEffect } from "preact/hooks";
 import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
 import type { Status } from "../../store/stream";
-import { Steps } from "../../tools/steps/Steps";
+import { StepButtons } from "../../tools/steps/Steps";
 import { Button } from "../../ui/Button";
-
-const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element &&
-  target.closest("input, select, button, a, summary, textarea, [role=slider], [role=application]") !== null;
+  target.closest("input, select, button, a, summary, textarea, [role=slider], [role=application], [role=tabpanel]") !==
+    null;
 
-/** Playback and world: play, step, restart, undo, automatic driving, speed, choice of the world. */
-export function Controls({ store }: { readonly store: Store | null }) {
-  const world = store?.world.value;
-  const playing = store?.playing.value ?? true;
-  const auto = store?.auto.value ?? true;
-  const speed = store?.speed.value ?? 1;
-  const off = !store?.isReady.value;
+/** Undo and redo by Ctrl+Z, play and pause by the space bar. */
+function useKeys(store: Store | null): void {
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       const isUndo = (event.ctrlKey || event.metaKey) && !event.altKey && event.key.toLowerCase() === "z";
@@ -34,55 +28,34 @@ export function Controls({ store }: { readonly store: Store | null }) {
     addEventListener("keydown", onKey);
     return () => removeEventListener("keydown", onKey);
   }, [store]);
+}
+
+/** What is needed at first: play, step, reset, and the choice of the world. */
+export function Controls({ store }: { readonly store: Store | null }) {
+  useKeys(store);
+  const world = store?.world.value;
+  const playing = store?.playing.value ?? true;
+  const off = !store?.isReady.value;
   return (
     <div class="lab-controls">
-      <div class="lab-buttons">
-        <Button
-          kind="primary"
-          icon={playing ? "pause" : "play"}
-          label={playing ? "Pause" : "Play"}
-          disabled={off}
-          onClick={() => store?.togglePlaying()}
-        />
-        <Steps store={store} />
-        <span class="lab-break" />
-        <Button
-          icon="restart"
-          label="Clear the map and start over"
-          disabled={off}
-          onClick={() => store?.send({ type: "restart" })}
-        />
-        <Button
-          icon="undo"
-          label="Undo (Ctrl+Z)"
-          disabled={!store?.history.canUndo.value}
-          onClick={() => store?.history.undo()}
-        />
-        <Button
-          icon="redo"
-          label="Redo (Ctrl+Shift+Z)"
-          disabled={!store?.history.canRedo.value}
-          onClick={() => store?.history.redo()}
-        />
-        <Button icon="robot" pressed={auto} disabled={off} onClick={() => store?.send({ type: "auto", value: !auto })}>
-          Auto-drive
-        </Button>
-      </div>
-      <label class="lab-choice">
-        <span>Speed</span>
-        <select
-          class="select"
-          disabled={off}
-          value={String(speed)}
-          onChange={(event) => store?.send({ type: "speed", value: Number(event.currentTarget.value) })}
-        >
-          {SPEEDS.map((one) => (
-            <option key={one} value={String(one)} selected={one === speed}>
-              {one}×
-            </option>
-          ))}
-        </select>
-      </label>
+      <Button
+        kind="primary"
+        icon={playing ? "pause" : "play"}
+        label={playing ? "Pause" : "Play"}
+        disabled={off}
+        onClick={() => store?.togglePlaying()}
+      />
+      <StepButtons store={store} />
+      <Button
+        icon="restart"
+        disabled={off}
+        onClick={() => {
+          store?.reset();
+          store?.send({ type: "restart" });
+        }}
+      >
+        Reset
+      </Button>
       <label class="lab-choice">
         <span>World</span>
         <select

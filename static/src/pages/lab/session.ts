@@ -1,7 +1,13 @@
 import { effect } from "@preact/signals";
+import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CancelledError, createWorld } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
+
+/** The connection to a session, with its id. */
+export interface Live extends Connection {
+  readonly id: string;
+}
 
 /** The session that the lab shows, and a notice on how it was opened. */
 export interface Opened {

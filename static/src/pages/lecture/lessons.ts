@@ -3,20 +3,20 @@ export type Reserve = readonly [wide: number, middle: number, narrow: number];
 
 /** The lessons in their order: the anchor of each on the page, its title, and the height of its figure. */
 export const LESSONS = [
-  { id: "grid", title: "A grid and three assumptions", reserve: [383, 323, 592] },
-  { id: "cell", title: "One cell", reserve: [402, 402, 347] },
-  { id: "log-odds", title: "Why log-odds", reserve: [579, 579, 624] },
-  { id: "model", title: "The inverse sensor model", reserve: [661, 683, 804] },
-  { id: "rays", title: "Rays on a grid", reserve: [678, 620, 449] },
-  { id: "algorithm", title: "The whole algorithm", reserve: [518, 941, 787] },
-  { id: "sonar", title: "Sonar cones", reserve: [408, 381, 740] },
-  { id: "no-return", title: "Beams without a return", reserve: [340, 330, 1036] },
-  { id: "mount", title: "Frames and mounts", reserve: [424, 432, 834] },
-  { id: "forgetting", title: "Clamping and forgetting", reserve: [657, 609, 937] },
-  { id: "counting", title: "Per beam or per scan", reserve: [592, 565, 904] },
-  { id: "matching", title: "When the poses are not known", reserve: [512, 480, 912] },
-  { id: "file", title: "The file that Nav2 reads", reserve: [658, 642, 1470] },
-  { id: "log", title: "Your own log", reserve: [217, 217, 240] },
+  { id: "grid", title: "A grid and three assumptions", reserve: [408, 324, 606] },
+  { id: "cell", title: "One cell", reserve: [428, 428, 332] },
+  { id: "log-odds", title: "Why log-odds", reserve: [587, 587, 609] },
+  { id: "model", title: "The inverse sensor model", reserve: [674, 698, 819] },
+  { id: "rays", title: "Rays on a grid", reserve: [723, 628, 420] },
+  { id: "algorithm", title: "The whole algorithm", reserve: [552, 969, 823] },
+  { id: "sonar", title: "Sonar cones", reserve: [434, 365, 751] },
+  { id: "no-return", title: "Beams without a return", reserve: [358, 671, 1020] },
+  { id: "mount", title: "Frames and mounts", reserve: [450, 416, 823] },
+  { id: "forgetting", title: "Clamping and forgetting", reserve: [686, 618, 951] },
+  { id: "counting", title: "Per beam or per scan", reserve: [618, 549, 889] },
+  { id: "matching", title: "When the poses are not known", reserve: [543, 467, 907] },
+  { id: "file", title: "The file that Nav2 reads", reserve: [673, 1083, 1595] },
+  { id: "log", title: "Your own log", reserve: [230, 230, 230] },
 ] as const satisfies readonly Lesson[];
 
 export type LessonId = (typeof LESSONS)[number]["id"];

@@ -1,4 +1,4 @@
-import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
@@ -8,6 +8,7 @@ import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { Readout } from "../../tools/readout/Readout";
+import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Button } from "../../ui/Button";
 import { Dock } from "../../ui/Dock";
 import { Icon } from "../../ui/Icon";
@@ -53,7 +54,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const healing = useHealing(store, session, guest !== undefined);
   const notes = useNotes(session);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
-  const openGroup = useOpenGroup(store);
+  const openGroup = useOpenGroup(store, "settings");
   const openNotes = (): void => {
     openGroup.value = "notes";
   };
@@ -169,23 +170,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
       />
     </div>
   );
-}
-
-/** The open group of the dock: the explanation of a cell takes the place of another group until it is closed. */
-function useOpenGroup(store: Store): Signal<string> {
-  const open = useSignal("settings");
-  const before = useRef("settings");
-  useSignalEffect(() => {
-    const isExplained = store.explainedPoint.value !== null;
-    const now = open.peek();
-    if (isExplained && now !== "why") {
-      before.current = now;
-      open.value = "why";
-    } else if (!isExplained && now === "why") {
-      open.value = before.current;
-    }
-  });
-  return open;
 }
 
 /** Show the shared part of the map as soon as the picture has a size. */

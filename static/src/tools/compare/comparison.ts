@@ -186,7 +186,8 @@ export class Comparison {
     const compared = this.#store.compared.peek();
     if (!compared || !this.pair.peek()) return [0, 1];
     if (this.mode.peek() === "difference" || this.mode.peek() === "merge") return [1, 1];
-    const samePoses = !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
+    const samePoses =
+      compared.with_faults && !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
     return samePoses ? [0, 1] : [this.share, 1];
   }
 }

@@ -4,6 +4,8 @@ import { computed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import type { Value, Values } from "../../wire/protocol";
+import type { Comparison } from "../compare/comparison";
+import { SecondMapChoice } from "../compare/SecondMap";
 import { readable } from "../parameters/parameters";
 import { availableFaults, correctValues, type Fault, stillActive, switchFault } from "./model";
 import "./faults.css";
@@ -14,7 +16,12 @@ const NO_FAULTS: Values = {};
 const activeNow = (store: Store) =>
   computed(() => stillActive(store.activeFaults.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
 
-export function Faults({ store }: { readonly store: Store }) {
+interface FaultsProps {
+  readonly store: Store;
+  readonly comparison: Comparison;
+}
+
+export function Faults({ store, comparison }: FaultsProps) {
   const hello = store.hello.value;
   const wrong = useMemo(() => activeNow(store), [store]);
   if (!hello) return null;
@@ -70,13 +77,8 @@ export function Faults({ store }: { readonly store: Store }) {
             <span class="faults-sets">{sentence(fault, wrong.value.before, hello.parameters.table)}</span>
           </p>
         ))}
-        {beside && (
-          <p>
-            <b>Second map:</b> the correct map from the same recording, with true poses, all returns, and the settings
-            shown under it.
-          </p>
-        )}
       </div>
+      {beside && <SecondMapChoice store={store} comparison={comparison} />}
     </div>
   );
 }

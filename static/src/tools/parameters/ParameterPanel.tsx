@@ -1,12 +1,8 @@
 import type { ReadonlySignal } from "@preact/signals";
-import { useMemo } from "preact/hooks";
-import { Choice } from "../../ui/Choice";
-import type { Range } from "../../ui/numbers";
 import { Disclosure } from "../../ui/Panel";
-import { Slider, type Tone } from "../../ui/Slider";
-import { Toggle } from "../../ui/Toggle";
 import type { Parameter, Value, Values } from "../../wire/protocol";
-import { boundsOf, type Group, grouped, isEnabled, readable } from "./parameters";
+import { ParameterRows } from "./ParameterRows";
+import { changedOf, grouped, readable } from "./parameters";
 
 const TITLES: Record<string, string> = {
   model: "Sensor model",
@@ -14,18 +10,6 @@ const TITLES: Record<string, string> = {
   map: "Map",
   mount: "Sensor mount",
   sensor: "Sensor",
-};
-
-const TONES: Record<string, Tone> = {
-  log_odds_hit: "hit",
-  p_occ: "hit",
-  window: "hit",
-  log_odds_max: "hit",
-  log_odds_miss: "miss",
-  p_free: "miss",
-  log_odds_min: "miss",
-  range_max: "beam",
-  log_odds_prior: "prior",
 };
 
 interface PanelProps {
@@ -45,76 +29,17 @@ export function ParameterPanel({ table, values, set, open = [] }: PanelProps) {
         <Disclosure
           key={group.name}
           title={TITLES[group.name] ?? readable(group.name)}
-          note={changedNote(group, now)}
+          note={changedNote(group.rows, now)}
           open={n === 0 || open.includes(group.name)}
         >
-          {group.rows.map((row) => (
-            <Control key={row.name} row={row} values={now} set={set} />
-          ))}
+          <ParameterRows rows={group.rows} values={values} set={set} />
         </Disclosure>
       ))}
     </div>
   );
 }
 
-function changedNote(group: Group, values: Values): string | null {
-  const changed = group.rows.filter((row) => (values[row.name] ?? row.initial) !== row.initial).length;
+function changedNote(rows: readonly Parameter[], values: Values): string | null {
+  const changed = changedOf(rows, values);
   return changed === 0 ? null : `${changed} changed`;
-}
-
-interface ControlProps {
-  readonly row: Parameter;
-  readonly values: Values;
-  readonly set: (name: string, value: Value) => void;
-}
-
-/** A control is rendered only when its own values change: while one is dragged, the others are not rendered. */
-function Control({ row, values, set }: ControlProps) {
-  const value = values[row.name] ?? row.initial;
-  const disabled = !isEnabled(row, values);
-  const { low, high, step } = boundsOf(row, values);
-  return useMemo(
-    () => controlOf(row, value, { low, high, step }, disabled, (next) => set(row.name, next)),
-    [row, value, low, high, step, disabled, set],
-  );
-}
-
-function controlOf(row: Parameter, value: Value, range: Range, disabled: boolean, change: (next: Value) => void) {
-  if (row.kind === "flag") {
-    return (
-      <Toggle
-        label={row.label}
-        sentence={row.sentence}
-        checked={value === true}
-        disabled={disabled}
-        onChange={change}
-      />
-    );
-  }
-  if (row.kind === "choice") {
-    const options = row.choices.map((choice) => ({ value: choice, label: readable(choice) }));
-    return (
-      <Choice
-        label={row.label}
-        sentence={row.sentence}
-        options={options}
-        value={String(value)}
-        disabled={disabled}
-        onChange={change}
-      />
-    );
-  }
-  return (
-    <Slider
-      label={row.label}
-      sentence={row.sentence}
-      unit={row.unit}
-      tone={TONES[row.name] ?? "accent"}
-      value={Number(value)}
-      initial={Number(row.initial)}
-      disabled={disabled}
-      {...range}
-      onInput={change}
-    />
-  );
 }

@@ -52,6 +52,11 @@ export function readable(choice: string): string {
   return choice.replaceAll("_", " ");
 }
 
+/** How many of the rows have another value than at first. */
+export function changedOf(rows: readonly Parameter[], values: Values): number {
+  return rows.filter((row) => (values[row.name] ?? row.initial) !== row.initial).length;
+}
+
 export interface Group {
   readonly name: string;
   readonly rows: readonly Parameter[];

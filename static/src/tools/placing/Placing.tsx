@@ -1,5 +1,6 @@
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { LiveRegion } from "../../ui/LiveRegion";
 
 /** The button that puts the editing tools away: a click on the world then places the robot. */
 export function PlaceRobot({ store }: { readonly store: Store }) {
@@ -14,11 +15,18 @@ export function PlacingHint({ store }: { readonly store: Store }) {
   if (store.editing.tool.value !== null) return null;
   return (
     <p class="hint">
-      Click to move the robot there, or drag it
+      Click to send the robot, or drag it
       <span class="hint-keys">
         , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
       </span>
-      .
     </p>
+  );
+}
+
+/** Announces to screen readers where a click, a tap or Enter has sent the robot. */
+export function RobotAnnouncement({ store }: { readonly store: Store }) {
+  const sent = store.teleported.value;
+  return (
+    <LiveRegion text={sent ? `Robot sent to x ${sent.point[0].toFixed(1)} m, y ${sent.point[1].toFixed(1)} m` : ""} />
   );
 }

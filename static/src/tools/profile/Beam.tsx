@@ -44,7 +44,14 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
           height={18}
         />
       )}
-      <rect class="lens-frame" x={lensLeft} y={beam.top - 2} width={lensRight - lensLeft} height={28} rx={3} />
+      <rect
+        class="lens-frame"
+        x={lensLeft}
+        y={beam.top - 2}
+        width={lensRight - lensLeft}
+        height={beam.bottom - beam.top}
+        rx={3}
+      />
       <path
         class="robot"
         d={`M${beam.left - 16} ${middle - 9}L${beam.left} ${middle}L${beam.left - 16} ${middle + 9}Z`}
@@ -57,12 +64,15 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
           </text>
         </g>
       ))}
+      <text class="axis-title" x={beam.left - 16} y={beam.top - 5}>
+        the whole beam
+      </text>
       <RangeMaxFlag
         view={view}
         controls={controls}
         on="beam"
         x={rangeX}
-        y={6}
+        y={beam.top - 18}
         down={beam.bottom}
         label={labelEnd ? { x: rangeX - 12, anchor: "end" } : { x: rangeX + 12, anchor: "start" }}
       />

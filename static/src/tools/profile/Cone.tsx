@@ -7,6 +7,7 @@ import { signed, written } from "../../ui/numbers";
 import { isDark } from "../../ui/theme";
 import type { Controls } from "./controls";
 import type { Box } from "./layout";
+import { DistanceTitle } from "./Strip";
 import { ReadingLabel, WindowEdges } from "./sharedHandles";
 import type { ProfileView } from "./view";
 
@@ -119,10 +120,11 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       <path class="cone-edge" d={`M${at(end, edge).join(" ")}L${box.left} ${axis}L${at(end, -edge).join(" ")}`} />
       {!noReturn && <path class="cone-arc" d={arc(z)} />}
       {ticks(0, view.reach.value, narrow ? 4 : 8).map((tick) => (
-        <text key={tick} class="tick" x={x(tick)} y={box.bottom + 36} text-anchor="middle">
-          {`${written(tick, tick % 1 === 0 ? 0 : 1)}${tick === 0 ? " m" : ""}`}
+        <text key={tick} class="tick" x={x(tick)} y={box.bottom + 31} text-anchor="middle">
+          {written(tick, tick % 1 === 0 ? 0 : 1)}
         </text>
       ))}
+      <DistanceTitle layout={view.layout.value} />
       <text class="label-miss" x={box.left + 12} y={box.top + 16}>
         {certain ? "empty: certainty up to 1" : `closer ${signed(model.miss)}`}
       </text>

@@ -13,7 +13,7 @@ const PROBABILITIES = [0.5, 0.2, 0.8, 0.7, 0.3, 0.9, 0.1, 0.95, 0.05, 0.6, 0.4, 
 
 /** The two vertical axes: evidence in log-odds, and the resulting probability of a cell that had its prior. */
 function Axes({ view }: { view: ProfileView }) {
-  const { curve } = view.layout.value;
+  const { curve, width } = view.layout.value;
   const scale = view.yScale.value;
   const prior = view.values.value.log_odds_prior;
   const y = (evidence: number): number => toPixel(evidence, scale);
@@ -41,13 +41,29 @@ function Axes({ view }: { view: ProfileView }) {
           </text>
         </g>
       ))}
-      <text class="axis-title" x={curve.left - 7} y={curve.top - 16} text-anchor="end">
-        Δℓ
-      </text>
-      <text class="axis-title" x={curve.right + 7} y={curve.top - 16} text-anchor="start">
-        p
-      </text>
+      <AxisTitle
+        x={14}
+        y={(curve.top + curve.bottom) / 2}
+        text="evidence Δℓ, log-odds"
+        high={curve.bottom - curve.top}
+      />
+      <AxisTitle
+        x={width - 6}
+        y={(curve.top + curve.bottom) / 2}
+        text="p after one beam"
+        high={curve.bottom - curve.top}
+      />
     </g>
+  );
+}
+
+/** The title of a vertical axis, read from below, where the axis is long enough for it. */
+function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; high: number }) {
+  const short = text.replace(/,? (log-odds|after one beam)$/, "");
+  return (
+    <text class="axis-title" transform={`translate(${x} ${y}) rotate(-90)`} text-anchor="middle">
+      {high > 6.2 * text.length ? text : short}
+    </text>
   );
 }
 
@@ -84,19 +100,22 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const hitTo = noReturn ? freeTo : x(z + half);
   const zx = x(z);
   const narrow = view.width.value < 560;
+  // In a low curve there is no room for the window's label over its top.
+  const low = curve.bottom - curve.top < 110;
   // With r = 0 the profile is a line at z; in the grid the whole cell that contains the endpoint gets its evidence.
   const cell = cellIndexAt(z, values.resolution) * values.resolution;
   const hit = level("hit", values, controls.bounds);
   const miss = level("miss", values, controls.bounds);
   const labelFrom = Math.max(hitTo, zx + 15) + 8;
   const labelLeft = labelFrom > curve.right - (narrow ? 112 : 152);
-  const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}`;
+  const isRamp = values.model === "smooth_ramp" && !noReturn;
+  const windowText = half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`;
+  const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;
   // A ramp has no steps: it is drawn from one side of the window to the other, negative and positive part apart.
-  const isRamp = values.model === "smooth_ramp" && !noReturn;
   const widest = isRamp ? 2 * controls.bounds("sigma").high : controls.bounds("window").high / 2;
   const ramp = isRamp
     ? rampPoints(Math.max(0, z - half), z + half).map((s) => [x(s), increment(s, z, values)] as const)
@@ -164,7 +183,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
         <line class="profile-hit" x1={hitFrom - 1.5} x2={hitTo + 1.5} y1={y(model.hit)} y2={y(model.hit)} />
       )}
       {curve.right - hitTo > (narrow ? 160 : 190) && (
-        <text class="label-prior" x={curve.right - 10} y={y0 - 9} text-anchor="end">
+        <text class="label-prior" x={curve.right - 10} y={low ? y0 + 17 : y0 - 9} text-anchor="end">
           {frees ? "beyond: no evidence" : "no evidence"}
         </text>
       )}
@@ -248,14 +267,16 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             widest={widest}
           />
           <ReadingLabel view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
-          <text
-            class="label-window"
-            x={(hitFrom + hitTo) / 2}
-            y={Math.max(y(model.hit) - 13, curve.top + 12)}
-            text-anchor="middle"
-          >
-            {half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`}
-          </text>
+          {!low && (
+            <text
+              class="label-window"
+              x={(hitFrom + hitTo) / 2}
+              y={Math.max(y(model.hit) - 13, curve.top + 12)}
+              text-anchor="middle"
+            >
+              {windowText}
+            </text>
+          )}
         </>
       )}
       {noReturn && (

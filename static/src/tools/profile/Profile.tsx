@@ -1,11 +1,12 @@
-import { effect, type ReadonlySignal } from "@preact/signals";
+import { batch, effect, type ReadonlySignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { cellIndexAt, isCone, type SensorModelParameters } from "../../grid/sensorModel";
 import { toValue } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { lazy } from "../../ui/lazy";
 import type { Range } from "../../ui/numbers";
-import { useWidth } from "../../ui/useWidth";
+import { useSize } from "../../ui/useSize";
 import { Beam } from "./Beam";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
@@ -47,20 +48,61 @@ interface ProfileProps {
  * It is updated in the browser at once; the map follows from the server.
  */
 export function Profile({ parameters, setParameter, reading, beamName = "the beam" }: ProfileProps) {
+  const view = useProfileView(parameters, reading);
+  return (
+    <ProfileFigure view={view} setParameter={setParameter} beamName={beamName}>
+      <figcaption>
+        <ProfileText view={view} />
+      </figcaption>
+    </ProfileFigure>
+  );
+}
+
+/** The state of a profile, for its figure and its text. */
+export function useProfileView(parameters: ProfileProps["parameters"], reading: ProfileProps["reading"]): ProfileView {
   const view = useMemo(() => new ProfileView(parameters, reading), [parameters, reading]);
   useEffect(() => () => view.dispose(), [view]);
+  return view;
+}
+
+/** The formula of a profile with its numbers, and in words. */
+export function ProfileText({ view }: { readonly view: ProfileView }) {
+  return (
+    <div class="profile-caption">
+      <Formula view={view} />
+      <InWords view={view} />
+    </div>
+  );
+}
+
+interface ProfileFigureProps {
+  readonly view: ProfileView;
+  readonly setParameter: ProfileProps["setParameter"];
+  readonly beamName: string;
+  /** Whether it fills the height of its place, instead of having the height that it needs. */
+  readonly fits?: boolean;
+  readonly children?: ComponentChildren;
+}
+
+/** The figure of a profile, and what stands below it. */
+export function ProfileFigure({ view, setParameter, beamName, fits = false, children }: ProfileFigureProps) {
+  const { reading } = view;
   const controls = useMemo(() => {
     const bounds: Bounds = (name) => TABLE[name] ?? ANY;
     return controlsFor(view, bounds, setParameter);
   }, [view, setParameter]);
   const frame = useRef<HTMLDivElement>(null);
-  const measured = useWidth(frame, 720);
+  const measured = useSize(frame, 720);
   useLayoutEffect(
     () =>
       effect(() => {
-        view.width.value = Math.max(280, measured.value);
+        const { width, height } = measured.value;
+        batch(() => {
+          view.width.value = Math.max(280, width);
+          view.height.value = fits ? height : null;
+        });
       }),
-    [view, measured],
+    [view, measured, fits],
   );
 
   const { width, height, curve, strip } = view.layout.value;
@@ -78,7 +120,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
   const following = view.grabbed.value === null;
 
   return (
-    <figure class="profile" aria-label="Inverse sensor model along one beam">
+    <figure class={`profile${fits ? " fits" : ""}`} aria-label="Inverse sensor model along one beam">
       <div class="profile-bar">
         <span class="profile-source">
           {following ? (
@@ -109,7 +151,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           {hovered === null || cone ? null : cellText(hovered, view)}
         </output>
       </div>
-      <div class="profile-frame" ref={frame} style={{ height: `${height}px` }}>
+      <div class="profile-frame" ref={frame} {...(fits ? {} : { style: { height: `${height}px` } })}>
         {cone && <ConeCells view={view} />}
         <svg
           class="profile-svg"
@@ -136,10 +178,7 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
           )}
         </svg>
       </div>
-      <figcaption class="profile-caption">
-        <Formula view={view} />
-        <InWords view={view} />
-      </figcaption>
+      {children}
     </figure>
   );
 }

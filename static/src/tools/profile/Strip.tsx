@@ -10,6 +10,7 @@ import {
 } from "../../grid/sensorModel";
 import { ticks, toPixel } from "../../render/chart/scale";
 import { keyed, signed, written } from "../../ui/numbers";
+import type { Layout } from "./layout";
 import type { ProfileView } from "./view";
 
 const ZONES: readonly Zone[] = ["free", "hit", "beyond"];
@@ -111,10 +112,11 @@ export function Strip({ view }: { view: ProfileView }) {
         </text>
       )}
       {places.map((tick) => (
-        <text key={tick} class="tick" x={x(tick)} y={strip.bottom + 36} text-anchor="middle">
-          {`${written(tick, decimalsOf(places))}${tick === places[places.length - 1] ? " m" : ""}`}
+        <text key={tick} class="tick" x={x(tick)} y={strip.bottom + 31} text-anchor="middle">
+          {written(tick, decimalsOf(places))}
         </text>
       ))}
+      <DistanceTitle layout={view.layout.value} />
       <desc id={id}>Steps along the beam cell by cell and shows the increment of each cell.</desc>
       <rect
         class="strip-cursor"
@@ -142,6 +144,20 @@ export function Strip({ view }: { view: ProfileView }) {
         }}
       />
     </g>
+  );
+}
+
+/** The title of the axis of distances: under its ticks where there is room, else at its end. */
+export function DistanceTitle({ layout }: { layout: Layout }) {
+  const { strip, height, width } = layout;
+  return height - strip.bottom > 50 ? (
+    <text class="axis-title" x={(strip.left + strip.right) / 2} y={strip.bottom + 50} text-anchor="middle">
+      distance s along the beam, m
+    </text>
+  ) : (
+    <text class="axis-title" x={width - 2} y={strip.bottom + 31} text-anchor="end">
+      s, m
+    </text>
   );
 }
 

@@ -18,15 +18,25 @@ export interface Layout {
   readonly strip: Box;
 }
 
-export function layoutFor(width: number): Layout {
+/** Least height of the curve, below which the figure is cut off instead. */
+const LEAST_CURVE = 60;
+
+/** The layout in a width, and in a height where the place of the figure has one: its parts are then closer together. */
+export function layoutFor(width: number, height: number | null = null): Layout {
   const narrow = width < 560;
-  const left = narrow ? 40 : 56;
-  const right = width - (narrow ? 38 : 56);
-  const curveHeight = narrow ? 220 : 240;
-  const beam = { left, right, top: 30, bottom: 58 };
-  const curve = { left, right, top: 112, bottom: 112 + curveHeight };
-  const strip = { left, right, top: curve.bottom + 30, bottom: curve.bottom + 60 };
-  return { width, height: strip.bottom + 46, beam, curve, strip };
+  const left = narrow ? 48 : 62;
+  const right = width - (narrow ? 46 : 62);
+  const tight = height !== null;
+  const beamTop = tight ? 18 : 30;
+  const beam = { left, right, top: beamTop, bottom: beamTop + (tight ? 24 : 28) };
+  const top = beam.bottom + (tight ? 32 : 44);
+  const above = tight ? 28 : 30;
+  const cells = tight ? 18 : 30;
+  const below = tight ? 36 : 62;
+  const curveHeight = tight ? Math.max(LEAST_CURVE, height - top - above - cells - below) : narrow ? 220 : 240;
+  const curve = { left, right, top, bottom: top + curveHeight };
+  const strip = { left, right, top: curve.bottom + above, bottom: curve.bottom + above + cells };
+  return { width, height: strip.bottom + below, beam, curve, strip };
 }
 
 /** The enlarged part of the beam, in metres. */

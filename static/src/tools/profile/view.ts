@@ -33,7 +33,9 @@ const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 /** State of the profile: the reading, the enlarged part, the axes, and their animation; no markup. */
 export class ProfileView {
   readonly width = signal(720);
-  readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value));
+  /** The height of its place; null where it has the height that it needs. */
+  readonly height = signal<number | null>(null);
+  readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value, this.height.value));
   /** The reading that was set by dragging, metres; null while the figure follows the beam. */
   readonly grabbed = signal<number | null>(null);
   /** Index of the cell under the pointer. */

@@ -5,6 +5,7 @@ import type { Size } from "../../render/view";
 import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { key } from "./model";
 import { endStaleSteps, step, UNITS, type Unit, valuesNow } from "./stepping";
@@ -13,8 +14,8 @@ import "./steps.css";
 
 const unit = signal<Unit>("scan");
 
-/** Buttons to step back and forward by a cell, a beam, a scan or a second. */
-export function Steps({ store }: { readonly store: Store | null }) {
+/** Buttons to step back and forward by the chosen unit. */
+export function StepButtons({ store }: { readonly store: Store | null }) {
   const off = !store?.isReady.value;
   useEffect(() => (store ? endStaleSteps(store) : undefined), [store]);
   const go = (by: 1 | -1): void => {
@@ -24,27 +25,38 @@ export function Steps({ store }: { readonly store: Store | null }) {
     <>
       <Button icon="stepBack" label={`Back one ${unit.value}`} disabled={off} onClick={() => go(-1)} />
       <Button icon="stepForward" label={`Forward one ${unit.value}`} disabled={off} onClick={() => go(1)} />
-      <select
-        class="select steps-unit"
-        aria-label="Step size"
-        disabled={off}
-        value={unit.value}
-        onChange={(event) => {
-          unit.value = event.currentTarget.value as Unit;
-        }}
-      >
-        {UNITS.map((one) => (
-          <option key={one} value={one} selected={one === unit.value}>
-            {one}
-          </option>
-        ))}
-      </select>
     </>
   );
 }
 
+const UNIT_OPTIONS = UNITS.map((one) => ({ value: one, label: one }));
+
+/** How far a step goes, and the current one in numbers. */
+export function Steps({ store }: { readonly store: Store }) {
+  return (
+    <div class="steps">
+      <Choice
+        label="Step size"
+        options={UNIT_OPTIONS}
+        value={unit.value}
+        onChange={(chosen) => {
+          unit.value = chosen as Unit;
+        }}
+      />
+      {store.stepping.value ? (
+        <StepNote store={store} />
+      ) : (
+        <p class="steps-hint">
+          The step buttons above the world go back and forward by this much. By cells and beams the newest scan is added
+          to the map again, with the numbers of each update.
+        </p>
+      )}
+    </div>
+  );
+}
+
 /** The current step in numbers: the beam, the cell, Bresenham's error term, the update. */
-export function StepNote({ store }: { readonly store: Store }) {
+function StepNote({ store }: { readonly store: Store }) {
   const stepping = store.stepping.value;
   void store.inspected.value;
   void store.mapVersion.value;

@@ -8,6 +8,8 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
 import type { Forgetting } from "../../wire/protocol";
+import type { Comparison } from "../compare/comparison";
+import { SecondMapChoice } from "../compare/SecondMap";
 import { ForgettingChart } from "./ForgettingChart";
 import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
 import "./table.css";
@@ -19,7 +21,12 @@ const FAST = 4;
 
 type Stage = "idle" | "standing" | "gone";
 
-export function MovingTable({ store }: { readonly store: Store }) {
+interface MovingTableProps {
+  readonly store: Store;
+  readonly comparison: Comparison;
+}
+
+export function MovingTable({ store, comparison }: MovingTableProps) {
   const stage = useSignal<Stage>("idle");
   const since = useSignal(0);
   const guess = useSignal<number | null>(null);
@@ -99,6 +106,7 @@ export function MovingTable({ store }: { readonly store: Store }) {
     <div class="table-figure">
       <ForgettingChart points={points.value} guess={guess.value ?? 0} forgetting={forgetting} />
       <Outcome store={store} forgetting={forgetting} guess={guess.value ?? 0} />
+      <SecondMapChoice store={store} comparison={comparison} />
       {reducedMotion.value && !forgetting?.without_clamp && (
         <Button icon="stepForward" onClick={goOn}>
           Forward {LEAST_SCANS} scans

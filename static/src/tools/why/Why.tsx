@@ -19,14 +19,9 @@ interface WhyProps {
 const useIsOpen = (store: Store): ReadonlySignal<boolean> =>
   useMemo(() => computed(() => store.explainedPoint.value !== null), [store]);
 
-/** Opens when the explanation of a cell is requested, at the edge of the window, so that nothing on the page moves. */
-export function Why({ store }: WhyProps) {
-  return useIsOpen(store).value ? <Panel store={store} place="window" /> : null;
-}
-
 /** The explanation as a group of a dock, and how to ask for it. */
 export function WhyGroup({ store }: WhyProps) {
-  if (useIsOpen(store).value) return <Panel store={store} place="dock" />;
+  if (useIsOpen(store).value) return <Panel store={store} />;
   return (
     <p class="why-hint">
       Shift+click a cell of the map, or press and hold it, to see why it has its value: each beam that passed through it
@@ -35,7 +30,7 @@ export function WhyGroup({ store }: WhyProps) {
   );
 }
 
-function Panel({ store, place }: WhyProps & { readonly place: "window" | "dock" }) {
+function Panel({ store }: WhyProps) {
   const slider = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const before = document.activeElement;
@@ -57,7 +52,7 @@ function Panel({ store, place }: WhyProps & { readonly place: "window" | "dock" 
   const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
-    <section class={`why why-${place}`} aria-label="Why this cell is what it is">
+    <section class="why" aria-label="Why this cell is what it is">
       <header class="why-head">
         <h2>Why?</h2>
         {cell && (

@@ -1,9 +1,8 @@
-import type { Store } from "../../store/store";
-import { Button } from "../../ui/Button";
-import { MapFiles } from "../../ui/MapFiles";
-import { Panel } from "../../ui/Panel";
-import { toast } from "../../ui/Toast";
-import { liveAddress, snapshotAddress } from "./session";
+import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
+import { MapFiles } from "../../../ui/MapFiles";
+import { toast } from "../../../ui/Toast";
+import { liveAddress, snapshotAddress } from "../session";
 
 async function copy(text: string, done: string): Promise<void> {
   try {
@@ -15,7 +14,7 @@ async function copy(text: string, done: string): Promise<void> {
 }
 
 /** Copy a link to a snapshot of the world and the view. */
-export async function share(id: string, store: Store): Promise<void> {
+async function share(id: string, store: Store): Promise<void> {
   try {
     const link = await snapshotAddress(id, store);
     await copy(link, "Link copied. It opens a copy of this world, map and settings.");
@@ -24,12 +23,14 @@ export async function share(id: string, store: Store): Promise<void> {
   }
 }
 
-/** Downloads of the map, and a link to the live session. */
-export function Downloads({ id }: { readonly id: string }) {
+/** Links to this world, and its map as files. */
+export function Downloads({ id, store }: { readonly id: string; readonly store: Store }) {
   return (
-    <Panel title="Download">
-      <div class="lab-downloads">
-        <MapFiles session={id} />
+    <div class="lab-share">
+      <div class="actions">
+        <Button icon="link" onClick={() => void share(id, store)}>
+          Share
+        </Button>
         <Button
           icon="link"
           onClick={() =>
@@ -42,11 +43,17 @@ export function Downloads({ id }: { readonly id: string }) {
           Live link
         </Button>
       </div>
-      <p class="panel-note">
-        pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.
-        png is an image of the map. Share makes a link to a copy of this world. Live link makes a link to this world
-        itself: others watch it and drive the robot.
+      <p class="quiet">
+        Share makes a link to a copy of this world. Live link makes a link to this world itself: others watch it and
+        drive the robot.
       </p>
-    </Panel>
+      <div class="actions">
+        <MapFiles session={id} />
+      </div>
+      <p class="quiet">
+        pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.
+        png is an image of the map.
+      </p>
+    </div>
   );
 }

@@ -1,0 +1,38 @@
+"""The findings on the sensors of one log, as findings on the log of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.joint_log import JointLog
+
+#: What to do with a value that only some of the sensors need.
+BY_ITSELF = "The parameters of a map are those of all its sensors: map this one by itself with such a value."
+
+
+def of_sensors(log: JointLog, found: Sequence[Sequence[Finding]]) -> list[Finding]:
+    """Return what was ``found`` of each of the log's parts, in their order, as findings on the log.
+
+    Each names its sensor, and its scans are those of ``log``. The parameters of a map are those of all its sensors, so
+    a finding keeps its own only where every sensor has a finding of the same check with parameters.
+    """
+    common = set.intersection(*({one.check for one in findings if one.parameters} for findings in found))
+    told = []
+    for number, findings in enumerate(found):
+        numbers = np.flatnonzero(log.part_of_scan == number)
+        for one in findings:
+            scans = tuple(int(numbers[scan]) for scan in one.scans)
+            own = replace(one, sensor=log.parts[number].topic, scans=scans)
+            if own.parameters and own.check not in common:
+                own = replace(own, parameters=None, advice=f"{own.advice} {BY_ITSELF}")
+            told.append(own)
+    return told
+
+
+def share_of(progress: Callable[[float], None] | None, number: int, of: int) -> Callable[[float], None] | None:
+    """Return what reports the progress of part ``number`` of ``of`` equal ones to ``progress``."""
+    return None if progress is None else lambda share: progress((number + share) / of)

@@ -1,0 +1,99 @@
+"""The scans of logs that a visitor may open: of one sensor or of several as one log, after the job that reads it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.sensors.joint_log import SEPARATOR, JointLog
+from mapper.sensors.scan import ScanLog
+from server.library.cache import LogCache
+from server.library.catalogue import Catalogue
+from server.library.jobs import Jobs, unstored
+from server.library.limits import DAY_S
+from server.library.log_pack import StalePackError
+from server.library.log_reader import Reader
+from server.library.records import Record
+from server.library.sample import Sample
+from server.library.scans import Scans
+
+MAX_TOGETHER = 32  #: sensors of one log that are mapped together
+SONAR = "sensor_msgs/Range"
+
+
+@dataclass(frozen=True, slots=True)
+class Loading:
+    """Loads logs; ``get`` returns the record of a log that a visitor may open, or raises."""
+
+    get: Callable[[str, str], Record]
+    catalogue: Catalogue
+    jobs: Jobs
+    reader: Reader
+    sample: Sample
+    scans: Scans
+    cache: LogCache
+
+    async def load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+        """Return one sensor of a log, or several as one log; see :meth:`Library.load`."""
+        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
+        names = [] if topic is None else topic.split(SEPARATOR)
+        if log is not None and topic is None and log.beam_width > 0.0:
+            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
+        if len(names) < 2 and log is not None:
+            return log
+        if len(names) > MAX_TOGETHER:
+            raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
+        key = f"{log_id}#{SEPARATOR.join(names)}"
+        kept = self.cache.get(key)
+        if kept is not None:
+            return kept
+        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
+        try:
+            joint = await asyncio.to_thread(JointLog.of, parts)
+        except ConfigError:
+            if log is None:
+                raise
+            return log  # the sonars' poses are in different frames: one of them by itself
+        self.cache.put(key, joint)
+        return joint
+
+    async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+        record = self.get(owner, log_id)
+        if record.source == "upload" and time.time() - record.used_s > DAY_S:
+            record = self.catalogue.mark_used(record)
+        if record.source == "sample":
+            return await self.sample.load()
+        if topic is not None:
+            record = await self._settled(owner, log_id)
+            if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
+                return await self.scans.of_sensor(record, topic)
+        kept = self.cache.get(log_id)
+        if kept is not None:
+            return kept
+        for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
+            record = await self._settled(owner, log_id)
+            try:
+                return await self.scans.packed(record)
+            except StalePackError:
+                self.jobs.queue(self.get(owner, log_id))
+        raise unstored()
+
+    def opening(self, log_id: str) -> tuple[str, float | None]:
+        """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
+        record = self.catalogue.get(log_id)
+        if record is not None and record.state == "reading":
+            return "Reading the log", self.reader.progress
+        if record is not None and record.state == "queued":
+            return "Waiting until other logs are read", None
+        return "Loading the log", None
+
+    async def _settled(self, owner: str, log_id: str) -> Record:
+        """Return the record of a log after the job that is under way; raise what the reader raised."""
+        await self.jobs.settled(log_id)
+        record = self.get(owner, log_id)
+        if record.error is not None:
+            raise ReadError(record.error.code, record.error.message)
+        return record

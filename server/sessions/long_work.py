@@ -1,0 +1,65 @@
+"""What a session computes for long: its progress is shown, and computations in the background wait for it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable
+
+from server.sessions.messages import working_message
+from server.stream.hub import Hub
+from server.work.scheduler import checkpoint, wait_without_turn
+
+SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
+SHOWN_EVERY_S = 0.25  #: at this interval
+#: What a background computation waits for long ones of its session, in all: it holds a thread.
+MAX_BACKGROUND_WAIT_S = 60.0
+
+
+class LongWork:
+    """The progress of a session's computations. ``fraction`` returns the share of the present one that is done."""
+
+    def __init__(self, hub: Hub, fraction: Callable[[], float | None], clock: Callable[[], float]) -> None:
+        self._hub, self._fraction, self._clock = hub, fraction, clock
+        self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
+        self._nothing_long.set()
+
+    def show(self) -> asyncio.Task[None]:
+        """Return a task that sends the progress, from :data:`SHOWN_AFTER_S` on, until it is cancelled."""
+        return asyncio.ensure_future(self._show())
+
+    async def _show(self) -> None:
+        began = self._clock()
+        await asyncio.sleep(SHOWN_AFTER_S)
+        try:
+            self._nothing_long.clear()
+            while True:
+                self._hub.set_slot(working_message(self._clock() - began, self._fraction()))
+                await asyncio.sleep(SHOWN_EVERY_S)
+        finally:
+            self._nothing_long.set()
+            self._hub.set_slot(working_message())
+
+    def close(self) -> None:
+        """Let computations in the background wait no more."""
+        self._nothing_long.set()
+
+    def in_background(self, is_open: Callable[[], bool]) -> Callable[[], bool]:
+        """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
+
+        It yields to other sessions, waits while this session computes something long, in all up to
+        :data:`MAX_BACKGROUND_WAIT_S`, and returns ``is_open()``.
+        """
+        left = MAX_BACKGROUND_WAIT_S
+
+        def waited() -> bool:
+            nonlocal left
+            checkpoint()
+            if left > 0.0 and not self._nothing_long.is_set():
+                began = time.monotonic()
+                wait_without_turn(self._nothing_long, left)
+                left -= time.monotonic() - began
+            return is_open()
+
+        return waited

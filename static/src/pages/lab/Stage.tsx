@@ -1,0 +1,65 @@
+/** The two maps of the lab: the true world, and what the robot believes. */
+
+import type { Picture } from "../../render/picture/Picture";
+import { CompareOverlay } from "../../tools/compare/CompareOverlay";
+import type { Comparison } from "../../tools/compare/comparison";
+import { secondMapNames } from "../../tools/compare/SecondMap";
+import { ToolHint } from "../../tools/editing/Toolbar";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { Plate } from "../../tools/picture/Plate";
+import { WorldView } from "../../tools/picture/WorldView";
+import { PlacingHint, RobotAnnouncement } from "../../tools/placing/Placing";
+import { Readout } from "../../tools/readout/Readout";
+import { Button } from "../../ui/Button";
+import "./stage.css";
+import type { Live } from "./session";
+
+interface StageProps {
+  readonly session: Live | null;
+  readonly comparison: Comparison | null;
+  /** Called with the picture of the map. */
+  readonly onPicture: (picture: Picture) => void;
+}
+
+export function Stage({ session, comparison, onPicture }: StageProps) {
+  const store = session?.store ?? null;
+  return (
+    <div class="lab-stage">
+      <Plate
+        title="The world"
+        note="ground truth"
+        actions={
+          <Button
+            kind="quiet"
+            icon="fit"
+            label="Show everything"
+            onClick={() => {
+              if (store) store.viewHeld.value = false;
+            }}
+          />
+        }
+        caption={
+          store && (
+            <>
+              <PlacingHint store={store} />
+              <ToolHint store={store} />
+              <RobotAnnouncement store={store} />
+            </>
+          )
+        }
+      >
+        {store && <WorldView store={store} />}
+      </Plate>
+      <Plate title="The belief" note="the map of the robot" caption={store ? <Readout store={store} /> : null}>
+        {store && comparison && (
+          <>
+            <BeliefView store={store} comparison={comparison} onPicture={onPicture} />
+            {store.compared.value && (
+              <CompareOverlay comparison={comparison} names={secondMapNames(store.compared.value)} refused={null} />
+            )}
+          </>
+        )}
+      </Plate>
+    </div>
+  );
+}

@@ -1,0 +1,135 @@
+/** The groups of the lab's dock. A new group is one entry of `GROUPS`. */
+
+import type { ComponentChildren } from "preact";
+import type { Store } from "../../store/store";
+import type { Comparison } from "../../tools/compare/comparison";
+import { changedOf } from "../../tools/parameters/parameters";
+import { ProfileText } from "../../tools/profile/Profile";
+import type { ProfileView } from "../../tools/profile/view";
+import { Steps } from "../../tools/steps/Steps";
+import { WhyGroup } from "../../tools/why/Why";
+import type { DockGroup } from "../../ui/Dock";
+import { lazy } from "../../ui/lazy";
+import { Downloads } from "./groups/Downloads";
+import { MapSettings, ModelSettings, SensorSettings } from "./groups/Settings";
+import { WorldGroup } from "./groups/World";
+
+const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
+const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
+const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
+
+/** What the groups show. */
+export interface LabView {
+  readonly store: Store;
+  readonly session: string;
+  readonly comparison: Comparison;
+  readonly profile: ProfileView;
+}
+
+interface Group {
+  readonly id: string;
+  readonly title: string;
+  /** What the group is for. */
+  readonly purpose: string;
+  readonly keeps?: boolean;
+  readonly isThere?: (view: LabView) => boolean;
+  readonly badge?: (view: LabView) => string | null;
+  readonly content: (view: LabView) => ComponentChildren;
+}
+
+/** The number of parameters of these groups of the table that were changed. */
+const changed =
+  (...groups: readonly string[]) =>
+  ({ store }: LabView): string | null => {
+    const rows = store.hello.value?.parameters.table.filter((row) => groups.includes(row.group)) ?? [];
+    const count = changedOf(rows, store.mapping.values.value);
+    return count > 0 ? String(count) : null;
+  };
+
+const GROUPS: readonly Group[] = [
+  {
+    id: "model",
+    title: "Model",
+    purpose: "How a reading becomes evidence",
+    badge: changed("model"),
+    content: ({ store }) => <ModelSettings store={store} />,
+  },
+  {
+    id: "map",
+    title: "Map",
+    purpose: "How evidence is added up, and the cells",
+    badge: changed("update", "map"),
+    content: ({ store }) => <MapSettings store={store} />,
+  },
+  {
+    id: "sensor",
+    title: "Sensor",
+    purpose: "The robot's sensor, and where the map takes it to be mounted",
+    badge: changed("mount"),
+    content: ({ store }) => <SensorSettings store={store} />,
+  },
+  {
+    id: "faults",
+    title: "Faults",
+    purpose: "What goes wrong, and what it looks like in the map",
+    badge: ({ store }) => (store.activeFaults.value.on.length > 0 ? String(store.activeFaults.value.on.length) : null),
+    content: ({ store, comparison }) => <Faults store={store} comparison={comparison} />,
+  },
+  {
+    id: "table",
+    title: "Moving table",
+    purpose: "How long something stays in the map after it was removed",
+    keeps: true,
+    content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
+  },
+  {
+    id: "why",
+    title: "Why",
+    purpose: "Which beams made a cell what it is",
+    content: ({ store }) => <WhyGroup store={store} />,
+  },
+  {
+    id: "steps",
+    title: "Steps",
+    purpose: "One scan cell by cell, with its numbers",
+    content: ({ store }) => <Steps store={store} />,
+  },
+  {
+    id: "formula",
+    title: "Formula",
+    purpose: "The curve in numbers and in words",
+    content: ({ profile }) => <ProfileText view={profile} />,
+  },
+  {
+    id: "world",
+    title: "World",
+    purpose: "Draw walls and furniture; speed and driving",
+    content: ({ store }) => <WorldGroup store={store} />,
+  },
+  {
+    id: "3d",
+    title: "3D",
+    purpose: "Map, robot and world in three dimensions",
+    content: ({ session }) => <Scene session={session} />,
+  },
+  {
+    id: "share",
+    title: "Share",
+    purpose: "Links, and the map as a file",
+    content: ({ store, session }) => <Downloads id={session} store={store} />,
+  },
+];
+
+/** The groups that this view has, for the dock. */
+export function groupsOf(view: LabView): readonly DockGroup[] {
+  return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(
+    ({ id, title, purpose, keeps, badge, content }) => ({
+      id,
+      title,
+      purpose,
+      keeps: keeps ?? false,
+      badge: badge?.(view) ?? null,
+      content: () => content(view),
+    }),
+  );
+}

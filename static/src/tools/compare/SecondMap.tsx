@@ -1,0 +1,66 @@
+/** The second map of a simulation's readings, in the picture of the first: its names, and how both are shown. */
+
+import { useEffect, useMemo } from "preact/hooks";
+import type { Store } from "../../store/store";
+import { Choice } from "../../ui/Choice";
+import type { Compared } from "../../wire/protocol";
+import { readable } from "../parameters/parameters";
+import { Comparison, type ViewMode } from "./comparison";
+import { Legend } from "./Legend";
+
+/** The comparison of a store's two maps. */
+export function useComparison(store: Store | null): Comparison | null {
+  const comparison = useMemo(() => store && new Comparison(store), [store]);
+  useEffect(() => comparison?.start(), [comparison]);
+  return comparison;
+}
+
+/** Labels of the second map, A, and of the map, B. */
+export function secondMapNames(compared: Compared): { readonly a: string; readonly b: string } {
+  if (!compared.with_faults) return { a: "correct", b: "as set" };
+  return compared.values.clamp === true
+    ? { a: "with the clamp", b: "without" }
+    : { a: "without the clamp", b: "with it" };
+}
+
+/** In what the correct map differs from the map, with the labels of the parameter panel. */
+function differenceText(store: Store, compared: Compared): string {
+  const table = store.hello.value?.parameters.table ?? [];
+  const parts = Object.entries(compared.values).map(([name, value]) => {
+    const row = table.find((one) => one.name === name);
+    const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
+    return `${row?.label ?? readable(name)} ${text}${row?.unit ? ` ${row.unit}` : ""}`;
+  });
+  return ["true poses", "all returns", ...parts].join(", ");
+}
+
+const MODES = [
+  { value: "swipe", label: "Swipe" },
+  { value: "blink", label: "Blink" },
+  { value: "difference", label: "Difference" },
+] satisfies { value: ViewMode; label: string }[];
+
+/** What the second map is, and how both are shown; nothing while there is one map. */
+export function SecondMapChoice({ store, comparison }: { readonly store: Store; readonly comparison: Comparison }) {
+  const compared = store.compared.value;
+  if (!compared) return null;
+  const mode = comparison.mode.value;
+  return (
+    <div class="second-map">
+      <p>
+        {compared.with_faults
+          ? "Of both maps in the belief only the clamp differs."
+          : `The correct map, A, is of the same readings: ${differenceText(store, compared)}.`}
+      </p>
+      <Choice
+        label="Both maps"
+        options={MODES}
+        value={mode}
+        onChange={(chosen) => {
+          comparison.mode.value = chosen as ViewMode;
+        }}
+      />
+      {mode === "difference" && <Legend comparison={comparison} />}
+    </div>
+  );
+}

@@ -1,0 +1,29 @@
+import { type ReadonlySignal, useSignal } from "@preact/signals";
+import type { RefObject } from "preact";
+import { useLayoutEffect } from "preact/hooks";
+
+interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The content size of an element in whole pixels, known before its first paint; `width` × 0 until it has one. */
+export function useSize(element: RefObject<Element | null>, width: number): ReadonlySignal<Size> {
+  const size = useSignal<Size>({ width, height: 0 });
+  useLayoutEffect(() => {
+    const target = element.current;
+    if (!target) return;
+    const take = (wide: number, high: number): void => {
+      const now = { width: Math.round(wide), height: Math.round(high) };
+      const before = size.peek();
+      if (now.width > 0 && (now.width !== before.width || now.height !== before.height)) size.value = now;
+    };
+    take(target.clientWidth, target.clientHeight);
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry) take(entry.contentRect.width, entry.contentRect.height);
+    });
+    observer.observe(target);
+    return () => observer.disconnect();
+  }, [element, size]);
+  return size;
+}
