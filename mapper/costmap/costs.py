@@ -40,9 +40,7 @@ def cost_of_distance(distance: float, inscribed_radius: float, cost_scaling_fact
     return int(MAX_NON_OBSTACLE * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))
 
 
-def cost_table(
-    cell_radius: int, resolution: float, inscribed_radius: float, cost_scaling_factor: float
-) -> UInt8Array:
+def cost_table(cell_radius: int, resolution: float, inscribed_radius: float, cost_scaling_factor: float) -> UInt8Array:
     """Return the costs (cell_radius² + 2,) uint8 of the squared distances 0, 1, 2, ... in cells.
 
     The last entry is the cost of everything farther away: 0.

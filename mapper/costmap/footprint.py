@@ -122,6 +122,6 @@ def _holds_origin(points: Float64Array) -> bool:
     for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
         if _turn(a, b, np.zeros(2)) == 0.0 and _on(a, b, np.zeros(2)):
             return True
-        if (a[1] > 0.0) != (b[1] > 0.0) and 0.0 < (b[0] - a[0]) * -a[1] / (b[1] - a[1]) + a[0]:
+        if (a[1] > 0.0) != (b[1] > 0.0) and (b[0] - a[0]) * -a[1] / (b[1] - a[1]) + a[0] > 0.0:
             inside = not inside
     return inside

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -100,9 +101,7 @@ def inflate(
             last_row, last_col = min(row + TILE_ROWS, box.row1), min(col + TILE_COLS, box.col1)
             old, new = costs[row:last_row, col:last_col], out[row:last_row, col:last_col]
             top, left = row - low_row, col - low_col
-            if near_blocks(
-                blocks, top - radius, top + TILE_ROWS + radius, left - radius, left + TILE_COLS + radius
-            ):
+            if near_blocks(blocks, top - radius, top + TILE_ROWS + radius, left - radius, left + TILE_COLS + radius):
                 part = distances[: last_row - row, : last_col - col]
                 tile_distances(near, around, radius, top, left, *_cut(columns, squares, part, radius), part)
                 write_costs(part, table, config.inflate_unknown, old, new)
@@ -135,11 +134,11 @@ def _cut(columns: np.ndarray, squares: np.ndarray, part: np.ndarray, radius: int
     return columns[: rows * cols].reshape(rows, cols), squares[:cols]
 
 
-def _over_tiles(fill, box: CellBox) -> None:  # type: ignore[no-untyped-def]
+def _over_tiles(fill: Callable[[list[tuple[int, int]]], None], box: CellBox) -> None:
     """Call ``fill`` with the corners (row, col) of the tiles of a box, in as many parts as there are cores."""
     tiles = list(product(range(box.row0, box.row1, TILE_ROWS), range(box.col0, box.col1, TILE_COLS)))
     n = min(cores(), len(tiles))
     if n <= 1:
         fill(tiles)
         return
-    in_parallel([lambda share=tiles[k::n]: fill(share) for k in range(n)])
+    in_parallel([partial(fill, tiles[k::n]) for k in range(n)])

@@ -107,7 +107,7 @@ DECAY_PARAMETERS: tuple[Parameter, ...] = (
     _enabled("dynamic"),
     *_OBSERVATIONS,
     *_COMBINED,
-    _number("lifetime", "Lifetime", "dynamic", 10.0, "Time after which an obstacle that is not seen again is forgotten.",
+    _number("lifetime", "Lifetime", "dynamic", 10.0, "After this time an obstacle that is not seen again is forgotten.",
             "s", (0.1, 3600.0, 0.1)),
 )  # fmt: skip
 

@@ -150,12 +150,12 @@ def combine(master: UInt8Array, layer: UInt8Array, method: str) -> UInt8Array:
     out = master.copy()
     for row, col in np.ndindex(*master.shape):
         old, new = int(master[row, col]), int(layer[row, col])
-        if method == "true_overwrite" or (new != NO_INFORMATION and method == "overwrite"):
-            out[row, col] = new
-        elif new == NO_INFORMATION:
-            continue
-        elif method == "max" and (old == NO_INFORMATION or old < new):
-            out[row, col] = new
-        elif method == "max_known" and old != NO_INFORMATION and old < new:
+        takes = {
+            "true_overwrite": True,
+            "overwrite": new != NO_INFORMATION,
+            "max": new != NO_INFORMATION and (old == NO_INFORMATION or old < new),
+            "max_known": NO_INFORMATION not in (old, new) and old < new,
+        }
+        if takes[method]:
             out[row, col] = new
     return out

@@ -145,9 +145,7 @@ def tile_distances(
 
 
 @jit
-def write_costs(
-    squared: Squares, table: UInt8Array, inflate_unknown: bool, costs: UInt8Array, out: UInt8Array
-) -> None:
+def write_costs(squared: Squares, table: UInt8Array, inflate_unknown: bool, costs: UInt8Array, out: UInt8Array) -> None:
     """Write the costs (rows, cols) of a tile: the greater of the old cost and that of the distance, as Nav2 does.
 
     ``squared`` (rows, cols) are squared distances in cells, ``table`` the cost of each. A cell without information

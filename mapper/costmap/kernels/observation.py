@@ -5,7 +5,7 @@ Numba twins of :func:`mapper.costmap.textbook.mark_and_clear` and :func:`mapper.
 
 from __future__ import annotations
 
-from math import floor, hypot
+from math import ceil, floor, hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -95,7 +95,7 @@ def clear_lines(
         elif v >= rows:
             share = min(share, (rows - o_v) / (v - o_v))
         u, v = o_u + share * (u - o_u), o_v + share * (v - o_v)
-        end_row, end_col = min(max(int(floor(v)), 0), rows - 1), min(max(int(floor(u)), 0), cols - 1)
+        end_row, end_col = min(max(floor(v), 0), rows - 1), min(max(floor(u), 0), cols - 1)
         _clear_line(row, col, end_row, end_col, least, most, value, out, box)
 
 
@@ -126,9 +126,9 @@ def mark_cells(
 def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Array) -> None:  # noqa: ANN401
     """Write ``value`` into the cells whose centres are in a polygon, (n, 2) lattice coordinates (u, v); any polygon."""
     rows, cols = out.shape
-    low, high = vertices[:, 1].min(), vertices[:, 1].max()
+    low, high = max(vertices[:, 1].min(), 0.0), min(vertices[:, 1].max(), float(rows))
     crossings = np.empty(vertices.shape[0])
-    for row in range(max(int(floor(low - 0.5)), 0), min(int(floor(high + 0.5)) + 1, rows)):
+    for row in range(floor(low), min(floor(high) + 1, rows)):
         v = row + 0.5
         n = 0
         for i in range(vertices.shape[0]):
@@ -140,8 +140,9 @@ def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Arra
                 n += 1
         ordered = np.sort(crossings[:n])
         for k in range(0, n - 1, 2):
-            first, last = int(np.ceil(ordered[k] - 0.5)), int(floor(ordered[k + 1] - 0.5))
-            for col in range(max(first, 0), min(last + 1, cols)):
+            first = ceil(min(max(ordered[k] - 0.5, 0.0), float(cols)))
+            last = floor(min(max(ordered[k + 1] - 0.5, -1.0), cols - 1.0))
+            for col in range(first, last + 1):
                 out[row, col] = value
                 _include(box, row, col)
 
