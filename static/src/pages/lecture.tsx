@@ -9,19 +9,31 @@ import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
+import { EndpointSection } from "./lecture/EndpointSection";
+import { DoubledSection, LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
+import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { LandmarksSection } from "./lecture/LandmarksSection";
+import { LectureStage } from "./lecture/LectureStage";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
+import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
+import { OdometrySection } from "./lecture/OdometrySection";
+import { PipelineSection } from "./lecture/PipelineSection";
+import { ProbableSection } from "./lecture/ProbableSection";
 import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
+import { ResolutionSection } from "./lecture/ResolutionSection";
 import { SectionList } from "./lecture/SectionList";
 import { SonarSection } from "./lecture/SonarSection";
+import { TableSection } from "./lecture/TableSection";
+import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
   readonly body: ComponentType<{ id: string; number: number; title: string }>;
@@ -29,19 +41,33 @@ interface Part extends Lesson {
 
 /** The body of each lesson, by its id. */
 const BODIES: Record<LessonId, Part["body"]> = {
+  landmarks: LandmarksSection,
   grid: GridSection,
   cell: CellSection,
   "log-odds": DigitsSection,
   model: ModelSection,
+  window: WindowSection,
+  endpoint: EndpointSection,
   rays: RaysSection,
+  table: TableSection,
   algorithm: AlgorithmSection,
+  pipeline: PipelineSection,
   sonar: SonarSection,
   "no-return": NoReturnSection,
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
+  resolution: ResolutionSection,
+  polished: PolishedSection,
+  people: PeopleSection,
+  "low-table": LowTableSection,
+  doubled: DoubledSection,
+  odometry: OdometrySection,
+  probable: ProbableSection,
   matching: MatchingSection,
+  graph: GraphSection,
   file: FileSection,
+  next: NextSection,
   log: LogSection,
 };
 const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
@@ -128,28 +154,31 @@ function Page() {
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
       {!presenting.value && <SectionList />}
-      <main class="lecture">
-        {!presenting.value && (
-          <div class="lecture-head">
-            <h1>Occupancy grid mapping</h1>
-            <p class="prose">
-              How a robot makes a map from measured distances: from a single cell to the map file that it navigates
-              with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
-              <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper of
-              this site; where a figure shows something else, the text says so.
-            </p>
-            <div class="actions no-print">
-              <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
-                Presentation mode
-              </Button>
-              <Button href="/lab.html">Open the lab</Button>
+      <div class={presenting.value ? "" : "lecture-with-stage"}>
+        {!presenting.value && <LectureStage />}
+        <main class="lecture" id="main" tabIndex={-1}>
+          {!presenting.value && (
+            <div class="lecture-head">
+              <h1>Occupancy grid mapping</h1>
+              <p class="prose">
+                How a robot makes a map from measured distances: from a single cell to the map file that it navigates
+                with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
+                <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper
+                of this site; where a figure shows something else, the text says so.
+              </p>
+              <div class="actions no-print">
+                <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
+                  Presentation mode
+                </Button>
+                <Button href="/lab.html">Open the lab</Button>
+              </div>
             </div>
-          </div>
-        )}
-        {PARTS.map(({ id, title, body: Body }, i) => (
-          <Body key={id} id={id} number={i + 1} title={title} />
-        ))}
-      </main>
+          )}
+          {PARTS.map(({ id, title, body: Body }, i) => (
+            <Body key={id} id={id} number={i + 1} title={title} />
+          ))}
+        </main>
+      </div>
     </>
   );
 }

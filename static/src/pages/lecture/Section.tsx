@@ -63,6 +63,7 @@ export function Section({ id, number, title, figure, children, after, sources }:
     <section
       class={`lesson${onSlide ? " on-slide" : ""}`}
       id={id}
+      data-scene={id}
       aria-labelledby={`${id}-title`}
       hidden={presenting.value && !onSlide}
     >

@@ -5,7 +5,7 @@ import { LESSONS } from "./lessons";
 import { sectionInSight } from "./present";
 import "./sectionList.css";
 
-/** The list of sections with the visible one marked: beside the lecture on wide screens, else a bar that unfolds. */
+/** The list of sections with the visible one marked, in a bar that unfolds. */
 export function SectionList() {
   const id = useId();
   const root = useRef<HTMLElement>(null);
