@@ -37,6 +37,17 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.costmap import (
+    costmap_cases,
+    inflated_by_kernel,
+    inflated_by_textbook,
+    interpreted_by_table,
+    interpreted_by_textbook,
+    laid_by_kernel,
+    laid_by_textbook,
+    observed_by_kernel,
+    observed_by_textbook,
+)
 from tests.agreement.inputs import (
     STEPS,
     CloudCase,
@@ -416,4 +427,8 @@ TABLE = (
     Row("block Cholesky", solved_by_kernel, solved_by_textbook, graph_cases(), 1e-6),
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
+    Row("costs of map values", interpreted_by_table, interpreted_by_textbook, costmap_cases()),
+    Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
+    Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
+    Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
 )
