@@ -106,14 +106,8 @@ def observed_by_kernel(case: CostmapCase) -> tuple[Any, ...]:
 def observed_by_textbook(case: CostmapCase) -> tuple[Any, ...]:
     m = case.marking
     marking = (m.obstacle_min_range, m.obstacle_max_range, m.min_obstacle_height, m.max_obstacle_height)
-    return textbook.mark_and_clear(
-        case.costs,
-        case.geometry,
-        case.sensor,
-        case.points,
-        (m.obstacle_min_range, m.obstacle_max_range, m.min_obstacle_height, m.max_obstacle_height),
-        case.ranges,
-    ), True
+    out = textbook.mark_and_clear(case.costs, case.geometry, case.sensor, case.points, marking, case.ranges)
+    return out, True
 
 
 def laid_by_kernel(case: CostmapCase) -> tuple[Any, ...]:
