@@ -37,6 +37,17 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.costmap import (
+    costmap_cases,
+    inflated_by_kernel,
+    inflated_by_textbook,
+    interpreted_by_table,
+    interpreted_by_textbook,
+    laid_by_kernel,
+    laid_by_textbook,
+    observed_by_kernel,
+    observed_by_textbook,
+)
 from tests.agreement.inputs import (
     STEPS,
     CloudCase,
@@ -446,4 +457,8 @@ TABLE = (
     Row("beam range finder model", beams_by_kernel, beams_by_textbook, localization_cases(), 1e-6),
     Row("low-variance resampling", resampled_by_kernel, resampled_by_textbook, localization_cases()),
     Row("clusters of particles", clusters_by_kernel, clusters_by_textbook, localization_cases(), 1e-6),
+    Row("costs of map values", interpreted_by_table, interpreted_by_textbook, costmap_cases()),
+    Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
+    Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
+    Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
 )
