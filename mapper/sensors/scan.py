@@ -175,8 +175,7 @@ class Topic:
 
     ``frame`` to ``mount`` are those of a range sensor, None of anything else: ``frame`` is the one that its scans are
     stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor whose scans
-    the log holds. ``first_stamp_ns`` and ``last_stamp_ns`` are when its first and its last message were recorded, and
-    ``bytes`` is the size of all its messages; None for formats that do not say it.
+    the log holds. When its messages were recorded and how large they are, :mod:`mapper.io.contents` finds out.
     """
 
     name: str
@@ -188,9 +187,6 @@ class Topic:
     rate_hz: float | None = None
     mount: tuple[float, float, float] | None = None
     chosen: bool = False
-    first_stamp_ns: int | None = None
-    last_stamp_ns: int | None = None
-    bytes: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
