@@ -138,7 +138,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",
   },
   table: {
-    question: "Table 9.1 visits every cell of the map for each scan. Which of them does it change?",
+    question: "Table 9.1 visits every cell for each scan. Which of them does it change?",
     options: ["All of them", "Those in the perceptual field", "Those that were hit"],
     right: 1,
     answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
