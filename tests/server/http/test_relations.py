@@ -68,4 +68,5 @@ def test_what_is_no_file_of_relations_is_said(service: Service) -> None:
         guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
         assert guest.put(f"/api/sessions/{guests}/relations", content=b"").status_code in (403, 404)
     simulated = service.begin(kind="simulation", playing=False)
-    assert service.http.put(f"/api/sessions/{simulated}/relations", content=b"").status_code == 422
+    answer = service.http.put(f"/api/sessions/{simulated}/relations", content=b"")
+    assert answer.json()["code"] == "session.not_a_log"

@@ -2,7 +2,6 @@
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
-import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
 import { Legend } from "../../../tools/compare/Legend";
